@@ -1,0 +1,156 @@
+#include "firmware/lamp/shot_scheduler.hpp"
+
+namespace lamplock::lamp {
+
+void BeatLedger::reset() { *this = BeatLedger{}; }
+
+void BeatLedger::count(BeatReason reason, std::uint32_t beats) {
+  if (reason != BeatReason::fired) {
+    if (shots_ == 0) {
+      beats_before_ += beats;
+      return;
+    }
+    pending_beats_ += beats;
+    pending_[static_cast<std::size_t>(reason)] += beats;
+    return;
+  }
+  shots_ += beats;
+  beats_ += pending_beats_ + beats;
+  pending_beats_ = 0;
+  total_[static_cast<std::size_t>(BeatReason::fired)] += beats;
+  for (std::size_t i = 0; i < total_.size(); ++i) {
+    total_[i] += pending_[i];
+    pending_[i] = 0;
+  }
+}
+
+void ShotScheduler::begin_job() {
+  end_ = begin_;
+  outcome_end_ = outcome_begin_;
+  blocked_ = token_out_ = false;
+  expired_beat_ = ~std::uint64_t{0};
+  ledger_.reset();
+}
+
+bool ShotScheduler::commit(const motion::Segment& s, std::uint64_t first_beat,
+                           std::uint64_t last_beat) {
+  if (free() == 0) return false;
+  Plan& p = at(end_);
+  p = Plan{};
+  p.first_beat = first_beat;
+  p.last_beat = last_beat;
+  p.reason = s.reason;
+  p.ends_point = s.ends_point;
+  p.point = s.point;
+  p.shot = s.shot.present;
+  p.half_window_ticks = s.shot.half_window_ticks;
+  p.channel = s.shot.channel;
+  p.energy = s.shot.energy;
+  end_ = end_ + 1;
+  return true;
+}
+
+void ShotScheduler::cancel_after(std::uint64_t beat) {
+  while (end_ != begin_ && at(end_ - 1).last_beat > beat) end_ = end_ - 1;
+}
+
+void ShotScheduler::restart(BeatReason reason) {
+  for (std::uint32_t i = begin_; i != end_; ++i) {
+    at(i).shot = at(i).ends_point = false;
+    at(i).reason = reason;
+  }
+  blocked_ = false;
+}
+
+bool ShotScheduler::outcome(PointOutcome& out) {
+  if (outcome_begin_ == outcome_end_) return false;
+  out = outcomes_[outcome_begin_ % capacity];
+  outcome_begin_ = outcome_begin_ + 1;
+  return true;
+}
+
+void ShotScheduler::report(std::uint32_t point, Outcome outcome) {
+  outcomes_[outcome_end_ % capacity] = {point, outcome};
+  outcome_end_ = outcome_end_ + 1;
+  if (outcome == Outcome::missed) blocked_ = true;
+}
+
+void ShotScheduler::pass(const Plan& plan, bool fired) {
+  if (plan.shot) {
+    report(plan.point, fired ? Outcome::fired : Outcome::missed);
+  } else {
+    if (fired) ++stray_shots_;
+    if (plan.ends_point) report(plan.point, Outcome::passed);
+  }
+}
+
+bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock) {
+  if (!permitted_ || blocked_ || token_out_) return false;
+  for (std::uint32_t i = begin_; i != end_; ++i) {
+    Plan& p = at(i);
+    if (!p.shot || p.issued) continue;
+    const std::uint64_t tick = clock.tick_of_beat(p.last_beat);
+    // Too late to be loaded in time: the beat passes, edge() reports the miss.
+    if (tick + p.half_window_ticks <= clock.next_tick() && clock.next_tick() > tick) return false;
+    p.issued = true;
+    token_out_ = true;
+    token_beat_ = p.last_beat;
+    token = {p.last_beat, tick - clock.beat_ticks() / 2, tick + p.half_window_ticks, p.channel,
+             p.energy};
+    return true;
+  }
+  return false;
+}
+
+void ShotScheduler::token_expired() {
+  if (!token_out_) return;
+  token_out_ = false;
+  expired_beat_ = token_beat_;
+  for (std::uint32_t i = begin_; i != end_; ++i) {
+    Plan& p = at(i);
+    if (!p.shot || p.last_beat != token_beat_) continue;
+    p.shot = p.ends_point = false;
+    report(p.point, Outcome::missed);
+  }
+}
+
+BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
+  // Beats that passed without an edge: a shot that was due there is missed.
+  while (begin_ != end_ && at(begin_).last_beat < beat) {
+    pass(at(begin_), false);
+    begin_ = begin_ + 1;
+  }
+  if (token_out_ && token_beat_ <= beat) token_out_ = false;
+  if (begin_ == end_ || at(begin_).first_beat > beat) {
+    if (fired) ++stray_shots_;
+    return fired                                 ? BeatReason::fired
+           : permitted_ && beat == expired_beat_ ? BeatReason::outside_tolerance
+                                                 : idle_reason_;
+  }
+  const Plan& p = at(begin_);
+  if (p.last_beat != beat) return permitted_ ? p.reason : idle_reason_;
+  begin_ = begin_ + 1;
+  const bool was_blocked = blocked_;
+  pass(p, fired);
+  if (fired) return BeatReason::fired;
+  if (!permitted_) return idle_reason_;
+  if (p.issued) return BeatReason::outside_tolerance;
+  if (was_blocked) return BeatReason::returning;
+  return p.reason == BeatReason::moving ? BeatReason::no_point_due : p.reason;
+}
+
+void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent) {
+  if (info.valid) {
+    if (info.missed != 0) ledger_.count(BeatReason::no_edge, info.missed);
+    ledger_.count(judge(info.beat, fired), 1);
+  } else if (fired) {
+    // The lattice was right and the beat clock was not: the shot is a fact.
+    ledger_.count(judge(token_beat_, true), 1);
+  } else if (token_spent && token_out_) {
+    token_out_ = false;
+    for (std::uint32_t i = begin_; i != end_; ++i)
+      if (at(i).shot && at(i).last_beat == token_beat_) at(i).issued = false;
+  }
+}
+
+}  // namespace lamplock::lamp

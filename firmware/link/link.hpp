@@ -1,0 +1,281 @@
+// The firmware's end of the wire: bytes in, commands out to the machine, answers back
+// (docs/wire-format.md).
+//
+// In:  received bytes in pieces of any size (`receive`), and the machine through the `LinkSink`
+//      concept: what arrived is handed to it at once, in order.
+// Out: bytes to send (`transmit`): text of the machine (`send_text`) and STATUS/REFUSED frames.
+// Who: the controller owns one Link; the board hands it bytes and takes bytes through the
+//      controller. All of it at main-loop level; estimated, not measured: 50 cycles a byte.
+//
+// Guarantees: DATA reaches the machine once each and in order, whatever the wire does; a line or a
+// frame that is not whole never reaches it; an answer is sent whole or later, never half; real-time
+// bytes are seen wherever they stand.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/link/transmit_ring.hpp"
+#include "shared/result.hpp"
+#include "shared/wire/framing.hpp"
+#include "shared/wire/job_header.hpp"
+#include "shared/wire/messages.hpp"
+#include "shared/wire/status.hpp"
+
+namespace lamplock::link {
+
+/// What the link needs of the machine.
+///   on_realtime(byte)       any of the real-time list; unknown ones are to be ignored
+///   on_line(text)           a line without its end, blank ones too; wants exactly one answer
+///   on_line_too_long()      a line that was too long or spoilt; wants an error as answer
+///   on_begin(header)        a new session: everything of the last job is void
+///   on_data(records)        the next records: all of them are taken, or none
+///                           (Result::no_space: not yet; any other result: never)
+///   on_end(total)           the last point has been sent; `total` as in the header
+///   on_command(command)     hold, resume or stop of the host's user
+///   refused_value()         after a result other than ok: setting number or index of the point
+///   fill_status(status)     everything in Status that the link does not know itself
+template <class Sink>
+concept LinkSink = requires(Sink& sink, const Sink& reader, std::uint8_t byte,
+                            std::string_view line, const wire::JobHeader& header,
+                            std::span<const std::uint8_t> records, std::uint32_t total,
+                            wire::Command command, wire::Status& status) {
+  sink.on_realtime(byte);
+  sink.on_line(line);
+  sink.on_line_too_long();
+  { sink.on_begin(header) } -> std::same_as<Result>;
+  { sink.on_data(records) } -> std::same_as<Result>;
+  { sink.on_end(total) } -> std::same_as<Result>;
+  { sink.on_command(command) } -> std::same_as<Result>;
+  { reader.refused_value() } -> std::convertible_to<std::uint32_t>;
+  reader.fill_status(status);
+};
+
+/// STATUS comes by itself when this many points have become free since the last one.
+inline constexpr std::uint32_t free_points_step = 128;
+
+/// Receiver, sessions, acknowledgements, transmit ring.
+class Link {
+ public:
+  /// Takes received bytes and hands what they mean to the machine.
+  template <LinkSink Sink>
+  void receive(std::span<const std::uint8_t> bytes, Sink& sink) {
+    Events<Sink> events{*this, sink};
+    for (const std::uint8_t byte : bytes) parser_.push(byte, events);
+    if (status_due_) send_status(sink);
+  }
+
+  /// Sends a STATUS that is due: one that did not fit before, or because space has become free or
+  /// the machine's state has changed. To be called about once a millisecond or more often.
+  template <LinkSink Sink>
+  void poll(Sink& sink) {
+    if (frames_spoken_ && !status_due_) {
+      wire::Status now;
+      sink.fill_status(now);
+      status_due_ = now.free_points >= sent_.free_points + free_points_step ||
+                    now.state != sent_.state || now.hold_reason != sent_.hold_reason ||
+                    now.alarm != sent_.alarm || now.lamp_locked != sent_.lamp_locked;
+    }
+    if (status_due_) send_status(sink);
+  }
+
+  /// Takes bytes to send; returns how many were written to `out`.
+  std::size_t transmit(std::span<std::uint8_t> out) { return ring_.pop(out); }
+  /// Bytes waiting to be sent.
+  std::size_t transmit_size() const { return ring_.size(); }
+
+  /// Queues text, which may be a piece of a line: no frame comes between the pieces. False, and
+  /// counted, if it does not fit whole.
+  bool send_text(std::string_view text) {
+    if (text.empty()) return true;
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
+    if (!queue({bytes, text.size()})) return false;
+    line_open_ = text.back() != '\n';
+    return true;
+  }
+
+  /// Tells the host that a point taken earlier cannot be done after all.
+  void refuse_point(Result result, std::uint32_t point) {
+    refuse({wire::FrameType::data, session_, 0}, result, point);
+  }
+
+  /// Session of the last job begun; 0 = none.
+  std::uint32_t session() const { return session_; }
+  /// Forgets the job: its frames are refused from now on, and the host learns that it is lost.
+  void forget_session() { session_ = 0; }
+  const wire::LinkCounters& counters() const { return counters_; }
+
+ private:
+  /// Hands the parser's findings on.
+  template <class Sink>
+  struct Events {
+    Link& link;
+    Sink& sink;
+    void on_realtime(std::uint8_t byte) { sink.on_realtime(byte); }
+    void on_frame(std::span<const std::uint8_t> content) { link.handle_frame(content, sink); }
+    void on_bad_frame() { ++link.counters_.bad_frames; }
+    void on_line(std::string_view line) {
+      link.frames_spoken_ = false;
+      sink.on_line(line);
+    }
+    void on_lost_line() {
+      ++link.counters_.lost_lines;
+      sink.on_line_too_long();
+    }
+  };
+
+  template <class Sink>
+  void handle_frame(std::span<const std::uint8_t> content, Sink& sink) {
+    wire::ByteReader in(content);
+    const wire::FrameHeader header = wire::read_header(in);
+    if (!in.ok()) {
+      ++counters_.bad_frames;
+      return;
+    }
+    frames_spoken_ = true;
+    status_due_ = true;
+    switch (header.type) {
+      case wire::FrameType::query:
+        echo_ = header.number;
+        break;
+      case wire::FrameType::begin:
+        handle_begin(header, in.rest(), sink);
+        break;
+      case wire::FrameType::data:
+      case wire::FrameType::end:
+        handle_numbered(header, in.rest(), sink);
+        break;
+      case wire::FrameType::command:
+        handle_command(header, in.rest(), sink);
+        break;
+      default:
+        refuse(header, Result::bad_frame, 0);
+    }
+  }
+
+  template <class Sink>
+  void handle_begin(const wire::FrameHeader& frame, std::span<const std::uint8_t> payload,
+                    Sink& sink) {
+    if (frame.session == session_ && session_ != 0) return;
+    wire::JobHeader header;
+    header.session = frame.session;
+    Result result = wire::read_job_header(payload, header);
+    if (result == Result::ok && frame.session == 0) result = Result::bad_value;
+    if (result != Result::ok) return refuse(frame, result, 0);
+    result = sink.on_begin(header);
+    if (result != Result::ok) return refuse(frame, result, sink.refused_value());
+    session_ = frame.session;
+    next_number_ = first_number;
+    last_command_ = 0;
+  }
+
+  /// DATA and END: only the next one is taken.
+  template <class Sink>
+  void handle_numbered(const wire::FrameHeader& frame, std::span<const std::uint8_t> payload,
+                       Sink& sink) {
+    if (frame.session != session_ || session_ == 0 || frame.number > next_number_) {
+      ++counters_.out_of_order;
+      return;
+    }
+    if (frame.number < next_number_) {
+      ++counters_.duplicates;
+      return;
+    }
+    const Result result =
+        frame.type == wire::FrameType::data ? sink.on_data(payload) : end_job(payload, sink);
+    if (result == Result::ok) {
+      ++next_number_;
+    } else if (result == Result::no_space) {
+      ++counters_.out_of_order;
+    } else {
+      refuse(frame, result, sink.refused_value());
+    }
+  }
+
+  template <class Sink>
+  static Result end_job(std::span<const std::uint8_t> payload, Sink& sink) {
+    wire::ByteReader in(payload);
+    const auto total = in.take<std::uint32_t>();
+    return in.exhausted() ? sink.on_end(total) : Result::bad_frame;
+  }
+
+  template <class Sink>
+  void handle_command(const wire::FrameHeader& frame, std::span<const std::uint8_t> payload,
+                      Sink& sink) {
+    if (frame.session != session_ || session_ == 0) return refuse(frame, Result::no_job, 0);
+    if (frame.number <= last_command_) return;
+    wire::ByteReader in(payload);
+    const auto command = static_cast<wire::Command>(in.take<std::uint8_t>());
+    if (!in.exhausted() || command < wire::Command::hold || command > wire::Command::stop)
+      return refuse(frame, Result::bad_frame, 0);
+    last_command_ = frame.number;
+    const Result result = sink.on_command(command);
+    if (result != Result::ok) refuse(frame, result, sink.refused_value());
+  }
+
+  /// Says that a frame cannot be obeyed. If it does not fit now, the host will ask again.
+  void refuse(const wire::FrameHeader& frame, Result result, std::uint32_t value) {
+    std::array<std::uint8_t, wire::frame_header_size + wire::refused_size> content;
+    wire::ByteWriter out(content);
+    wire::write_header(out, {wire::FrameType::refused, session_, frame.number});
+    wire::write_refused(out, {frame.type, result, value});
+    send_frame(out.written());
+  }
+
+  template <class Sink>
+  void send_status(Sink& sink) {
+    if (line_open_ || ring_.room() < max_answer) return;
+    wire::Status status;
+    sink.fill_status(status);
+    status.session = session_;
+    status.number = status_number_ + 1;
+    status.next_number = next_number_;
+    status.echo = echo_;
+    status.last_command = last_command_;
+    status.link = counters_;
+    std::array<std::uint8_t, wire::frame_header_size + wire::status_size> content;
+    wire::ByteWriter out(content);
+    wire::write_header(out, {wire::FrameType::status, session_, status.number});
+    wire::write_status(out, status);
+    send_frame(out.written());
+    status_due_ = false;
+    ++status_number_;
+    sent_ = status;
+  }
+
+  void send_frame(std::span<const std::uint8_t> content) {
+    std::array<std::uint8_t, max_answer> frame;
+    const std::size_t size = wire::encode_frame(content, frame);
+    if (!line_open_) queue(std::span<const std::uint8_t>(frame).first(size));
+  }
+
+  bool queue(std::span<const std::uint8_t> bytes) {
+    if (ring_.push(bytes)) return true;
+    ++counters_.transmit_overflows;
+    return false;
+  }
+
+  static constexpr std::uint32_t first_number = 1;
+  /// Longest frame of ours, every byte escaped.
+  static constexpr std::size_t max_answer =
+      2 * (wire::frame_header_size + wire::status_size + wire::crc_size) + 2;
+
+  wire::StreamParser<wire::End::device> parser_;
+  TransmitRing ring_;
+  wire::LinkCounters counters_;
+  wire::Status sent_;  ///< last STATUS sent
+  std::uint32_t session_ = 0;
+  std::uint32_t next_number_ = first_number;
+  std::uint32_t last_command_ = 0;
+  std::uint32_t echo_ = 0;
+  std::uint32_t status_number_ = 0;
+  bool frames_spoken_ = false;  ///< the last thing the host said was a frame
+  bool status_due_ = false;
+  bool line_open_ = false;  ///< the text sent last has not ended its line
+};
+
+}  // namespace lamplock::link

@@ -1,0 +1,377 @@
+#include "firmware/machine/controller.hpp"
+
+#include "firmware/machine/text.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using settings::Id;
+using wire::HoldReason;
+using wire::MachineState;
+
+// Alarm numbers of grbl 1.1; 10 as grblHAL has it.
+constexpr std::uint8_t alarm_hard_limit = 1;
+constexpr std::uint8_t alarm_reset_in_motion = 3;
+constexpr std::uint8_t alarm_estop = 10;
+// Error numbers of grbl 1.1.
+constexpr int error_unknown_command = 3;
+constexpr int error_locked = 9;
+constexpr int error_line_too_long = 11;
+constexpr int error_unsupported = 20;
+// Real-time bytes of grbl 1.1.
+constexpr std::uint8_t byte_reset = 0x18;
+constexpr std::uint8_t byte_door = 0x84;
+
+/// The lamp trigger is high for this long: well above the 2 us a lamp may ask for.
+constexpr std::uint32_t trigger_ticks = 20;
+
+constexpr std::string_view version_line = "[VER:1.1h.20261121:lamplock]\r\n";
+constexpr std::string_view state_names[] = {"Idle", "Run", "Hold:0", "Alarm", "Door:1", "Alarm"};
+
+}  // namespace
+
+Controller::Controller(const settings::Values& stored)
+    : stored_(stored), values_(stored), runner_(clock_, shots_) {
+  use_settings(stored);
+  shots_.permit(false, BeatReason::no_point_due);
+  send_banner();
+}
+
+void Controller::use_settings(const settings::Values& values) {
+  values_ = values;
+  work_space_ = work_space(values);
+  clock_.configure(values);
+  set_trigger();
+}
+
+FireTiming Controller::fire_timing() const {
+  const auto clocks = [this](Id id) {
+    return static_cast<std::uint32_t>(std::int64_t{values_.milli(id)} * clocks_per_us / 1000);
+  };
+  return {clocks(Id::q_switch_delay), clocks(Id::q_switch_width),
+          clock_.mode() == settings::LampMode::free_beat};
+}
+
+void Controller::set_trigger() {
+  const FireTiming timing = fire_timing();
+  // The shot is decided earlier than it is fired: the arm window moves by the difference.
+  const std::uint32_t lead = timing.delay_clocks - fire_decision_clocks;
+  runner_.generator().set_arm_lead((lead + clocks_per_tick / 2) / clocks_per_tick);
+  stepper::TriggerPattern trigger;
+  if (clock_.mode() != settings::LampMode::slave) {
+    trigger.period_ticks = clock_.beat_ticks();
+    trigger.lead_ticks = (timing.delay_clocks + clocks_per_tick / 2) / clocks_per_tick;
+    trigger.width_ticks = trigger_ticks;
+    const std::uint64_t head = runner_.generator().state().tick + trigger.lead_ticks;
+    trigger.first_tick = clock_.tick_of_beat(clock_.beat_at_or_after(head)) - trigger.lead_ticks;
+  }
+  runner_.generator().set_trigger(trigger);
+}
+
+void Controller::receive(std::span<const std::uint8_t> bytes) {
+  byte_seen_ = byte_seen_ || !bytes.empty();
+  link_.receive(bytes, *this);
+}
+
+void Controller::poll(std::uint64_t clock) {
+  now_ = clock;
+  if (byte_seen_) {
+    byte_seen_ = false;
+    last_byte_ = clock;
+  }
+  check_dead_man();
+  if (runner_.underrun() && state_ != MachineState::alarm)
+    raise_alarm(alarm_reset_in_motion, MachineState::alarm);
+  const bool go = ready_to_move();
+  if (moving_ && !go) runner_.brake();
+  moving_ = go;
+  shots_.permit(go && !dry_, idle_reason());
+  if (job_ && runner_.poll(values_, go) != Result::ok) {
+    link_.refuse_point(Result::unreachable, runner_.failed_point());
+    stop();
+  }
+  if (state_ == MachineState::run && job_ && runner_.complete() && runner_.at_rest())
+    state_ = MachineState::idle;
+  link_.poll(*this);
+}
+
+bool Controller::ready_to_move() const {
+  if (state_ != MachineState::run || !job_) return false;
+  if (clock_.edges() < static_cast<std::uint32_t>(values_.whole(Id::lamp_warm_up))) return false;
+  return moving_ ? clock_.locked() : clock_.settled();
+}
+
+BeatReason Controller::idle_reason() const {
+  switch (state_) {
+    case MachineState::alarm:
+    case MachineState::estop:
+      return BeatReason::alarm;
+    case MachineState::door:
+      return BeatReason::door;
+    case MachineState::hold:
+      return BeatReason::hold;
+    default:
+      break;
+  }
+  if (!clock_.locked()) return BeatReason::not_locked;
+  if (clock_.edges() < static_cast<std::uint32_t>(values_.whole(Id::lamp_warm_up)))
+    return BeatReason::warm_up;
+  if (dry_) return BeatReason::dry;
+  return runner_.starving() ? BeatReason::starved : BeatReason::no_point_due;
+}
+
+void Controller::check_dead_man() {
+  const std::int32_t milli_ms = values_.milli(Id::dead_man);
+  if (milli_ms == 0 || state_ != MachineState::run) return;
+  const std::uint64_t limit = static_cast<std::uint64_t>(milli_ms) * clocks_per_us;
+  if (now_ - last_byte_ > limit) hold(HoldReason::dead_man);
+}
+
+void Controller::input_changed(Input input, bool active) {
+  switch (input) {
+    case Input::estop:
+      estop_ = active;
+      if (active)
+        raise_alarm(alarm_estop, MachineState::estop);
+      else if (state_ == MachineState::estop)
+        state_ = MachineState::alarm;
+      break;
+    case Input::door:
+      door_open_ = active;
+      if (active && (state_ == MachineState::run || state_ == MachineState::hold)) {
+        state_ = MachineState::door;
+        hold_reason_ = HoldReason::none;
+        if (moving_) runner_.brake();
+        moving_ = false;
+        shots_.permit(false, BeatReason::door);
+      } else if (!active && state_ == MachineState::door) {
+        state_ = MachineState::hold;  // a closed door waits for somebody to say go on
+        hold_reason_ = HoldReason::host;
+      }
+      break;
+    default:
+      if (active && values_.whole(Id::hard_limits) != 0)
+        raise_alarm(alarm_hard_limit, MachineState::alarm);
+      break;
+  }
+}
+
+void Controller::stopped_at(const StepPosition& steps) {
+  runner_.halt();
+  runner_.generator().set_position(steps);
+}
+
+void Controller::raise_alarm(std::uint8_t number, MachineState state) {
+  shots_.permit(false, BeatReason::alarm);
+  runner_.halt();
+  moving_ = false;
+  state_ = state;
+  alarm_ = number;
+  hold_reason_ = HoldReason::none;
+  TextLine line;
+  line.add("ALARM:").add(std::int64_t{number}).add("\r\n");
+  link_.send_text(line.view());
+}
+
+void Controller::unlock() {
+  if (state_ != MachineState::alarm) return;
+  // The position is not what it was: the job cannot simply go on.
+  stop();
+  state_ = MachineState::idle;
+  alarm_ = 0;
+}
+
+void Controller::hold(HoldReason reason) {
+  // The host's own hold outranks one that a stray byte or its silence has caused.
+  if (state_ == MachineState::hold && reason == HoldReason::host) hold_reason_ = reason;
+  if (state_ != MachineState::run) return;
+  shots_.permit(false, BeatReason::hold);
+  if (moving_) runner_.brake();
+  moving_ = false;
+  state_ = MachineState::hold;
+  hold_reason_ = reason;
+}
+
+void Controller::resume() {
+  if (state_ != MachineState::hold || door_open_) return;
+  state_ = MachineState::run;
+  hold_reason_ = HoldReason::none;
+  last_byte_ = now_;
+}
+
+void Controller::stop() {
+  shots_.permit(false, BeatReason::no_point_due);
+  if (moving_) runner_.brake();
+  moving_ = false;
+  job_ = false;
+  if (state_ == MachineState::run || state_ == MachineState::hold || state_ == MachineState::door)
+    state_ = MachineState::idle;
+  hold_reason_ = HoldReason::none;
+  link_.forget_session();
+}
+
+Result Controller::job_settings(const wire::JobHeader& header, settings::Values& values) {
+  values = stored_;
+  for (const wire::Override& item : header.used_overrides()) {
+    refused_value_ = item.number;
+    const Id id = settings::find_number(item.number);
+    if (id == Id::count) return Result::bad_value;
+    // The firmware's settings are the truth for limits: a job may only ask for less.
+    const bool limit = id >= Id::max_rate_x && id <= Id::travel_a;
+    if (limit && item.value_milli > stored_.milli(id)) return Result::bad_value;
+    if (!values.set_milli(id, item.value_milli)) return Result::bad_value;
+  }
+  refused_value_ = 0;
+  if (header.settings_hash != 0 && header.settings_hash != values.hash())
+    return Result::settings_mismatch;
+  if (header.axes != values.whole(Id::axes)) {
+    refused_value_ = settings::row(Id::axes).number;
+    return Result::bad_value;
+  }
+  motion::Limits limits;
+  std::uint16_t setting = 0;
+  const Result r = motion::make_limits(values, motion::beat_ticks(values), motion::full_tick_q16,
+                                       limits, setting);
+  refused_value_ = setting;
+  return r;
+}
+
+Result Controller::on_begin(const wire::JobHeader& header) {
+  refused_value_ = 0;
+  if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  if (door_open_) return Result::door_open;
+  if (!runner_.at_rest() || state_ == MachineState::run) return Result::busy;
+  if (static_cast<motion::JoinMode>(header.mode) == motion::JoinMode::path)
+    return Result::unsupported;
+  settings::Values values;
+  if (const Result r = job_settings(header, values); r != Result::ok) return r;
+  if (!(values == values_)) use_settings(values);
+  RunOptions options;
+  options.mode = static_cast<motion::JoinMode>(header.mode);
+  options.dry = dry_ = header.dry;
+  options.points_total = points_total_ = header.points_total;
+  const std::int64_t rate = values.milli(Id::max_shot_rate);
+  options.least_beats =
+      static_cast<std::int32_t>((values.milli(Id::lamp_frequency) + rate - 1) / rate);
+  runner_.begin(options, values, header.first_index);
+  decoder_.begin(header);
+  shots_.begin_job();
+  job_ = true;
+  state_ = MachineState::run;
+  hold_reason_ = HoldReason::none;
+  last_byte_ = now_;
+  return Result::ok;
+}
+
+Result Controller::on_data(std::span<const std::uint8_t> records) {
+  if (!job_) return Result::no_job;
+  const Result r = decoder_.decode(records, runner_.queue(), work_space_);
+  refused_value_ = decoder_.refused_index();
+  return r;
+}
+
+Result Controller::on_end(std::uint32_t total) {
+  if (!job_) return Result::no_job;
+  return total == points_total_ && runner_.queue().end() == total ? Result::ok : Result::bad_value;
+}
+
+Result Controller::on_command(wire::Command command) {
+  if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  switch (command) {
+    case wire::Command::hold:
+      hold(HoldReason::host);
+      break;
+    case wire::Command::resume:
+      if (door_open_) return Result::door_open;
+      resume();
+      break;
+    case wire::Command::stop:
+      stop();
+      break;
+  }
+  return Result::ok;
+}
+
+void Controller::on_realtime(std::uint8_t byte) {
+  switch (byte) {
+    case '?':
+      send_status_line();
+      break;
+    case '!':
+      hold(HoldReason::realtime);
+      break;
+    case '~':
+      // One flipped bit must not end a hold that the host has asked for by a frame.
+      if (hold_reason_ != HoldReason::host) resume();
+      break;
+    case byte_door:
+      hold(HoldReason::realtime);
+      break;
+    case byte_reset:
+      // In a job it may be one flipped bit: nothing is lost but time. Else it is a reset.
+      if (job_ && state_ == MachineState::run)
+        hold(HoldReason::reset);
+      else if (!job_)
+        send_banner();
+      break;
+    default:
+      break;
+  }
+}
+
+void Controller::on_line(std::string_view line) {
+  TextLine answer;
+  if (line.empty()) {
+    answer.add("ok\r\n");
+  } else if (line == "$I") {
+    link_.send_text(version_line);
+    answer.add("[OPT:V,").add(std::int64_t{motion::PointQueue::capacity}).add(",1024]\r\nok\r\n");
+  } else if (line == "$X") {
+    unlock();
+    answer.add("ok\r\n");
+  } else if (line.front() == '$') {
+    answer.add("error:").add(std::int64_t{error_unknown_command}).add("\r\n");
+  } else {
+    const int error = state_ == MachineState::alarm ? error_locked : error_unsupported;
+    answer.add("error:").add(std::int64_t{error}).add("\r\n");
+  }
+  link_.send_text(answer.view());
+}
+
+void Controller::on_line_too_long() {
+  TextLine answer;
+  answer.add("error:").add(std::int64_t{error_line_too_long}).add("\r\n");
+  link_.send_text(answer.view());
+}
+
+void Controller::send_banner() { link_.send_text("\r\nGrbl 1.1h ['$' for help]\r\n"); }
+
+void Controller::send_status_line() {
+  TextLine line;
+  line.add("<").add(state_names[static_cast<std::size_t>(state_)]).add("|MPos:");
+  const motion::MotionState position = runner_.generator().state();
+  for (int a = 0; a < values_.whole(Id::axes); ++a) {
+    const std::int64_t steps = position.axis[static_cast<std::size_t>(a)].step();
+    if (a != 0) line.add(",");
+    line.add_milli(steps * 1'000'000 / values_.milli(Id::steps_per_mm_x, a));
+  }
+  line.add("|Bf:").add(std::int64_t{runner_.queue().free()}).add(",1024|FS:0,0>\r\n");
+  link_.send_text(line.view());
+}
+
+void Controller::fill_status(wire::Status& status) const {
+  status.state = state_;
+  status.hold_reason = hold_reason_;
+  status.alarm = alarm_;
+  status.lamp_locked = clock_.locked();
+  status.free_points = runner_.queue().free();
+  status.received = runner_.queue().end();
+  status.first_unfired = runner_.queue().begin();
+  status.shots = shots_.ledger().shots();
+  status.beats = shots_.ledger().beats();
+  status.beats_before = shots_.ledger().beats_before();
+  status.starvations = runner_.starvations();
+  status.beats_by_reason = shots_.ledger().by_reason();
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,146 @@
+// The controller: the whole firmware core as one plain object.
+//
+// The board calls the core; the core never calls the board. All state is inside, so that many can
+// live in one process. What each function needs of the board:
+//
+//   function            called from           at least every    what for
+//   receive, transmit   main loop             1 ms              bytes of the host
+//   poll                main loop             1 ms              state, planning
+//   input_changed       main loop             on change         e-stop, door, limit switches
+//   fill                fill interrupt        2 ms ahead        steps and lattice bits
+//   next_span           timing interrupt      0.1-0.5 ms ahead  lengths of ticks
+//   lamp_edge           beat interrupt        on LAMP SYNC      edge and whether it fired
+//   next_token          beat interrupt        after each edge   the right to the next shot
+//   token_expired       beat interrupt        at its tick       the token was withdrawn
+//   outputs             anywhere              after each call   what may be on
+//
+// Safety: outputs().fire_enable is false whenever there is any doubt; a board must take firing away
+// within one call of seeing it, and the hardware on e-stop by itself.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/lamp/beat_clock.hpp"
+#include "firmware/lamp/shot_scheduler.hpp"
+#include "firmware/link/link.hpp"
+#include "firmware/machine/job_runner.hpp"
+#include "firmware/program/pulse_decoder.hpp"
+#include "shared/settings_table.hpp"
+#include "shared/wire/status.hpp"
+#include "shared/work_space.hpp"
+
+namespace lamplock::machine {
+
+/// Switches the board reports; true = pressed, open, engaged.
+enum class Input : std::uint8_t { estop, door, limit_x, limit_y, limit_z, limit_a };
+
+/// What may be on.
+struct Outputs {
+  bool fire_enable = false;
+  bool drives_enable = false;
+};
+
+/// How the board's fire stage has to work, from the settings.
+struct FireTiming {
+  std::uint32_t delay_clocks = 0;  ///< LAMP SYNC to Q-switch
+  std::uint32_t width_clocks = 0;  ///< of the Q-switch pulse
+  bool own_edges = false;          ///< free beat: the trigger output is the LAMP SYNC
+};
+
+/// Clocks from the edge to the decision whether to fire: runt filter (2 us) and latency of the
+/// fire stage. Worked out for the PIO of the RP2040; the virtual board does the same.
+inline constexpr std::uint32_t fire_decision_clocks = 269;
+
+/// Flashes at one point; several are for a later version.
+inline constexpr std::uint8_t most_shots_per_point = 1;
+
+/// The core.
+class Controller {
+ public:
+  explicit Controller(const settings::Values& stored = settings::Values{});
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+
+  // Main loop.
+  void receive(std::span<const std::uint8_t> bytes);
+  std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
+  void poll(std::uint64_t clock);
+  void input_changed(Input input, bool active);
+  /// The board has thrown away what it was given ahead (e-stop): where the axes really stand.
+  void stopped_at(const StepPosition& steps);
+
+  // Interrupts of the board.
+  void fill(stepper::TickBlock& block, std::uint32_t max_ticks) { runner_.fill(block, max_ticks); }
+  lamp::TickSpan next_span(std::uint32_t max_ticks) { return clock_.next_span(max_ticks); }
+  /// An edge longer than a runt; `token_spent` if a loaded token was taken by it.
+  void lamp_edge(std::uint64_t clock, bool fired, bool token_spent) {
+    shots_.edge(clock_.edge(clock), fired, token_spent);
+  }
+  bool next_token(lamp::FireToken& token) { return shots_.next_token(token, clock_); }
+  void token_expired() { shots_.token_expired(); }
+
+  Outputs outputs() const { return {shots_.permitted(), state_ != wire::MachineState::estop}; }
+  FireTiming fire_timing() const;
+  const settings::Values& values() const { return values_; }
+  wire::MachineState state() const { return state_; }
+  const lamp::BeatClock& clock() const { return clock_; }
+  const lamp::ShotScheduler& shots() const { return shots_; }
+  const JobRunner& runner() const { return runner_; }
+
+  // What the link asks (LinkSink); not for boards.
+  void on_realtime(std::uint8_t byte);
+  void on_line(std::string_view line);
+  void on_line_too_long();
+  Result on_begin(const wire::JobHeader& header);
+  Result on_data(std::span<const std::uint8_t> records);
+  Result on_end(std::uint32_t total);
+  Result on_command(wire::Command command);
+  std::uint32_t refused_value() const { return refused_value_; }
+  void fill_status(wire::Status& status) const;
+
+ private:
+  Result job_settings(const wire::JobHeader& header, settings::Values& values);
+  void use_settings(const settings::Values& values);
+  void set_trigger();
+  void hold(wire::HoldReason reason);
+  void resume();
+  void stop();
+  void raise_alarm(std::uint8_t number, wire::MachineState state);
+  void unlock();
+  bool ready_to_move() const;
+  BeatReason idle_reason() const;
+  void check_dead_man();
+  void send_banner();
+  void send_status_line();
+
+  settings::Values stored_;
+  settings::Values values_;  ///< stored, with the overrides of the job
+  link::Link link_;
+  lamp::BeatClock clock_;
+  lamp::ShotScheduler shots_;
+  JobRunner runner_;
+  program::PulseDecoder decoder_{most_shots_per_point};
+  StepLimits work_space_;
+
+  wire::MachineState state_ = wire::MachineState::idle;
+  wire::HoldReason hold_reason_ = wire::HoldReason::none;
+  std::uint8_t alarm_ = 0;
+  bool job_ = false;  ///< a job has begun and was not ended
+  bool dry_ = false;
+  bool moving_ = false;  ///< motion was permitted at the last poll
+  bool door_open_ = false;
+  bool estop_ = false;
+  std::uint32_t points_total_ = 0;
+  std::uint32_t refused_value_ = 0;
+  std::uint64_t now_ = 0;        ///< clock of the last poll
+  std::uint64_t last_byte_ = 0;  ///< clock of the last poll that saw a byte
+  bool byte_seen_ = false;
+};
+
+/// The whole core fits the RP2040 with room to spare.
+static_assert(sizeof(Controller) < 160 * 1024);
+
+}  // namespace lamplock::machine

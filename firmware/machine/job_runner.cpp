@@ -1,0 +1,247 @@
+#include "firmware/machine/job_runner.hpp"
+
+#include "firmware/motion/profile.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+/// Motion is begun this long after the ticks already handed out.
+constexpr std::uint32_t start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
+/// Committed motion shorter than this, and too few points for a window: the host is late.
+constexpr std::uint64_t starvation_ticks = 30 * std::uint64_t{ticks_per_second / 1000};
+/// At rest the host has this long, after the last points, to complete a window.
+constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
+/// Points committed of a full window.
+constexpr std::uint32_t commit_points = motion::window_points / 2;
+/// Limits are made anew when the shortest tick has moved by more than this: 1/512.
+constexpr std::uint32_t limits_step_q16 = motion::full_tick_q16 / 512;
+
+std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
+
+}  // namespace
+
+void JobRunner::begin(const RunOptions& options, const settings::Values& values,
+                      std::uint32_t first) {
+  clear();
+  options_ = options;
+  queue_.reset(first);
+  next_ = first_ = received_ = first;
+  starvations_ = misses_ = 0;
+  make_limits(values, shortest_tick_q16(), limits_);
+}
+
+void JobRunner::clear() {
+  options_ = RunOptions{};
+  queue_.reset(0);
+  next_ = 0;
+  from_rest_ = true;
+  returning_ = starving_ = false;
+}
+
+std::uint32_t JobRunner::shortest_tick_q16() const {
+  // Rounded down to a coarse grid, so that a steady lamp gives the same plan every time.
+  const std::uint32_t shortest = clock_.shortest_tick_q16();
+  return shortest - shortest % limits_step_q16;
+}
+
+void JobRunner::make_limits(const settings::Values& values, std::uint32_t tick_q16,
+                            motion::Limits& limits) {
+  // The settings were checked when the job began; a shorter tick only makes limits smaller.
+  std::uint16_t setting = 0;
+  motion::make_limits(values, clock_.beat_ticks(), tick_q16, limits, setting);
+  limits_tick_q16_ = tick_q16;
+}
+
+void JobRunner::read_outcomes() {
+  lamp::PointOutcome o;
+  bool missed = false;
+  while (shots_.outcome(o)) {
+    if (o.outcome == lamp::Outcome::missed)
+      missed = true;
+    else if (o.point >= queue_.begin() && o.point < queue_.end())
+      queue_.mark_done(o.point);
+  }
+  if (missed) {
+    ++misses_;
+    go_back();
+  }
+}
+
+void JobRunner::go_back() {
+  // What is being run is carried to its end; what has not begun is taken back.
+  segments_.clear();
+  shots_.restart(BeatReason::returning);
+  if (generator_.running()) {
+    plan_state_ = generator_.segment().end;
+    plan_beat_ = clock_.beat_at_or_after(plan_state_.tick);
+    shots_.cancel_after(plan_beat_);
+  }
+  from_rest_ = !generator_.running() || plan_state_.at_rest();
+  next_ = queue_.begin();
+  returning_ = true;
+}
+
+bool JobRunner::prepare_start() {
+  if (!from_rest_) return true;
+  if (!clock_.settled()) return false;
+  // Motion that is committed and ends at rest may still be running.
+  if (at_rest()) plan_state_ = generator_.state();
+  const std::uint64_t head = generator_.state().tick + start_margin_ticks;
+  const std::uint64_t earliest = plan_state_.tick > head ? plan_state_.tick : head;
+  plan_beat_ = clock_.beat_at_or_after(earliest);
+  plan_state_.tick = clock_.tick_of_beat(plan_beat_);
+  for (motion::AxisState& axis : plan_state_.axis) axis.speed_q62 = 0;
+  return true;
+}
+
+bool JobRunner::running_out() const {
+  return plan_state_.tick < generator_.state().tick + starvation_ticks;
+}
+
+bool JobRunner::window_ready(motion::PlanRequest& request) const {
+  request.count = 0;
+  for (std::uint32_t i = next_; i != queue_.end() && request.count < motion::window_points; ++i)
+    if (!queue_.done(i)) request.points[request.count++] = i;
+  return request.count == motion::window_points ||
+         (request.count != 0 && queue_.end() == options_.points_total);
+}
+
+bool JobRunner::may_plan(motion::PlanRequest& request) {
+  if (segments_.free() < motion::window_points + 1 || shots_.free() < motion::window_points)
+    return false;
+  if (received_ != queue_.end()) {
+    received_ = queue_.end();
+    receive_tick_ = generator_.state().tick;
+  }
+  if (window_ready(request)) {
+    starving_ = false;
+    return true;
+  }
+  if (next_ == options_.points_total) return false;
+  const bool patient = generator_.state().tick < receive_tick_ + patience_ticks;
+  if (from_rest_ ? at_rest() && next_ == first_ && patient : !running_out()) return false;
+  if (!starving_ && next_ != first_) ++starvations_;
+  starving_ = true;
+  return request.count != 0 && !(from_rest_ && patient);
+}
+
+Result JobRunner::poll(const settings::Values& values, bool go) {
+  read_outcomes();
+  motion::PlanRequest request;
+  if (!go || !may_plan(request) || !prepare_start()) return Result::ok;
+  request.queue = &queue_;
+  request.mode = options_.mode;
+  request.least_beats = options_.least_beats;
+  request.start = plan_state_;
+  std::uint32_t failed = 0;
+  if (plan(request, values, failed)) {
+    commit(request);
+  } else if (!plan_state_.at_rest()) {
+    commit_brake();
+  } else {
+    failed_point_ = request.points[failed];
+    return Result::unreachable;
+  }
+  return Result::ok;
+}
+
+bool JobRunner::plan(motion::PlanRequest& request, const settings::Values& values,
+                     std::uint32_t& failed) {
+  const std::uint32_t shortest = shortest_tick_q16();
+  if (shortest != limits_tick_q16_) {
+    // The lamp has become faster or slower. Speeds planned under the old limits may not fit into
+    // new, smaller ones at once: then the old ones serve once more.
+    const std::uint32_t old_tick_q16 = limits_tick_q16_;
+    make_limits(values, shortest, new_limits_);
+    request.limits = &new_limits_;
+    if (planner_.plan(request, failed) == Result::ok) {
+      limits_ = new_limits_;
+      return true;
+    }
+    limits_tick_q16_ = old_tick_q16;
+  }
+  request.limits = &limits_;
+  return planner_.plan(request, failed) == Result::ok;
+}
+
+void JobRunner::commit(const motion::PlanRequest& request) {
+  const bool half = request.count == motion::window_points;
+  const std::uint32_t count = half ? commit_points : request.count;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    motion::Segment segment = planner_.segment(i);
+    segment.reason = returning_ && i == 0 ? BeatReason::returning
+                     : options_.dry       ? BeatReason::dry
+                                          : BeatReason::moving;
+    if (options_.dry) segment.shot.present = false;
+    const auto beats = static_cast<std::uint64_t>(planner_.beats(i));
+    shots_.commit(segment, plan_beat_ + 1, plan_beat_ + beats);
+    segments_.push(segment);
+    plan_beat_ += beats;
+    plan_state_ = segment.end;
+  }
+  next_ = request.points[count - 1] + 1;
+  returning_ = false;
+  from_rest_ = plan_state_.at_rest();
+  clock_.set_motion_end(plan_state_.tick);
+}
+
+std::uint32_t JobRunner::brake_ticks(const motion::MotionState& from) const {
+  std::uint32_t ticks = 1;
+  for (int a = 0; a < limits_.axes; ++a) {
+    const std::uint32_t n =
+        motion::braking_ticks(from.axis[index(a)].speed_q62, limits_.axis[index(a)].plan_accel_q62);
+    if (n > ticks) ticks = n;
+  }
+  return ticks;
+}
+
+motion::Segment JobRunner::make_brake(const motion::MotionState& from) const {
+  motion::Segment s;
+  s.start_tick = from.tick;
+  s.ticks = brake_ticks(from);
+  s.end.tick = s.end_tick();
+  for (int a = 0; a < max_axes; ++a) {
+    const motion::AxisState& axis = from.axis[index(a)];
+    if (a < limits_.axes)
+      s.axis[index(a)] =
+          motion::make_brake(axis.speed_q62, limits_.axis[index(a)].plan_accel_q62, s.ticks);
+    s.end.axis[index(a)].position_q64 =
+        axis.position_q64 + (motion::displacement_q62(s.axis[index(a)]) << 2);
+  }
+  return s;
+}
+
+void JobRunner::commit_brake() {
+  const motion::Segment s = make_brake(plan_state_);
+  segments_.push(s);
+  plan_state_ = s.end;
+  from_rest_ = true;
+  clock_.set_motion_end(plan_state_.tick);
+}
+
+void JobRunner::brake() {
+  segments_.clear();
+  const motion::MotionState head = generator_.state();
+  // What lies before the head has been handed to the board and is judged by its edges.
+  shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
+  if (generator_.running() && !head.at_rest()) {
+    const motion::Segment s = make_brake(head);
+    generator_.replace(s);
+    plan_state_ = s.end;
+    clock_.set_motion_end(plan_state_.tick);
+  }
+  next_ = queue_.begin();
+  from_rest_ = true;
+  returning_ = false;
+}
+
+void JobRunner::halt() {
+  generator_.halt();
+  segments_.clear();
+  shots_.cancel_after(0);
+  clock_.set_motion_end(0);
+  next_ = queue_.begin();
+  from_rest_ = true;
+}
+
+}  // namespace lamplock::machine

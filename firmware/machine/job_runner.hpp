@@ -1,0 +1,115 @@
+// The job runner: from queued points to committed motion and shots, and back to what was missed.
+//
+// In:  targets (decoder), outcomes of shots (scheduler), the lamp (beat clock), orders: hold,
+//      resume, stop.
+// Out: segments for the tick generator, plans of beats for the shot scheduler.
+// Called from the main loop only (Controller::poll). One window is planned per call, so that the
+// loop comes round often; a window costs some tens of microseconds per point.
+//
+// One primitive serves start, resume, a missed flash, starvation and re-lock: plan from the state
+// where committed motion ends to the points that are not done yet, in order.
+//
+//   points:   done | committed | planned next ......... | received
+//             begin()           next_                     end()
+//   time:     past | filled (2 ms ahead) | committed segments | plan_state_
+//
+// Determinism: a window of `window_points` points is planned when all of them are known, and its
+// first half committed; the rest of a job that is shorter is planned when its last point is known.
+// So the plan depends on the points alone; only starvation changes it, and is counted.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/lamp/beat_clock.hpp"
+#include "firmware/lamp/shot_scheduler.hpp"
+#include "firmware/motion/planner.hpp"
+#include "firmware/motion/point_queue.hpp"
+#include "firmware/motion/segment_queue.hpp"
+#include "firmware/stepper/tick_generator.hpp"
+
+namespace lamplock::machine {
+
+/// What a job is run with.
+struct RunOptions {
+  motion::JoinMode mode = motion::JoinMode::free;
+  bool dry = false;
+  std::uint32_t points_total = 0;
+  std::int32_t least_beats = 1;  ///< between shots, from the highest shot rate
+};
+
+/// Runs one job at a time.
+class JobRunner {
+ public:
+  JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots) : clock_(clock), shots_(shots) {}
+
+  /// Starts a job whose first point has index `first`; the machine must be at rest.
+  void begin(const RunOptions& options, const settings::Values& values, std::uint32_t first);
+  /// Forgets the job. The machine must be at rest.
+  void clear();
+  motion::PointQueue& queue() { return queue_; }
+  const motion::PointQueue& queue() const { return queue_; }
+
+  /// Reads outcomes; if `go`, plans and commits what can be. Error: unreachable (failed_point()).
+  Result poll(const settings::Values& values, bool go);
+  /// Brakes every axis at its limit, from the next tick to be filled.
+  void brake();
+  /// Stops dead (e-stop): the position in steps is kept, whether the motors kept it is unknown.
+  void halt();
+
+  /// True if nothing moves and nothing is committed.
+  bool at_rest() const { return !generator_.running() && segments_.empty(); }
+  /// Every point of the job is done.
+  bool complete() const { return queue_.begin() == options_.points_total; }
+  bool starving() const { return starving_; }
+  std::uint32_t starvations() const { return starvations_; }
+  std::uint32_t failed_point() const { return failed_point_; }
+  std::uint32_t misses() const { return misses_; }
+  /// Motion ended with speed because planning came too late; must stay false.
+  bool underrun() const { return generator_.underrun(); }
+
+  // For the board's fill interrupt.
+  void fill(stepper::TickBlock& block, std::uint32_t max_ticks) {
+    generator_.fill(segments_, block, max_ticks);
+  }
+  stepper::TickGenerator& generator() { return generator_; }
+  const stepper::TickGenerator& generator() const { return generator_; }
+
+ private:
+  void read_outcomes();
+  void go_back();
+  bool may_plan(motion::PlanRequest& request);
+  bool window_ready(motion::PlanRequest& request) const;
+  bool prepare_start();
+  bool plan(motion::PlanRequest& request, const settings::Values& values, std::uint32_t& failed);
+  std::uint32_t shortest_tick_q16() const;
+  void make_limits(const settings::Values& values, std::uint32_t tick_q16, motion::Limits& limits);
+  void commit(const motion::PlanRequest& request);
+  void commit_brake();
+  std::uint32_t brake_ticks(const motion::MotionState& from) const;
+  motion::Segment make_brake(const motion::MotionState& from) const;
+  bool running_out() const;
+
+  lamp::BeatClock& clock_;
+  lamp::ShotScheduler& shots_;
+  motion::PointQueue queue_;
+  motion::SegmentQueue segments_;
+  motion::Planner planner_;
+  motion::Limits limits_, new_limits_;
+  stepper::TickGenerator generator_;
+  RunOptions options_;
+  std::uint32_t limits_tick_q16_ = 0;  ///< shortest tick the limits were made for
+  std::uint32_t first_ = 0;            ///< first point of the job
+  std::uint32_t next_ = 0;             ///< first point not committed
+  std::uint32_t received_ = 0;         ///< end of the queue when it last grew
+  std::uint64_t receive_tick_ = 0;     ///< and when that was
+  bool from_rest_ = true;              ///< the next window starts on a fresh beat
+  bool returning_ = false;
+  bool starving_ = false;
+  motion::MotionState plan_state_;  ///< where committed motion ends
+  std::uint64_t plan_beat_ = 0;     ///< on which beat
+  std::uint32_t starvations_ = 0;
+  std::uint32_t misses_ = 0;
+  std::uint32_t failed_point_ = 0;
+};
+
+}  // namespace lamplock::machine

@@ -1,0 +1,51 @@
+// Small text of the machine: integers and millimetres into a fixed buffer, no formatting library.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace lamplock::machine {
+
+/// A line being written; what does not fit is cut (lines are shorter than the buffer by design).
+class TextLine {
+ public:
+  TextLine& add(std::string_view text) {
+    for (const char c : text) put(c);
+    return *this;
+  }
+  TextLine& add(std::int64_t value) {
+    if (value < 0) put('-');
+    return digits(static_cast<std::uint64_t>(value < 0 ? -value : value), 1);
+  }
+  /// A number kept in thousandths, three decimals.
+  TextLine& add_milli(std::int64_t milli) {
+    if (milli < 0) put('-');
+    const auto magnitude = static_cast<std::uint64_t>(milli < 0 ? -milli : milli);
+    digits(magnitude / 1000, 1);
+    put('.');
+    return digits(magnitude % 1000, 3);
+  }
+  std::string_view view() const { return {buffer_.data(), size_}; }
+
+ private:
+  void put(char c) {
+    if (size_ < buffer_.size()) buffer_[size_++] = c;
+  }
+  TextLine& digits(std::uint64_t value, std::size_t least) {
+    std::array<char, 20> reversed{};
+    std::size_t n = 0;
+    while (value != 0 || n < least) {
+      reversed[n++] = static_cast<char>('0' + value % 10);
+      value /= 10;
+    }
+    while (n > 0) put(reversed[--n]);
+    return *this;
+  }
+
+  std::array<char, 160> buffer_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace lamplock::machine

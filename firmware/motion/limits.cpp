@@ -1,0 +1,123 @@
+#include "firmware/motion/limits.hpp"
+
+#include "firmware/motion/reach.hpp"
+#include "shared/work_space.hpp"
+
+namespace lamplock::motion {
+namespace {
+
+using settings::Id;
+
+/// Beats are at least this long, so that the margins below make sense.
+constexpr std::uint32_t min_beat_ticks = 100;
+/// A step needs a high and a low phase inside its tick; leave the last two per cent to rounding.
+constexpr std::int64_t max_speed_q62 = one_q62 / 100 * 98;
+/// About 0.2 step/s2; below it the reciprocal would lose its meaning.
+constexpr std::int64_t min_accel_q62 = std::int64_t{1} << 20;
+/// Default shot tolerance, the larger of the two: half a step, 5 um.
+constexpr std::int64_t half_step_q32 = one_q32 / 2;
+constexpr std::int32_t default_tolerance_milli_um = 5000;
+
+/// mm/min times step/mm, both in thousandths, to steps per tick: / 10^6 / 60 / 10^6.
+std::int64_t speed_per_tick_q62(std::int32_t rate_milli, std::int32_t steps_milli) {
+  // 6 * 10^13 = 2^14 * 3662109375
+  return (Int128::product(rate_milli, steps_milli) << (62 - 14)).divided_by(3662109375u).to_int64();
+}
+
+/// mm/s2 times step/mm, both in thousandths, to steps per tick squared: / 10^6 / 10^12.
+std::int64_t accel_per_tick_q62(std::int32_t accel_milli, std::int32_t steps_milli) {
+  // 10^18 = 2^18 * 1953125^2
+  return (Int128::product(accel_milli, steps_milli) << (62 - 18))
+      .divided_by(1953125u)
+      .divided_by(1953125u)
+      .to_int64();
+}
+
+/// Reciprocal of the acceleration per beat squared as mantissa and shift.
+void set_reciprocal(AxisLimits& axis, std::uint32_t beat) {
+  Int128 accel = Int128::product(axis.plan_accel_q62, std::int64_t{beat} * beat);
+  int shift = 0;
+  while (accel >= Int128(std::int64_t{1} << 32)) {
+    accel = accel >> 1;
+    ++shift;
+  }
+  while (accel < Int128(std::int64_t{1} << 31)) {
+    accel = accel << 1;
+    --shift;
+  }
+  const std::uint64_t mantissa = accel.lo();  // acceleration = mantissa * 2^shift / 2^62
+  // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): the loops leave at least 2^31
+  const std::uint64_t inverse = (std::uint64_t{1} << 63) / mantissa;
+  axis.per_accel = static_cast<std::uint32_t>(inverse > 0xffffffffu ? 0xffffffffu : inverse);
+  axis.per_accel_shift = 1 + shift;
+}
+
+/// V/A in beats, kept below what reach.hpp can represent.
+std::int64_t normalised_speed_q32(const AxisLimits& axis, std::uint32_t beat) {
+  constexpr std::int64_t largest = std::int64_t{max_beats_per_point} << 32;
+  const std::int64_t steps_per_beat_q32 =
+      (Int128::product(axis.plan_speed_q62, beat) >> 30).to_int64();
+  const std::int64_t v = axis.displacement_q32(steps_per_beat_q32);
+  return v < largest ? v : largest;
+}
+
+/// How far from its point the axis may be at a shot, steps.
+std::int64_t shot_tolerance_q32(const settings::Values& values, int a) {
+  const std::int32_t set = values.milli(Id::shot_tolerance);
+  const std::int32_t milli_um = set != 0 ? set : default_tolerance_milli_um;
+  const std::int64_t steps_q32 =
+      (Int128::product(milli_um, values.milli(Id::steps_per_mm_x, a)) << 32)
+          .divided_by(1'000'000'000u)
+          .to_int64();
+  return set == 0 && steps_q32 < half_step_q32 ? half_step_q32 : steps_q32;
+}
+
+}  // namespace
+
+std::uint32_t beat_ticks(const settings::Values& values) {
+  const auto milli_hz = static_cast<std::uint64_t>(values.milli(Id::lamp_frequency));
+  const std::uint64_t milli_ticks = std::uint64_t{ticks_per_second} * 1000;
+  return static_cast<std::uint32_t>((milli_ticks + milli_hz / 2) / milli_hz);
+}
+
+Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint32_t tick_q16,
+                   Limits& out, std::uint16_t& setting) {
+  out.axes = values.whole(Id::axes);
+  out.beat_ticks = beat;
+  if (beat < min_beat_ticks) {
+    setting = settings::row(Id::lamp_frequency).number;
+    return Result::bad_value;
+  }
+  const StepLimits space = work_space(values);
+  for (int a = 0; a < out.axes; ++a) {
+    AxisLimits& axis = out.axis[static_cast<std::size_t>(a)];
+    const std::int32_t steps_milli = values.milli(Id::steps_per_mm_x, a);
+    const std::int64_t q16 = tick_q16;
+    axis.speed_q62 =
+        mul_div(speed_per_tick_q62(values.milli(Id::max_rate_x, a), steps_milli), q16, 65536);
+    axis.accel_q62 = mul_div(
+        mul_div(accel_per_tick_q62(values.milli(Id::acceleration_x, a), steps_milli), q16, 65536),
+        q16, 65536);
+    if (axis.speed_q62 > max_speed_q62 || axis.speed_q62 <= 0) {
+      setting = settings::row(settings::for_axis(Id::max_rate_x, a)).number;
+      return Result::bad_value;
+    }
+    // Rounding switch points to whole ticks costs at most 1.02/n of the acceleration and 2/n of
+    // the speed over n ticks (measured; a segment has at least one beat).
+    const std::uint32_t margin = beat * 10;
+    axis.plan_accel_q62 = mul_div(axis.accel_q62, margin - 11, margin) - 1;
+    axis.plan_speed_q62 = mul_div(axis.speed_q62, margin - 20, margin) - 1;
+    axis.min_steps = space.min[static_cast<std::size_t>(a)];
+    axis.max_steps = space.max[static_cast<std::size_t>(a)];
+    if (axis.plan_accel_q62 < min_accel_q62 || axis.plan_speed_q62 <= 0) {
+      setting = settings::row(settings::for_axis(Id::acceleration_x, a)).number;
+      return Result::bad_value;
+    }
+    set_reciprocal(axis, beat);
+    axis.speed_q32 = normalised_speed_q32(axis, beat);
+    axis.shot_tolerance_q32 = shot_tolerance_q32(values, a);
+  }
+  return Result::ok;
+}
+
+}  // namespace lamplock::motion

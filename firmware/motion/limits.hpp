@@ -1,0 +1,63 @@
+// The machine's limits in the planner's units.
+//
+// In:  settings (mm, mm/min, mm/s2) and the length of a beat in ticks.
+// Out: per axis, limits in steps and ticks, and the same normalised for reach.hpp.
+// Made once per job and when the tracked lamp period has moved (main loop).
+#pragma once
+
+#include <cstdint>
+
+#include "shared/fixed_point.hpp"
+#include "shared/result.hpp"
+#include "shared/settings_table.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::motion {
+
+/// Limits of one axis.
+struct AxisLimits {
+  std::int64_t speed_q62 = 0;  ///< steps per tick, never exceeded at any tick
+  std::int64_t accel_q62 = 0;  ///< steps per tick squared, never exceeded at any tick
+  std::int32_t min_steps = 0;  ///< work space, inclusive
+  std::int32_t max_steps = 0;
+  // What the planner works with: a little less, so that rounding to whole ticks stays inside.
+  std::int64_t plan_speed_q62 = 0;
+  std::int64_t plan_accel_q62 = 0;
+  std::int64_t speed_q32 = 0;  ///< normalised speed limit, beats
+  std::uint32_t per_accel =
+      0;  ///< 1 / (acceleration per beat squared) = per_accel / 2^per_accel_shift
+  int per_accel_shift = 0;
+  std::int64_t shot_tolerance_q32 = 0;  ///< steps
+
+  /// d/A in beats squared, Q32, of a displacement in steps, Q32.
+  std::int64_t displacement_q32(std::int64_t steps_q32) const {
+    return (Int128::product(steps_q32, per_accel) >> per_accel_shift).to_int64();
+  }
+};
+
+/// Limits of all axes for one length of the beat.
+struct Limits {
+  int axes = 0;
+  std::uint32_t beat_ticks = 0;  ///< N: ticks in a beat
+  PerAxis<AxisLimits> axis{};
+
+  /// Steps per tick, Q62, of a normalised speed of an axis.
+  std::int64_t speed_q62(int a, std::int64_t v_q32) const {
+    return mul_q32(v_q32, axis[static_cast<std::size_t>(a)].plan_accel_q62) *
+           static_cast<std::int64_t>(beat_ticks);
+  }
+};
+
+/// Shrinking of the tick that limits have to allow for, Q16: 65536 = none.
+inline constexpr std::uint32_t full_tick_q16 = 65536;
+
+/// Fills `out`. `tick_q16` is the shortest real tick to expect over the nominal one: a shorter tick
+/// makes real speed and acceleration larger, so the limits in ticks fall with its first and second
+/// power. Error: bad_value, with the number of the offending setting in `setting`.
+Result make_limits(const settings::Values& values, std::uint32_t beat_ticks, std::uint32_t tick_q16,
+                   Limits& out, std::uint16_t& setting);
+
+/// Ticks in a beat of the nominal lamp frequency, rounded.
+std::uint32_t beat_ticks(const settings::Values& values);
+
+}  // namespace lamplock::motion

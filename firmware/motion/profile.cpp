@@ -1,0 +1,167 @@
+#include "firmware/motion/profile.hpp"
+
+#include <bit>
+
+namespace lamplock::motion {
+namespace {
+
+std::uint64_t magnitude(std::int64_t v) { return static_cast<std::uint64_t>(abs64(v)); }
+
+/// Accelerations are even, see segment.hpp.
+std::int64_t even(std::int64_t accel_q62) { return accel_q62 & ~std::int64_t{1}; }
+
+/// Scales two magnitudes together until both are below 2^31, keeping their ratio.
+void scale_down(std::uint64_t& a, std::uint64_t& b) {
+  const auto width = static_cast<int>(std::bit_width(a | b));
+  if (width <= 31) return;
+  a >>= width - 31;
+  b >>= width - 31;
+}
+
+/// Ticks before the rate v + (j + 1/2) A changes sign; 0 if it does not within the phase.
+std::uint32_t turn_ticks(std::int64_t speed, std::int64_t accel, std::uint32_t ticks) {
+  if (speed == 0 || accel == 0 || (speed < 0) == (accel < 0)) return 0;
+  const std::int64_t a = abs64(accel);
+  const std::int64_t turn = (abs64(speed) + a / 2) / a;
+  return turn > 0 && turn < static_cast<std::int64_t>(ticks) ? static_cast<std::uint32_t>(turn) : 0;
+}
+
+/// Phases with given lengths: the cruise speed follows from the displacement.
+AxisProfile solve(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t lead,
+                  std::uint32_t cruise, std::uint32_t tail) {
+  // D = (v0 + vc) lead / 2 + vc cruise + (vc + v1) tail / 2, solved for vc.
+  const Int128 numerator = (distance << 1) - Int128::product(v0, lead) - Int128::product(v1, tail);
+  const std::int64_t vc = numerator.divided_by(lead + 2 * cruise + tail).to_int64();
+  AxisProfile p;
+  p.speed_q62 = v0;
+  p.lead_ticks = lead;
+  p.cruise_ticks = cruise;
+  p.tail_ticks = tail;
+  p.lead_accel_q62 = even((vc - v0) / static_cast<std::int64_t>(lead));
+  p.tail_accel_q62 = even((v1 - p.cruise_speed_q62()) / static_cast<std::int64_t>(tail));
+  p.lead_turn_ticks = turn_ticks(v0, p.lead_accel_q62, lead);
+  p.tail_turn_ticks = turn_ticks(p.cruise_speed_q62(), p.tail_accel_q62, tail);
+  return p;
+}
+
+std::int64_t peak_accel(const AxisProfile& p) {
+  const std::int64_t lead = abs64(p.lead_accel_q62), tail = abs64(p.tail_accel_q62);
+  return lead > tail ? lead : tail;
+}
+
+/// Two phases: the switch point from the equation in the header, floor or ceiling, whichever is
+/// quieter.
+AxisProfile two_phases(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t n) {
+  const std::int64_t mean = distance.divided_by(n).to_int64();
+  const std::int64_t excess = mean - v0 / 2 - v1 / 2;  // e / t
+  const std::int64_t w = v1 / 2 - v0 / 2;
+  std::uint64_t e = magnitude(excess), u = magnitude(w);
+  scale_down(e, u);
+  const std::uint64_t sum = e + isqrt(e * e + u * u);
+  // lead = (n +- n w / (A t)) / 2, the sign that of e.
+  std::int64_t lead = n / 2;
+  if (sum != 0) {
+    const auto part = static_cast<std::int64_t>(std::uint64_t{n} * u / sum);
+    lead = (static_cast<std::int64_t>(n) + ((w < 0) == (excess < 0) ? part : -part)) / 2;
+  }
+  const std::int64_t last = static_cast<std::int64_t>(n) - 1;
+  lead = lead < 1 ? 1 : lead > last ? last : lead;
+  const auto first = static_cast<std::uint32_t>(lead);
+  const AxisProfile p = solve(distance, v0, v1, first, 0, n - first);
+  if (lead == last) return p;
+  const AxisProfile q = solve(distance, v0, v1, first + 1, 0, n - first - 1);
+  return peak_accel(q) < peak_accel(p) ? q : p;
+}
+
+/// Ticks of a ramp when cruising: n * 2 x g / (x^2 + y^2), rounded up.
+std::uint32_t ramp_ticks(std::uint32_t n, std::uint64_t x, std::uint64_t g, std::uint64_t squares) {
+  if (squares == 0) return 1;
+  const Int128 product = Int128::product(static_cast<std::int64_t>(x * g / 2), 4 * std::int64_t{n});
+  // squares < 2^63; reduce both to divide by 32 bits.
+  const auto width = static_cast<int>(std::bit_width(squares));
+  const int shift = width > 31 ? width - 31 : 0;
+  const auto divisor = static_cast<std::uint32_t>(squares >> shift);
+  const std::int64_t ticks = (product >> shift).divided_by(divisor).to_int64() + 1;
+  return ticks < 1                              ? 1
+         : ticks > static_cast<std::int64_t>(n) ? n
+                                                : static_cast<std::uint32_t>(ticks);
+}
+
+/// Three phases with the cruise at the limit.
+AxisProfile three_phases(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t n,
+                         std::int64_t vc) {
+  std::uint64_t x = magnitude(vc - v0), y = magnitude(vc - v1);
+  std::uint64_t g = magnitude(vc - distance.divided_by(n).to_int64());
+  const auto width = static_cast<int>(std::bit_width(x | y | g));
+  if (width > 31) {
+    x >>= width - 31;
+    y >>= width - 31;
+    g >>= width - 31;
+  }
+  const std::uint64_t squares = x * x + y * y;
+  const std::uint32_t lead = ramp_ticks(n, x, g, squares);
+  const std::uint32_t tail = ramp_ticks(n, y, g, squares);
+  if (lead + tail >= n) return two_phases(distance, v0, v1, n);
+  return solve(distance, v0, v1, lead, n - lead - tail, tail);
+}
+
+void widen(Excursion& e, Int128 way) {
+  if (way < e.low_q62) e.low_q62 = way;
+  if (way > e.high_q62) e.high_q62 = way;
+}
+
+/// Adds a phase that starts at `way`: its turning point, if it has one, and its end.
+Int128 widen_by_phase(Excursion& e, Int128 way, std::int64_t speed, std::int64_t accel,
+                      std::uint32_t ticks) {
+  if (speed != 0 && accel != 0 && (speed < 0) != (accel < 0)) {
+    const std::int64_t turn = abs64(speed) / abs64(accel);
+    if (turn < static_cast<std::int64_t>(ticks)) {
+      widen(e, way + displacement_q62(speed, accel, static_cast<std::uint32_t>(turn)));
+      widen(e, way + displacement_q62(speed, accel, static_cast<std::uint32_t>(turn) + 1));
+    }
+  }
+  const Int128 end = way + displacement_q62(speed, accel, ticks);
+  widen(e, end);
+  return end;
+}
+
+}  // namespace
+
+AxisProfile make_profile(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t ticks,
+                         std::int64_t speed) {
+  const AxisProfile p = two_phases(distance, v0, v1, ticks);
+  const std::int64_t peak = p.cruise_speed_q62();
+  if (abs64(peak) <= speed) return p;
+  return three_phases(distance, v0, v1, ticks, peak < 0 ? -speed : speed);
+}
+
+std::uint32_t braking_ticks(std::int64_t v0, std::int64_t accel) {
+  return static_cast<std::uint32_t>((abs64(v0) + accel - 1) / accel);
+}
+
+AxisProfile make_brake(std::int64_t v0, std::int64_t accel, std::uint32_t ticks) {
+  AxisProfile p;
+  const std::uint32_t lead = braking_ticks(v0, accel);
+  p.cruise_ticks = ticks - lead;
+  p.lead_ticks = lead;
+  p.speed_q62 = v0;
+  if (lead != 0) p.lead_accel_q62 = even(-v0 / static_cast<std::int64_t>(lead));
+  return p;
+}
+
+bool within_limits(const AxisProfile& p, std::int64_t speed, std::int64_t accel) {
+  return abs64(p.speed_q62) <= speed && abs64(p.cruise_speed_q62()) <= speed &&
+         abs64(p.end_speed_q62()) <= speed && abs64(p.lead_accel_q62) <= accel &&
+         abs64(p.tail_accel_q62) <= accel;
+}
+
+Excursion excursion(const AxisProfile& p) {
+  Excursion e;
+  const std::int64_t cruise = p.cruise_speed_q62();
+  Int128 way = widen_by_phase(e, 0, p.speed_q62, p.lead_accel_q62, p.lead_ticks);
+  way = widen_by_phase(e, way, cruise, 0, p.cruise_ticks);
+  widen_by_phase(e, way, cruise, p.tail_accel_q62, p.tail_ticks);
+  return e;
+}
+
+}  // namespace lamplock::motion

@@ -1,0 +1,41 @@
+// From two states and a number of ticks to a motion that the tick generator can run.
+//
+// In:  displacement and both end speeds of one axis, the ticks between, its limits.
+// Out: a profile of up to three phases with the least peak acceleration, exact in position to
+//      better than 1e-6 step (the rest is carried into the next segment) and exact in end speed.
+// Called by the planner (main loop), once per axis and segment.
+//
+// With e = d - (v0 + v1) t/2 and w = v1 - v0 two phases of equal and opposite acceleration need
+// A = (2|e| + sqrt(4 e^2 + w^2 t^2)) / t^2; a cruise phase is put between them where the speed
+// would pass its limit.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/motion/segment.hpp"
+
+namespace lamplock::motion {
+
+/// Profile over `ticks` >= 2 covering `distance_q62` from `v0_q62` to `v1_q62` (steps per tick),
+/// cruising at no more than `speed_q62`. Does not judge limits: see within_limits().
+AxisProfile make_profile(Int128 distance_q62, std::int64_t v0_q62, std::int64_t v1_q62,
+                         std::uint32_t ticks, std::int64_t speed_q62);
+
+/// Profile that brakes from `v0_q62` to rest at `accel_q62` and then stands, `ticks` in all.
+/// `ticks` >= braking_ticks(v0_q62, accel_q62).
+AxisProfile make_brake(std::int64_t v0_q62, std::int64_t accel_q62, std::uint32_t ticks);
+
+/// Least number of ticks to brake to rest.
+std::uint32_t braking_ticks(std::int64_t v0_q62, std::int64_t accel_q62);
+
+/// True if neither speed nor acceleration is passed at any tick.
+bool within_limits(const AxisProfile& profile, std::int64_t speed_q62, std::int64_t accel_q62);
+
+/// Lowest and highest position of a profile relative to its start, steps, exact.
+struct Excursion {
+  Int128 low_q62;
+  Int128 high_q62;
+};
+Excursion excursion(const AxisProfile& profile);
+
+}  // namespace lamplock::motion

@@ -1,0 +1,22 @@
+// A point of a job as the planner sees it, and how points are joined.
+#pragma once
+
+#include <cstdint>
+
+#include "shared/units.hpp"
+
+namespace lamplock::motion {
+
+/// How the planner joins points (design: start-stop, path, free).
+enum class JoinMode : std::uint8_t { start_stop = 0, path = 1, free = 2 };
+
+/// One target: where to be on a beat, and what to fire there.
+struct Target {
+  StepPosition steps{};      ///< machine position, steps from machine zero
+  std::uint16_t beats = 0;   ///< beats from the previous target; 0 = the planner chooses
+  std::uint8_t shots = 1;    ///< flashes to fire here; 0 = pass without a shot
+  std::uint8_t channel = 0;  ///< beam channel 0..3
+  std::uint16_t energy = 0;  ///< energy or attenuator value, 0 = as the machine stands
+};
+
+}  // namespace lamplock::motion

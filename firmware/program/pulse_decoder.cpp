@@ -1,0 +1,48 @@
+#include "firmware/program/pulse_decoder.hpp"
+
+#include <cstddef>
+
+namespace lamplock::program {
+namespace {
+
+bool inside(const StepPosition& steps, const StepLimits& limits, int axes) {
+  for (int axis = 0; axis < axes; ++axis)
+    if (!limits.contains(axis, steps[static_cast<std::size_t>(axis)])) return false;
+  return true;
+}
+
+motion::Target to_target(const wire::Record& record) {
+  return {record.steps, record.beats, record.shots, record.channel, record.energy};
+}
+
+}  // namespace
+
+void PulseDecoder::begin(const wire::JobHeader& header) {
+  state_ = {};
+  state_.steps = header.origin_steps;
+  points_total_ = header.points_total;
+  axes_ = header.axes;
+}
+
+Result PulseDecoder::decode(std::span<const std::uint8_t> records, motion::PointQueue& queue,
+                            const StepLimits& limits) {
+  std::uint32_t index = queue.end();
+  wire::RecordState trial = state_;
+  const Result checked = wire::walk_records(records, axes_, trial, [&](const wire::Record& record) {
+    if (index >= points_total_) return Result::bad_value;
+    if (record.shots > most_shots_) return Result::unsupported;
+    if (!inside(record.steps, limits, axes_)) return Result::out_of_bounds;
+    ++index;
+    return Result::ok;
+  });
+  if (checked != Result::ok) {
+    refused_index_ = index;
+    return checked;
+  }
+  if (index - queue.end() > queue.free()) return Result::no_space;
+  return wire::walk_records(records, axes_, state_, [&queue](const wire::Record& record) {
+    return queue.push(to_target(record)) ? Result::ok : Result::no_space;
+  });
+}
+
+}  // namespace lamplock::program

@@ -1,0 +1,49 @@
+// Records of the pulse stream become targets (docs/wire-format.md, section 4).
+//
+// In:  the payload of one DATA frame at a time, in order (the link sees to that).
+// Out: targets in the point queue: all of a frame, or none.
+// Who: the controller's on_data, at main-loop level; an estimated 100 cycles a target, twice,
+// because
+//      every frame is checked to its end before its first target is pushed.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "firmware/motion/point_queue.hpp"
+#include "shared/result.hpp"
+#include "shared/wire/job_header.hpp"
+#include "shared/wire/records.hpp"
+#include "shared/work_space.hpp"
+
+namespace lamplock::program {
+
+/// Decoder of one job's records.
+class PulseDecoder {
+ public:
+  /// `most_shots`: the machine fires at most that often at one point.
+  explicit PulseDecoder(std::uint8_t most_shots = 255) : most_shots_(most_shots) {}
+
+  /// Starts a job: deltas count from the header's origin, indices from its first index.
+  void begin(const wire::JobHeader& header);
+
+  /// Decodes one payload into the queue, whose end() must be the index of the payload's first
+  /// target. Results: ok; no_space (ask again later); bad_frame (malformed); bad_value (channel,
+  /// shots, or more points than the header announced); out_of_bounds (outside `limits`, or beyond
+  /// 32 bits); unsupported (more than `most_shots` at one point). With any but ok neither queue nor
+  /// decoder has changed.
+  Result decode(std::span<const std::uint8_t> records, motion::PointQueue& queue,
+                const StepLimits& limits);
+
+  /// Index in the job of the target that the last refusal is about.
+  std::uint32_t refused_index() const { return refused_index_; }
+
+ private:
+  wire::RecordState state_;
+  std::uint32_t points_total_ = 0;
+  std::uint32_t refused_index_ = 0;
+  int axes_ = 0;
+  std::uint8_t most_shots_;
+};
+
+}  // namespace lamplock::program

@@ -1,0 +1,46 @@
+// A block of ticks: what the board turns into edges.
+//
+// In every block each axis has constant acceleration and does not change direction, and the lattice
+// bits are constant. A board either expands it tick by tick (`phase += rate, rate += accel`, the
+// carry is a step) or jumps to any tick by the closed form; both give the same steps at the same
+// ticks, to the bit.
+#pragma once
+
+#include <cstdint>
+
+#include "shared/int128.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::stepper {
+
+/// Outputs that change on the tick lattice.
+enum LatticeBit : std::uint8_t {
+  arm_bit = 1,      ///< the machine is in position for a shot
+  trigger_bit = 2,  ///< lamp trigger (master)
+};
+
+/// One axis in a block. Rate is added before the step is taken: tick j adds rate + j * accel.
+struct AxisRun {
+  Int128 position_q64;         ///< at the start of the block; the upper half is the step
+  std::int64_t rate_q62 = 0;   ///< added by the first tick; never changes sign inside a block
+  std::int64_t accel_q62 = 0;  ///< added to the rate after every tick
+
+  /// Position after n ticks, exact.
+  constexpr Int128 position_after(std::uint32_t n) const {
+    const auto triangle = static_cast<std::int64_t>(std::uint64_t{n} * (std::uint64_t{n} - 1) / 2);
+    return position_q64 +
+           ((Int128::product(rate_q62, n) + Int128::product(accel_q62, n == 0 ? 0 : triangle))
+            << 2);
+  }
+};
+
+/// A run of ticks.
+struct TickBlock {
+  std::uint64_t first_tick = 0;
+  std::uint32_t ticks = 0;
+  std::uint8_t bits = 0;  ///< LatticeBit
+  bool moving = false;    ///< some axis has a rate
+  PerAxis<AxisRun> axis{};
+};
+
+}  // namespace lamplock::stepper

@@ -1,0 +1,167 @@
+#include "host/job/job.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "host/error.hpp"
+#include "shared/work_space.hpp"
+
+namespace lamplock::job {
+namespace {
+
+using settings::Id;
+
+constexpr double milli_per_unit = 1000.0;
+constexpr int point_axes = 3;
+constexpr std::string_view axis_names = "XYZA";
+
+/// Settings that decide where a step is: without them the targets have no meaning.
+constexpr std::array geometry{Id::steps_per_mm_x, Id::travel_x, Id::min_corner_x};
+
+/// Rounds points to steps inside the work space.
+class Rounder {
+ public:
+  explicit Rounder(const settings::Values& values) : limits_(work_space(values)) {
+    for (int axis = 0; axis < point_axes; ++axis)
+      steps_per_mm_[static_cast<std::size_t>(axis)] =
+          values.milli(Id::steps_per_mm_x, axis) / milli_per_unit;
+  }
+
+  /// False if the point is outside.
+  bool round(const points::Point& point, StepPosition& steps) const {
+    const std::array mm{point.x, point.y, point.z};
+    for (int axis = 0; axis < point_axes; ++axis) {
+      const auto i = static_cast<std::size_t>(axis);
+      const double exact = std::round(mm[i] * steps_per_mm_[i]);
+      if (!(std::abs(exact) <= std::numeric_limits<std::int32_t>::max())) return false;
+      steps[i] = static_cast<std::int32_t>(exact);
+      // An axis that the machine lacks has limits 0..0.
+      if (!limits_.contains(axis, steps[i])) return false;
+    }
+    return true;
+  }
+
+ private:
+  StepLimits limits_;
+  std::array<double, point_axes> steps_per_mm_{};
+};
+
+std::string describe_work_space(const settings::Values& values) {
+  std::string text;
+  for (int axis = 0; axis < values.whole(Id::axes); ++axis) {
+    const double corner = values.milli(Id::min_corner_x, axis) / milli_per_unit;
+    const double travel = values.milli(Id::travel_x, axis) / milli_per_unit;
+    text += fmt::format("{}{} {:g}..{:g}", axis == 0 ? "" : ", ",
+                        axis_names[static_cast<std::size_t>(axis)], corner, corner + travel);
+  }
+  return text + " mm";
+}
+
+void add_override(wire::JobHeader& header, Id id, const settings::Values& values) {
+  const std::uint16_t number = settings::row(id).number;
+  for (const wire::Override& item : header.used_overrides())
+    if (item.number == number) return;
+  static_assert(settings::setting_count <= wire::max_overrides);
+  header.overrides[header.override_count++] = {number, values.milli(id)};
+}
+
+wire::JobHeader make_header(const Profile& profile, const JobOptions& options,
+                            std::size_t targets) {
+  const settings::Values& values = profile.settings;
+  wire::JobHeader header;
+  header.axes = static_cast<std::uint8_t>(values.whole(Id::axes));
+  header.mode = static_cast<std::uint8_t>(options.mode);
+  header.dry = options.dry;
+  header.points_total = static_cast<std::uint32_t>(targets);
+  header.settings_hash = options.check_settings ? values.hash() : 0;
+  add_override(header, Id::axes, values);
+  for (const Id x_row : geometry)
+    for (int axis = 0; axis < header.axes; ++axis)
+      add_override(header, settings::for_axis(x_row, axis), values);
+  for (std::size_t i = 0; i < settings::setting_count; ++i) {
+    const auto id = static_cast<Id>(i);
+    const bool changed = values.milli(id) != settings::row(id).default_milli;
+    if (profile.stated[i] || changed) add_override(header, id, values);
+  }
+  return header;
+}
+
+}  // namespace
+
+Job make_job(const points::PointCloud& points, const Profile& profile, const JobOptions& options) {
+  if (points.empty()) throw Error(Exit::bad_input, "job", "there are no points", "check the input");
+  if (points.size() > std::numeric_limits<std::uint32_t>::max())
+    throw Error(Exit::bad_input, "job", "too many points", "split the job");
+  if (options.shots == 0 || options.channel > wire::highest_channel)
+    throw Error(Exit::bad_input, "job", "shots or channel out of range",
+                "shots are 1..255, channels 0..3");
+  Job job;
+  job.settings = profile.settings;
+  job.header = make_header(profile, options, points.size());
+  job.targets.reserve(points.size());
+  const Rounder rounder(profile.settings);
+  std::size_t outside = 0;
+  std::size_t first_outside = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    motion::Target target{{}, 0, options.shots, options.channel, options.energy};
+    if (!rounder.round(points[i], target.steps) && outside++ == 0) first_outside = i;
+    job.targets.push_back(target);
+  }
+  if (outside != 0) {
+    const points::Point& point = points[first_outside];
+    throw Error(Exit::bad_input, fmt::format("point {}", first_outside),
+                fmt::format("({:g}, {:g}, {:g}) mm is outside the work space, as {} of {} points",
+                            point.x, point.y, point.z, outside, points.size()),
+                fmt::format("keep to {}", describe_work_space(profile.settings)));
+  }
+  return job;
+}
+
+wire::JobHeader header_from(const Job& job, std::size_t first) {
+  wire::JobHeader header = job.header;
+  header.first_index = static_cast<std::uint32_t>(first);
+  if (first > 0) header.origin_steps = job.targets[first - 1].steps;
+  return header;
+}
+
+settings::Values apply_overrides(const settings::Values& base, const wire::JobHeader& header,
+                                 const std::string& where) {
+  settings::Values values = base;
+  for (const wire::Override& item : header.used_overrides()) {
+    const Id id = settings::find_number(item.number);
+    if (id == Id::count || !values.set_milli(id, item.value_milli))
+      throw Error(Exit::bad_input, where,
+                  fmt::format("setting ${} = {:.3f} is unknown or out of range", item.number,
+                              item.value_milli / milli_per_unit),
+                  "make the job again with this version of lamplock");
+  }
+  return values;
+}
+
+RecordEncoder::RecordEncoder(const Job& job, std::size_t first) : job_(&job), index_(first) {
+  state_.steps = header_from(job, first).origin_steps;
+}
+
+std::vector<std::uint8_t> RecordEncoder::next(std::size_t max_bytes, std::size_t max_points) {
+  std::vector<std::uint8_t> payload(max_bytes);
+  wire::ByteWriter out(payload);
+  for (std::size_t count = 0; count < max_points && index_ < job_->targets.size(); ++count) {
+    if (out.room() < wire::max_record_size) break;
+    const motion::Target& t = job_->targets[index_];
+    if (!wire::put_record(out, state_, {t.steps, t.beats, t.shots, t.channel, t.energy},
+                          job_->header.axes))
+      throw Error(Exit::bad_input, fmt::format("point {}", index_),
+                  "is too far from the one before, or uses an axis the machine lacks",
+                  "keep inside the work space");
+    ++index_;
+  }
+  payload.resize(out.size());
+  return payload;
+}
+
+}  // namespace lamplock::job

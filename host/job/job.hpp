@@ -1,0 +1,74 @@
+// A job: what the firmware is to do, in steps.
+//
+// In:  a cloud of points [mm] in the order to engrave, a machine profile, options.
+// Out: the header and the targets; RecordEncoder cuts them into payloads for DATA frames, from any
+//      point on.
+// Who: the command line makes jobs, the sender and the job file carry them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "firmware/motion/target.hpp"
+#include "host/job/profile.hpp"
+#include "host/points/point.hpp"
+#include "shared/settings_table.hpp"
+#include "shared/wire/job_header.hpp"
+#include "shared/wire/records.hpp"
+
+namespace lamplock::job {
+
+/// How points become a job.
+struct JobOptions {
+  motion::JoinMode mode = motion::JoinMode::free;
+  bool dry = false;             ///< move, never fire
+  std::uint8_t shots = 1;       ///< flashes at each point
+  std::uint8_t channel = 0;     ///< beam channel 0..3
+  std::uint16_t energy = 0;     ///< 0 = as the machine stands
+  bool check_settings = false;  ///< let the machine refuse if any other setting differs
+};
+
+/// Header and targets. The header's first_index is 0; the sender starts elsewhere on request.
+struct Job {
+  wire::JobHeader header;
+  std::vector<motion::Target> targets;
+  settings::Values settings;  ///< the job was made for these
+};
+
+/// Makes a job: each coordinate is rounded to the nearest step of its axis. Throws
+/// Error(bad_input) if there is no point or any is outside the work space (or not finite): how
+/// many, and index and coordinates of the first.
+Job make_job(const points::PointCloud& points, const Profile& profile, const JobOptions& options);
+
+/// Header for sending from target `first` on (first <= number of targets).
+wire::JobHeader header_from(const Job& job, std::size_t first);
+
+/// Settings the header's overrides make of `base`. Throws Error(bad_input), at `where`, for a
+/// number that is not in the table or a value out of range.
+settings::Values apply_overrides(const settings::Values& base, const wire::JobHeader& header,
+                                 const std::string& where = "job");
+
+/// Cuts the targets of a job into payloads, each to be decoded after the one before.
+class RecordEncoder {
+ public:
+  /// Starts at target `first`, with the reference of header_from(job, first). The job must outlive
+  /// the encoder.
+  RecordEncoder(const Job& job, std::size_t first);
+
+  /// The next payload: at most `max_bytes` bytes (at least wire::max_record_size) and
+  /// `max_points` targets; empty at the end of the job. Throws Error(bad_input) if two targets are
+  /// further apart than 32 bits of steps.
+  std::vector<std::uint8_t> next(std::size_t max_bytes, std::size_t max_points);
+
+  /// Index after the last target encoded.
+  std::size_t index() const { return index_; }
+
+ private:
+  const Job* job_;
+  std::size_t index_;
+  wire::RecordState state_;
+};
+
+}  // namespace lamplock::job

@@ -1,0 +1,143 @@
+#include "host/job/job_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "host/error.hpp"
+#include "shared/wire/bytes.hpp"
+#include "shared/wire/crc32.hpp"
+
+namespace lamplock::job {
+namespace {
+
+constexpr std::array<std::uint8_t, 8> magic{'L', 'L', 'J', 0x1A, '\r', '\n', 0x00, 0xB5};
+constexpr std::uint16_t file_version = 1;
+constexpr std::size_t payload_bytes = 1 << 16;
+constexpr double milli_per_unit = 1000.0;
+
+[[noreturn]] void fail(const std::string& name, const std::string& what) {
+  throw Error(Exit::bad_input, name, what, "make the job again with `lamplock job`");
+}
+
+std::vector<std::uint8_t> encode_targets(const Job& job) {
+  std::vector<std::uint8_t> stream;
+  RecordEncoder encoder(job, 0);
+  for (auto piece = encoder.next(payload_bytes, payload_bytes); !piece.empty();
+       piece = encoder.next(payload_bytes, payload_bytes))
+    stream.insert(stream.end(), piece.begin(), piece.end());
+  return stream;
+}
+
+/// Checks magic, version and checksum; returns what stands between version and checksum.
+std::span<const std::uint8_t> open_envelope(std::span<const std::uint8_t> bytes,
+                                            const std::string& name) {
+  if (bytes.size() < magic.size() || !std::equal(magic.begin(), magic.end(), bytes.begin()))
+    fail(name, "is not a lamplock job file");
+  if (bytes.size() < magic.size() + sizeof file_version + sizeof(std::uint32_t))
+    fail(name, "is truncated");
+  wire::ByteReader tail(bytes.last(sizeof(std::uint32_t)));
+  const auto body = bytes.first(bytes.size() - sizeof(std::uint32_t));
+  if (tail.take<std::uint32_t>() != wire::crc32(body)) fail(name, "is truncated or corrupt");
+  wire::ByteReader in(body.subspan(magic.size()));
+  if (const auto version = in.take<std::uint16_t>(); version != file_version)
+    fail(name, fmt::format("has version {}, this program reads {}", version, file_version));
+  return in.rest();
+}
+
+std::vector<motion::Target> decode_targets(std::span<const std::uint8_t> stream,
+                                           const wire::JobHeader& header, const std::string& name) {
+  std::vector<motion::Target> targets;
+  wire::RecordState state;
+  state.steps = header.origin_steps;
+  const Result result = wire::walk_records(stream, header.axes, state, [&](const auto& record) {
+    targets.push_back({record.steps, record.beats, record.shots, record.channel, record.energy});
+    return Result::ok;
+  });
+  if (result != Result::ok || targets.size() != header.points_total)
+    fail(name, "has a malformed pulse stream");
+  return targets;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_job_file(const Job& job) {
+  const std::vector<std::uint8_t> stream = encode_targets(job);
+  if (stream.size() > std::numeric_limits<std::uint32_t>::max())
+    fail("job", "is too long for a file");
+  wire::JobHeader header = job.header;
+  header.settings_hash = job.settings.hash();
+  std::array<std::uint8_t, wire::max_job_header_size> header_bytes{};
+  wire::ByteWriter header_out(header_bytes);
+  wire::write_job_header(header_out, header);
+
+  std::vector<std::uint8_t> bytes(magic.size() + sizeof file_version + sizeof(std::uint16_t) +
+                                  header_out.size() + sizeof(std::uint32_t) + stream.size() +
+                                  sizeof(std::uint32_t));
+  wire::ByteWriter out(bytes);
+  out.put_bytes(magic);
+  out.put(file_version);
+  out.put(static_cast<std::uint16_t>(header_out.size()));
+  out.put_bytes(header_out.written());
+  out.put(static_cast<std::uint32_t>(stream.size()));
+  out.put_bytes(stream);
+  out.put(wire::crc32(out.written()));
+  return bytes;
+}
+
+Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name) {
+  wire::ByteReader in(open_envelope(bytes, name));
+  const auto header_size = in.take<std::uint16_t>();
+  if (!in.ok() || in.left() < header_size) fail(name, "is malformed");
+  Job job;
+  const Result result = wire::read_job_header(in.rest().first(header_size), job.header);
+  if (result == Result::bad_version) fail(name, "was made for another version of the firmware");
+  if (result != Result::ok || job.header.first_index != 0) fail(name, "has a malformed header");
+  wire::ByteReader rest(in.rest().subspan(header_size));
+  const auto stream_size = rest.take<std::uint32_t>();
+  if (!rest.ok() || rest.left() != stream_size) fail(name, "is malformed");
+  job.settings = apply_overrides(settings::Values{}, job.header, name);
+  if (job.settings.hash() != job.header.settings_hash)
+    fail(name, "was made with other settings than this program knows");
+  job.targets = decode_targets(rest.rest(), job.header, name);
+  return job;
+}
+
+void write_job_file(const std::filesystem::path& file, const Job& job) {
+  const std::vector<std::uint8_t> bytes = encode_job_file(job);
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out)
+    throw Error(Exit::bad_input, file.string(), "cannot write the job file",
+                "check path and space");
+}
+
+Job read_job_file(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file))
+    throw Error(Exit::bad_input, file.string(), "cannot read the job file", "check the path");
+  const std::vector<char> text((std::istreambuf_iterator<char>(in)), {});
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  return decode_job_file(bytes, file.string());
+}
+
+void check_settings(const Job& job, const Profile& profile, const std::string& name) {
+  for (std::size_t i = 0; i < settings::setting_count; ++i) {
+    const auto id = static_cast<settings::Id>(i);
+    const std::int32_t made_for = job.settings.milli(id);
+    const std::int32_t machine = profile.settings.milli(id);
+    if (made_for != machine)
+      throw Error(
+          Exit::bad_input, name,
+          fmt::format("was made for {} = {:g}, the machine has {:g}", settings::row(id).name,
+                      made_for / milli_per_unit, machine / milli_per_unit),
+          "make the job again for this machine");
+  }
+}
+
+}  // namespace lamplock::job

@@ -1,0 +1,155 @@
+#include "host/job/profile.hpp"
+
+#include <fmt/format.h>
+#define TOML_EXCEPTIONS 1
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "host/error.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::job {
+namespace {
+
+using settings::Id;
+using settings::Row;
+using settings::setting_count;
+
+constexpr std::string_view first_axis_suffix = "_x";
+constexpr double milli_per_unit = 1000.0;
+
+[[noreturn]] void fail(const std::string& where, const std::string& what,
+                       const std::string& remedy) {
+  throw Error(Exit::bad_input, where, what, remedy);
+}
+
+/// A value in thousandths as a person writes it: no trailing zeros.
+std::string format_milli(std::int32_t milli) {
+  const std::string text = fmt::format("{:.3f}", milli / milli_per_unit);
+  const auto last = text.find_last_not_of('0');
+  return text.substr(0, text[last] == '.' ? last : last + 1);
+}
+
+std::string range_of(const Row& row) {
+  return fmt::format("{} is {}..{} {}{}", row.name, format_milli(row.min_milli),
+                     format_milli(row.max_milli), row.unit, row.whole ? ", a whole number" : "");
+}
+
+Id id_of(std::size_t index) { return static_cast<Id>(index); }
+
+/// The X row of settings that exist once per axis, by their name without suffix.
+std::optional<Id> find_per_axis(std::string_view key) {
+  const Id id = settings::find_name(std::string(key) + std::string(first_axis_suffix));
+  if (id == Id::count) return std::nullopt;
+  return id;
+}
+
+std::string location(const std::filesystem::path& file, const toml::source_region& source) {
+  return fmt::format("{}:{}", file.string(), source.begin.line);
+}
+
+double number_of(const toml::node& node, const std::string& where, std::string_view key) {
+  if (const auto* flag = node.as_boolean()) return flag->get() ? 1.0 : 0.0;
+  if (const auto number = node.value<double>(); number && node.is_number()) return *number;
+  fail(where, fmt::format("'{}' must be a number", key), "write it without quotes");
+}
+
+void read_axes(Profile& profile, Id x_row, std::string_view key, const toml::node& node,
+               const std::string& where) {
+  const toml::array* values = node.as_array();
+  if (values == nullptr || values->empty() || values->size() > max_axes)
+    fail(where, fmt::format("'{}' must be an array of 1 to {} numbers, X first", key, max_axes),
+         fmt::format("write {} = [x, y, z]", key));
+  for (std::size_t axis = 0; axis < values->size(); ++axis)
+    state_setting(profile, settings::for_axis(x_row, static_cast<int>(axis)),
+                  number_of(*values->get(axis), where, key), where);
+}
+
+void read_key(Profile& profile, std::string_view key, const toml::node& node,
+              const std::string& where) {
+  if (key == "name") {
+    const auto text = node.value<std::string>();
+    if (!text || !node.is_string()) fail(where, "'name' must be a text", "write it in quotes");
+    profile.name = *text;
+  } else if (const auto x_row = find_per_axis(key)) {
+    read_axes(profile, *x_row, key, node, where);
+  } else if (const Id id = settings::find_name(key); id != Id::count) {
+    state_setting(profile, id, number_of(node, where, key), where);
+  } else {
+    fail(where, fmt::format("unknown key '{}'", key),
+         "use the names of the settings table (examples/machine.toml lists them)");
+  }
+}
+
+}  // namespace
+
+Profile default_profile() { return {}; }
+
+Profile read_profile(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file))
+    fail(file.string(), "cannot read the machine profile", "check the path");
+  toml::table table;
+  try {
+    table = toml::parse(in, file.string());
+  } catch (const toml::parse_error& error) {
+    fail(location(file, error.source()), std::string(error.description()), "correct the line");
+  }
+  Profile profile;
+  profile.name = file.stem().string();
+  for (const auto& [key, node] : table)
+    read_key(profile, key.str(), node, location(file, key.source()));
+  return profile;
+}
+
+void write_profile(const std::filesystem::path& file, const Profile& profile) {
+  std::ofstream out(file);
+  toml::table name;
+  name.insert("name", profile.name);
+  out << "# Machine profile of lamplock. What is commented out is the machine's own setting.\n"
+      << name << "\n";
+  for (std::size_t i = 0; i < setting_count; ++i) {
+    const Row& row = settings::table[i];
+    out << fmt::format("\n# ${}: {} [{}], {}..{}\n{}{} = {}\n", row.number, row.description,
+                       row.unit, format_milli(row.min_milli), format_milli(row.max_milli),
+                       profile.stated[i] ? "" : "# ", row.name,
+                       format_milli(profile.settings.milli(id_of(i))));
+  }
+  out.close();
+  if (!out) fail(file.string(), "cannot write the machine profile", "check path and space");
+}
+
+void state_setting(Profile& profile, Id id, double value, const std::string& where) {
+  const Row& row = settings::row(id);
+  const double milli = std::round(value * milli_per_unit);
+  const bool fits = milli >= static_cast<double>(std::numeric_limits<std::int32_t>::min()) &&
+                    milli <= static_cast<double>(std::numeric_limits<std::int32_t>::max());
+  if (!fits || !profile.settings.set_milli(id, static_cast<std::int32_t>(milli)))
+    fail(where, fmt::format("{} = {} is out of range", row.name, value), range_of(row));
+  profile.stated.set(static_cast<std::size_t>(id));
+}
+
+void set_lamp_hz(Profile& profile, double hz) {
+  state_setting(profile, Id::lamp_frequency, hz, "--lamp");
+}
+
+void set_acceleration(Profile& profile, double m_s2) {
+  constexpr double mm_s2_per_m_s2 = 1000.0;
+  for (int axis = 0; axis < max_axes; ++axis)
+    state_setting(profile, settings::for_axis(Id::acceleration_x, axis), m_s2 * mm_s2_per_m_s2,
+                  "--accel");
+}
+
+void set_speed(Profile& profile, double m_s) {
+  constexpr double mm_min_per_m_s = 60'000.0;
+  for (int axis = 0; axis < max_axes; ++axis)
+    state_setting(profile, settings::for_axis(Id::max_rate_x, axis), m_s * mm_min_per_m_s,
+                  "--speed");
+}
+
+}  // namespace lamplock::job

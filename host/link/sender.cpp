@@ -1,0 +1,427 @@
+#include "host/link/sender.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <random>
+#include <utility>
+
+#include "host/error.hpp"
+#include "shared/settings_table.hpp"
+#include "shared/wire/job_header.hpp"
+
+namespace lamplock::link {
+namespace {
+
+using std::chrono::microseconds;
+
+/// Points in one DATA frame at most: an acknowledgement every few dozen points keeps space and
+/// progress fresh, and the header of a frame costs a quarter of a byte per point.
+constexpr std::size_t most_points_per_frame = 64;
+/// Bytes handed to the transport ahead: more would only delay a hold.
+constexpr std::size_t most_backlog = 2 * wire::max_frame;
+constexpr microseconds reconnect_interval{200'000};
+/// How long the machine may take to come to rest after the last shot or a stop.
+constexpr microseconds rest_timeout{10'000'000};
+/// Rounds in which the machine may refuse points for a passing reason before the job fails.
+constexpr int most_soft_refusals = 20;
+constexpr microseconds longest_wait{10'000};
+constexpr microseconds shortest_wait{500};
+constexpr std::chrono::milliseconds progress_interval{50};
+constexpr std::int64_t us_per_ms = 1'000;
+
+std::uint32_t choose_session(std::uint32_t wanted) {
+  if (wanted != 0) return wanted;
+  std::random_device random;
+  return std::uniform_int_distribution<std::uint32_t>(1)(random);
+}
+
+const job::Job& check_first(const job::Job& job, std::size_t first) {
+  if (first <= job.targets.size()) return job;
+  throw Error(Exit::bad_input, fmt::format("point {}", first), "is beyond the end of the job",
+              fmt::format("the job has {} points", job.targets.size()));
+}
+
+/// A wish of the machine that passes by itself or shows in STATUS.
+bool is_soft(Result result) {
+  return result == Result::no_job || result == Result::busy || result == Result::locked ||
+         result == Result::door_open;
+}
+
+std::string describe_setting(std::uint32_t number) {
+  const auto id = settings::find_number(static_cast<std::uint16_t>(number));
+  if (number == 0 || id == settings::Id::count) return "a value";
+  return fmt::format("${} ({})", number, settings::row(id).name);
+}
+
+}  // namespace
+
+JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions options)
+    : transport_(transport),
+      job_(check_first(job, options.first_index)),
+      options_(std::move(options)),
+      connection_(transport),
+      encoder_(job, options_.first_index),
+      session_(choose_session(options_.session)),
+      // Tags start anywhere, so that an answer to somebody else is not taken for one to us.
+      tag_(session_ & 0x7FFFFFFFu) {
+  const std::int64_t dead_man_ms = job.settings.whole(settings::Id::dead_man);
+  if (dead_man_ms > 0) {
+    const Time quarter{dead_man_ms * us_per_ms / 4};
+    options_.status_interval = std::min(options_.status_interval, quarter);
+    options_.reply_timeout = std::min(options_.reply_timeout, quarter);
+  }
+  const Time now = transport_.now();
+  started_at_ = heard_at_ = now;
+  asked_at_ = now - options_.reply_timeout;
+}
+
+JobResult JobSender::run(const std::function<void(const Progress&)>& report) {
+  using Clock = std::chrono::steady_clock;
+  auto reported = Clock::now();
+  while (step()) {
+    const auto now = Clock::now();
+    if (!report || now - reported < progress_interval) continue;
+    reported = now;
+    report(progress());
+  }
+  if (report) report(progress());
+  return result();
+}
+
+bool JobSender::step() {
+  if (phase_ == Phase::ended) return false;
+  receive();
+  keep_connected();
+  if (phase_ == Phase::stream) {
+    steer();
+    stream();
+    check_end();
+  } else if (phase_ == Phase::begin) {
+    begin();
+  }
+  if (phase_ == Phase::ended) return false;
+  ask();
+  connection_.flush();
+  transport_.wait(pause_length());
+  return true;
+}
+
+Progress JobSender::progress() const {
+  const std::size_t first = options_.first_index;
+  Progress progress;
+  progress.points_total = job_.targets.size();
+  progress.points_fired =
+      phase_ == Phase::hello || phase_ == Phase::begin ? first : status_.first_unfired;
+  progress.elapsed = result().elapsed;
+  if (progress.points_fired > first)
+    progress.left = microseconds(static_cast<std::int64_t>(
+        static_cast<double>(progress.elapsed.count()) *
+        static_cast<double>(progress.points_total - progress.points_fired) /
+        static_cast<double>(progress.points_fired - first)));
+  return progress;
+}
+
+JobResult JobSender::result() const {
+  const Time elapsed = phase_ == Phase::ended ? elapsed_ : transport_.now() - started_at_;
+  return {end_, status_, resent_, connection_.bad_frames(), reconnects_, elapsed};
+}
+
+void JobSender::receive() {
+  while (const auto message = connection_.receive())
+    std::visit([this](const auto& what) { handle(what); }, *message);
+}
+
+void JobSender::handle(const std::string& text) {
+  if (text_seen_.empty()) text_seen_ = text;
+  if (options_.on_text) options_.on_text(text);
+}
+
+void JobSender::handle(const wire::Status& status) {
+  if (status.version != wire::protocol_version)
+    throw Error(Exit::no_device, "machine",
+                fmt::format("its firmware speaks protocol version {}, this program {}",
+                            status.version, wire::protocol_version),
+                "install firmware and program of one release");
+  const bool answers = take_barrier(status);
+  if (!synced_ && !answers) return;
+  if (synced_ && status.number <= status_.number) return;
+  synced_ = true;
+  heard_at_ = transport_.now();
+  status_ = status;
+  if (phase_ == Phase::hello) {
+    phase_ = Phase::begin;
+    begin_at_ = heard_at_;
+  }
+  if (phase_ == Phase::begin && status.session == session_) {
+    phase_ = Phase::stream;
+    started_at_ = heard_at_;
+    finish_by_.reset();
+    frame_points_ = std::clamp<std::size_t>(status.free_points / 4, 1, most_points_per_frame);
+  }
+  if (phase_ != Phase::stream) return;
+  const std::uint32_t acknowledged = built_ - static_cast<std::uint32_t>(frames_.size());
+  if (status.session != session_ || status.next_number > built_ + 1 ||
+      status.next_number <= acknowledged)
+    return end(JobEnd::restarted);
+  acknowledge(status);
+}
+
+/// Takes the answer to one of our questions; what it proves lost will be written again.
+bool JobSender::take_barrier(const wire::Status& status) {
+  const auto found = std::find_if(barriers_.begin(), barriers_.end(), [&](const Barrier& barrier) {
+    return barrier.tag == status.echo;
+  });
+  if (found == barriers_.end()) return false;
+  const Barrier barrier = *found;
+  barriers_.erase(barriers_.begin(), found + 1);
+  const bool ours = phase_ == Phase::stream && status.session == session_;
+  if (ours && status.next_number < barrier.number && !frames_.empty() &&
+      status.next_number >= frames_.front().number)
+    cursor_ = std::min<std::size_t>(cursor_, status.next_number - frames_.front().number);
+  return true;
+}
+
+/// Forgets the frames that the machine has.
+void JobSender::acknowledge(const wire::Status& status) {
+  while (!frames_.empty() && frames_.front().number < status.next_number) {
+    frames_.pop_front();
+    if (cursor_ > 0) --cursor_;
+    soft_refusals_ = 0;
+  }
+}
+
+void JobSender::handle(const RefusedFrame& frame) {
+  const wire::Refused& refused = frame.refused;
+  if (refused.type == wire::FrameType::begin) {
+    if (phase_ != Phase::begin) return;
+    if (refused.result == Result::busy && options_.take_over) return take_over();
+    refuse_job(frame);
+  }
+  const bool numbered =
+      refused.type == wire::FrameType::data || refused.type == wire::FrameType::end;
+  if (!numbered || phase_ != Phase::stream || stop_sent_) return;
+  if (is_soft(refused.result) && ++soft_refusals_ < most_soft_refusals) return;
+  command(wire::Command::stop);
+  connection_.flush();
+  refuse_job(frame);
+}
+
+/// Throws what a refusal means to the user.
+void JobSender::refuse_job(const RefusedFrame& frame) const {
+  const wire::Refused& refused = frame.refused;
+  const bool of_point = refused.type != wire::FrameType::begin;
+  const std::string where = of_point ? fmt::format("point {}", refused.value) : "machine";
+  switch (refused.result) {
+    case Result::busy:
+      throw Error(Exit::job_failed, where, "another job is running", "wait for it or stop it");
+    case Result::no_job:
+      throw Error(Exit::job_failed, where, "the job was ended by the machine", "start it again");
+    case Result::locked:
+      throw Error(Exit::job_failed, where, "is locked after an alarm", "unlock or home it first");
+    case Result::door_open:
+      throw Error(Exit::job_failed, where, "door open or e-stop pressed",
+                  "close the door, release the e-stop");
+    case Result::bad_version:
+      throw Error(Exit::no_device, where, "its firmware speaks another protocol version",
+                  "install firmware and program of one release");
+    case Result::settings_mismatch:
+      throw Error(Exit::bad_input, where, "the job was made for other settings",
+                  "make the job again with this machine's profile");
+    case Result::out_of_bounds:
+      throw Error(Exit::bad_input, where, "is outside the machine's work space",
+                  "check travel and corner in the machine profile");
+    case Result::unreachable:
+      throw Error(Exit::bad_input, where, "cannot be reached inside the machine's limits",
+                  "check speed, acceleration and beats");
+    case Result::bad_value:
+      throw Error(
+          Exit::bad_input, where,
+          fmt::format("refuses {}", of_point ? "the record" : describe_setting(refused.value)),
+          "keep inside the range of the setting");
+    default:
+      throw Error(Exit::bad_input, where,
+                  fmt::format("refuses the job (result {})", static_cast<int>(refused.result)),
+                  "check that program and firmware are of one release");
+  }
+}
+
+/// Notices a cut connection and tries to make a new one.
+void JobSender::keep_connected() {
+  const Time now = transport_.now();
+  const bool hello = phase_ == Phase::hello;
+  if (hello && now - started_at_ >= options_.hello_timeout) throw_no_answer();
+  if (!cut_) {
+    const bool silent = !hello && now - heard_at_ >= options_.silence_limit;
+    if (transport_.connected() && !silent) return;
+    cut_ = true;
+    lost_at_ = heard_at_;
+    reconnect_at_ = now;
+  }
+  if (wish_ == Wish::stop) return end(JobEnd::stopped);
+  if (now - lost_at_ >= options_.give_up) return end(JobEnd::lost);
+  if (now < reconnect_at_) return;
+  reconnect_at_ = now + reconnect_interval;
+  if (!connection_.reconnect()) return;
+  cut_ = false;
+  ++reconnects_;
+  synced_ = false;
+  // Only the machine knows what it has: write nothing before it has said so.
+  barriers_.clear();
+  cursor_ = 0;
+  heard_at_ = now;
+  asked_at_ = now - options_.reply_timeout;
+}
+
+void JobSender::throw_no_answer() const {
+  const std::string what = text_seen_.empty()
+                               ? "does not answer"
+                               : fmt::format("answers in text ('{}'), not in frames", text_seen_);
+  throw Error(Exit::no_device, "machine", what, "check port, power and firmware");
+}
+
+/// Asks how the machine stands: behind a burst, when it is time, or again when no answer came.
+void JobSender::ask() {
+  if (cut_) return;
+  const Time now = transport_.now();
+  const Time since = now - asked_at_;
+  const bool burst_open = synced_ && barriers_.empty() && cursor_ > 0;
+  const Time interval =
+      barriers_.empty() && synced_ ? options_.status_interval : options_.reply_timeout;
+  if (!burst_open && since < interval) return;
+  barriers_.push_back({++tag_, next_to_write()});
+  connection_.send_query(session_, tag_);
+  asked_at_ = now;
+}
+
+std::uint32_t JobSender::next_to_write() const {
+  return cursor_ < frames_.size() ? frames_[cursor_].number : built_ + 1;
+}
+
+void JobSender::begin() {
+  if (cut_ || !synced_) return;
+  const Time now = transport_.now();
+  if (begin_sent_ && now - begin_at_ < options_.reply_timeout) return;
+  std::array<std::uint8_t, wire::max_job_header_size> payload{};
+  wire::ByteWriter out(payload);
+  wire::write_job_header(out, job::header_from(job_, options_.first_index));
+  connection_.send({wire::FrameType::begin, session_, 0}, out.written());
+  begin_sent_ = true;
+  begin_at_ = now;
+}
+
+/// Stops the job of a host that has gone; BEGIN is sent again until the machine is free.
+void JobSender::take_over() {
+  const Time now = transport_.now();
+  if (!taking_over_) finish_by_ = now + rest_timeout;
+  taking_over_ = true;
+  if (now > *finish_by_)
+    throw Error(Exit::job_failed, "machine", "another job does not end", "reset the machine");
+  const std::array payload{static_cast<std::uint8_t>(wire::Command::stop)};
+  connection_.send({wire::FrameType::command, status_.session, status_.last_command + 1}, payload);
+}
+
+/// Brings the machine to what the user wishes.
+void JobSender::steer() {
+  if (cut_ || !synced_) return;
+  const Time now = transport_.now();
+  const bool taken = status_.last_command >= command_number_;
+  if (now - command_at_ < (taken ? options_.status_interval : options_.reply_timeout) &&
+      command_number_ > 0 && !(wish_ == Wish::stop && !stop_sent_))
+    return;
+  if (wish_ == Wish::stop && !stop_sent_) {
+    stop_sent_ = true;
+    finish_by_ = now + rest_timeout;
+    return command(wire::Command::stop);
+  }
+  if (!taken) return send_command();
+  if (stop_sent_) return;
+  const bool held = status_.state == wire::MachineState::hold;
+  // A hold for another reason might end by itself or by a stray byte: ours does not.
+  const bool firmly_held = held && status_.hold_reason == wire::HoldReason::host;
+  if (wish_ == Wish::hold && !firmly_held && (held || status_.state == wire::MachineState::run))
+    return command(wire::Command::hold);
+  if (wish_ != Wish::run) return;
+  // A hold that nobody at the host asked for is resumed; after a door only the user may.
+  const bool door = status_.state == wire::MachineState::door;
+  if ((held && status_.hold_reason != wire::HoldReason::none) ||
+      ((held || door) && resume_asked_.load())) {
+    resume_asked_.store(false);
+    command(wire::Command::resume);
+  }
+}
+
+void JobSender::command(wire::Command what) {
+  command_ = what;
+  ++command_number_;
+  send_command();
+}
+
+void JobSender::send_command() {
+  const std::array payload{static_cast<std::uint8_t>(command_)};
+  connection_.send({wire::FrameType::command, session_, command_number_}, payload);
+  command_at_ = transport_.now();
+}
+
+/// Writes frames as far as window and the machine's space go.
+void JobSender::stream() {
+  if (cut_ || !synced_ || stop_sent_) return;
+  const std::size_t limit = std::size_t{status_.received} + status_.free_points;
+  while (connection_.backlog() < most_backlog) {
+    if (cursor_ == frames_.size() && !build_frame()) return;
+    const Frame& frame = frames_[cursor_];
+    if (frame.end_index > limit) return;
+    connection_.send({frame.type, session_, frame.number}, frame.payload);
+    if (frame.number <= written_) ++resent_;
+    written_ = std::max(written_, frame.number);
+    ++cursor_;
+  }
+}
+
+/// Builds the next frame; false if the window is full or everything has been built.
+bool JobSender::build_frame() {
+  if (end_built_ || frames_.size() >= options_.window_frames) return false;
+  Frame frame{wire::FrameType::data, built_ + 1, 0,
+              encoder_.next(wire::max_payload, frame_points_)};
+  if (frame.payload.empty()) {
+    frame.type = wire::FrameType::end;
+    frame.payload.resize(sizeof(std::uint32_t));
+    wire::ByteWriter out(frame.payload);
+    out.put(static_cast<std::uint32_t>(job_.targets.size()));
+    end_built_ = true;
+  }
+  frame.end_index = encoder_.index();
+  frames_.push_back(std::move(frame));
+  ++built_;
+  return true;
+}
+
+void JobSender::check_end() {
+  if (phase_ != Phase::stream) return;
+  using wire::MachineState;
+  const MachineState state = status_.state;
+  if (state == MachineState::alarm || state == MachineState::estop) return end(JobEnd::alarm);
+  const bool moving = state == MachineState::run;
+  const bool all_taken = end_built_ && frames_.empty();
+  const bool all_done = all_taken && status_.first_unfired >= job_.targets.size();
+  const bool stop_taken = stop_sent_ && status_.last_command >= command_number_;
+  if (!all_done && !stop_sent_) return;
+  if (!finish_by_) finish_by_ = transport_.now() + rest_timeout;
+  const bool rested = stop_sent_ ? stop_taken && state == MachineState::idle : !moving;
+  if (!rested && transport_.now() < *finish_by_) return;
+  end(all_done ? JobEnd::done : JobEnd::stopped);
+}
+
+void JobSender::end(JobEnd how) {
+  if (phase_ == Phase::ended) return;
+  elapsed_ = transport_.now() - started_at_;
+  end_ = how;
+  phase_ = Phase::ended;
+}
+
+JobSender::Time JobSender::pause_length() const {
+  return connection_.backlog() > 0 ? Time(shortest_wait) : Time(longest_wait);
+}
+
+}  // namespace lamplock::link

@@ -1,0 +1,187 @@
+// Sends a job and sees it through to its last shot (docs/wire-format.md, section 2).
+//
+// In:  a job, a transport, the wishes of the user (pause, resume, stop).
+// Out: frames; progress; at the end how it went.
+// Who: the command line. Not thread-safe but for the wishes, which may come from a signal handler.
+//
+// The sender never guesses what the machine has: what STATUS says is what it has. A QUERY behind
+// each burst tells for certain which frames were lost; they are sent again, no others.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/job/job.hpp"
+#include "host/link/connection.hpp"
+#include "host/link/transport.hpp"
+#include "shared/wire/status.hpp"
+
+namespace lamplock::link {
+
+/// How patient the sender is, and where it starts. All times are times of the transport.
+struct SenderOptions {
+  std::chrono::microseconds hello_timeout{3'000'000};  ///< until the first answer
+  std::chrono::microseconds reply_timeout{250'000};    ///< until a question is asked again
+  std::chrono::microseconds silence_limit{2'000'000};  ///< until the connection counts as cut
+  std::chrono::microseconds give_up{60'000'000};       ///< without connection until the end
+  std::chrono::microseconds status_interval{100'000};  ///< between questions when all is well
+  std::size_t window_frames = 16;                      ///< frames sent and not acknowledged
+  std::size_t first_index = 0;                         ///< go on with a job at this point
+  std::uint32_t session = 0;                           ///< 0 = choose at random
+  bool take_over = false;  ///< stop a job of another host that is still there
+  std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
+};
+
+/// Where a job stands.
+struct Progress {
+  std::size_t points_fired = 0;  ///< all before this index are done
+  std::size_t points_total = 0;
+  std::chrono::microseconds elapsed{0};
+  std::optional<std::chrono::microseconds> left;  ///< by the pace so far; unknown at first
+};
+
+/// How a job ended.
+enum class JobEnd : std::uint8_t {
+  done,       ///< every point fired
+  stopped,    ///< by the user
+  alarm,      ///< status.state and status.alarm tell which; e-stop too
+  lost,       ///< no connection any more
+  restarted,  ///< the machine has forgotten the job: its power or watchdog
+};
+
+/// Result of a job that was begun.
+struct JobResult {
+  JobEnd end = JobEnd::done;
+  wire::Status status;           ///< last one received; first_unfired is where to go on
+  std::uint64_t resent = 0;      ///< frames sent again
+  std::uint64_t bad_frames = 0;  ///< frames from the machine that came in broken
+  std::uint64_t reconnects = 0;
+  std::chrono::microseconds elapsed{0};
+};
+
+/// Sends one job. Construct, run(), read the result.
+class JobSender {
+ public:
+  /// Transport and job must outlive the sender. Throws Error(bad_input) if first_index is beyond
+  /// the job.
+  JobSender(Transport& transport, const job::Job& job, SenderOptions options = {});
+
+  /// Runs the job to its end; `progress` is called some 20 times a second. Throws Error:
+  /// no_device (no answer, other version), bad_input (the machine refuses the job or a point),
+  /// job_failed (busy, locked, door open).
+  JobResult run(const std::function<void(const Progress&)>& progress = {});
+
+  /// One round: read, answer, send, wait a little. False once the job has ended. Throws as run().
+  bool step();
+
+  /// Wishes of the user; safe in a signal handler.
+  void pause() noexcept { wish_.store(Wish::hold); }
+  void resume() noexcept {
+    resume_asked_.store(true);
+    wish_.store(Wish::run);
+  }
+  void stop() noexcept { wish_.store(Wish::stop); }
+
+  Progress progress() const;
+  JobResult result() const;
+  const wire::Status& status() const { return status_; }
+  std::uint32_t session() const { return session_; }
+
+ private:
+  using Time = std::chrono::microseconds;
+  enum class Phase : std::uint8_t { hello, begin, stream, ended };
+  enum class Wish : std::uint8_t { run, hold, stop };
+  static_assert(std::atomic<Wish>::is_always_lock_free);
+
+  /// A frame on its way: DATA or END.
+  struct Frame {
+    wire::FrameType type;
+    std::uint32_t number;
+    std::size_t end_index;  ///< after its last point
+    std::vector<std::uint8_t> payload;
+  };
+  /// A QUERY on its way and the number of the DATA frame that would have followed it.
+  struct Barrier {
+    std::uint32_t tag;
+    std::uint32_t number;
+  };
+
+  // What comes in.
+  void receive();
+  void handle(const wire::Status& status);
+  void handle(const RefusedFrame& frame);
+  void handle(const std::string& text);
+  void refuse_job(const RefusedFrame& frame) const;
+  bool take_barrier(const wire::Status& status);
+  void acknowledge(const wire::Status& status);
+
+  // What goes out.
+  void keep_connected();
+  [[noreturn]] void throw_no_answer() const;
+  void ask();
+  void begin();
+  void take_over();
+  void steer();
+  void command(wire::Command command);
+  void send_command();
+  void stream();
+  bool build_frame();
+  void check_end();
+  void end(JobEnd how);
+  Time pause_length() const;
+
+  std::uint32_t next_to_write() const;
+
+  Transport& transport_;
+  const job::Job& job_;
+  SenderOptions options_;
+  Connection connection_;
+  job::RecordEncoder encoder_;
+  std::uint32_t session_;
+  Phase phase_ = Phase::hello;
+  JobEnd end_ = JobEnd::done;
+  wire::Status status_;
+  bool synced_ = false;  ///< a question asked over this connection was answered
+  std::string text_seen_;
+
+  std::deque<Frame> frames_;   ///< built and not acknowledged
+  std::size_t cursor_ = 0;     ///< next of them to write
+  std::uint32_t built_ = 0;    ///< number of the last frame built
+  std::uint32_t written_ = 0;  ///< highest number ever written
+  bool end_built_ = false;
+  std::size_t frame_points_ = 1;
+
+  std::deque<Barrier> barriers_;
+  std::uint32_t tag_;
+  Time asked_at_{};
+  Time heard_at_{};
+  Time started_at_{};
+  Time begin_at_{};
+  Time lost_at_{};  ///< since when there is no connection
+  bool cut_ = false;
+  Time reconnect_at_{};
+  bool begin_sent_ = false;
+  bool taking_over_ = false;
+
+  std::atomic<Wish> wish_{Wish::run};
+  std::atomic<bool> resume_asked_{false};
+  wire::Command command_ = wire::Command::hold;
+  std::uint32_t command_number_ = 0;
+  Time command_at_{};
+  bool stop_sent_ = false;
+  std::optional<Time> finish_by_;  ///< all done but the machine still moves
+  int soft_refusals_ = 0;
+
+  Time elapsed_{};
+  std::uint64_t resent_ = 0;
+  std::uint64_t reconnects_ = 0;
+};
+
+}  // namespace lamplock::link

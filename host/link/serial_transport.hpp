@@ -1,0 +1,34 @@
+// A serial port: the board's USB, a USB adapter, or a pseudo-terminal of `lamplock sim`.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "host/link/descriptor_transport.hpp"
+
+namespace lamplock::link {
+
+/// Opens a port raw, 8N1, without flow control, and without touching the lines that reset some
+/// boards: neither opening nor closing it drops DTR.
+class SerialTransport : public DescriptorTransport {
+ public:
+  /// Matters for adapters only; USB and pseudo-terminals ignore it.
+  static constexpr unsigned default_baud = 115200;
+
+  /// Throws Error(no_device) if the port cannot be opened.
+  explicit SerialTransport(std::string port, unsigned baud = default_baud);
+  ~SerialTransport() override;
+  SerialTransport(const SerialTransport&) = delete;
+  SerialTransport& operator=(const SerialTransport&) = delete;
+
+ protected:
+  bool open() override;
+  void close() override;
+  int descriptor() override;
+
+ private:
+  struct Port;
+  std::unique_ptr<Port> port_;
+};
+
+}  // namespace lamplock::link

@@ -1,0 +1,37 @@
+// A transport to a virtual board in the same process, in lock step with the host.
+//
+// Waiting runs the board: simulated time passes only while the host waits, so that a job runs as
+// fast as the machine can compute and always the same way.
+#pragma once
+
+#include <algorithm>
+
+#include "host/link/transport.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+
+namespace lamplock::link {
+
+/// The board must outlive the transport.
+class VirtualTransport final : public Transport {
+ public:
+  explicit VirtualTransport(sim::VirtualBoard& board) : board_(board) {}
+
+  std::size_t write(std::span<const std::uint8_t> bytes) override { return board_.write(bytes); }
+  std::size_t read(std::span<std::uint8_t> bytes) override { return board_.read(bytes); }
+  void wait(std::chrono::microseconds time) override {
+    const sim::Picoseconds until = board_.now() + time.count() * sim::ps_per_us;
+    while (board_.now() < until && !board_.has_output())
+      board_.run_until(std::min(until, board_.now() + slice));
+  }
+  std::chrono::microseconds now() const override {
+    return std::chrono::microseconds(board_.now() / sim::ps_per_us);
+  }
+  bool reconnect() override { return true; }
+
+ private:
+  /// The board is asked this often whether it has sent something: one frame of USB.
+  static constexpr sim::Picoseconds slice = sim::ps_per_ms;
+  sim::VirtualBoard& board_;
+};
+
+}  // namespace lamplock::link

@@ -1,0 +1,98 @@
+#include "host/model/bitmap.hpp"
+
+#include <fmt/format.h>
+#include <stb/stb_image.h>
+
+#include <cstddef>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "host/model/file.hpp"
+
+namespace lamplock::model {
+namespace {
+
+// Far above what a glass block can show, and low enough for memory (4 bytes a pixel).
+constexpr long long most_pixels = 100'000'000;
+
+unsigned byte_at(const std::string& bytes, std::size_t offset) {
+  return static_cast<unsigned char>(bytes[offset]);
+}
+
+std::uint32_t u32_at(const std::string& bytes, std::size_t offset) {
+  return byte_at(bytes, offset) | byte_at(bytes, offset + 1) << 8 |
+         byte_at(bytes, offset + 2) << 16 | byte_at(bytes, offset + 3) << 24;
+}
+
+/// The image library fills up a BMP that is cut off, so its size is checked first: file header of
+/// 14 bytes with the offset of the pixels at 10, then the bits a pixel at 28; rows are padded to 4.
+void require_whole_bmp(const std::filesystem::path& file, const std::string& bytes, int width,
+                       int height) {
+  constexpr std::size_t bits_offset = 28;
+  if (bytes.size() < 2 || bytes[0] != 'B' || bytes[1] != 'M') return;
+  const std::uint64_t bits = bytes.size() > bits_offset + 1 ? byte_at(bytes, bits_offset) : 0;
+  const std::uint64_t row = (static_cast<std::uint64_t>(width) * bits + 31) / 32 * 4;
+  const std::uint64_t need = bits == 0
+                                 ? std::numeric_limits<std::uint64_t>::max()
+                                 : u32_at(bytes, 10) + row * static_cast<std::uint64_t>(height);
+  if (bytes.size() < need) refuse(file, "the image is cut off", "export it again");
+}
+
+/// Nor does it miss the end of a PNG: 8 bytes, then chunks of length (big-endian), type, data and
+/// check sum up to the chunk IEND.
+void require_whole_png(const std::filesystem::path& file, const std::string& bytes) {
+  constexpr std::size_t signature = 8, around_data = 12;
+  if (bytes.compare(1, 3, "PNG") != 0) return;
+  for (std::size_t at = signature; at + around_data <= bytes.size();) {
+    const std::size_t length = byte_at(bytes, at) << 24 | byte_at(bytes, at + 1) << 16 |
+                               byte_at(bytes, at + 2) << 8 | byte_at(bytes, at + 3);
+    if (bytes.compare(at + 4, 4, "IEND") == 0) return;
+    at += around_data + length;
+  }
+  refuse(file, "the image is cut off", "export it again");
+}
+
+std::uint8_t grey_over_white(const stbi_uc* pixel) {
+  // Luma of Rec. ITU-R BT.601 in 1/1000; the sum of products fits easily.
+  const int luma = (299 * pixel[0] + 587 * pixel[1] + 114 * pixel[2] + 500) / 1000;
+  return static_cast<std::uint8_t>((luma * pixel[3] + 255 * (255 - pixel[3]) + 127) / 255);
+}
+
+}  // namespace
+
+Bitmap read_bitmap(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    refuse(path, "the image is too large", "give an image of at most 100 million pixels");
+  }
+  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+  const int length = static_cast<int>(bytes.size());
+  Bitmap bitmap;
+  int channels = 0;
+  if (stbi_info_from_memory(data, length, &bitmap.width, &bitmap.height, &channels) == 0) {
+    refuse(path, fmt::format("no PNG or BMP ({})", stbi_failure_reason()), "give a PNG or BMP");
+  }
+  bitmap.height = std::abs(bitmap.height);  // BMP rows from the top are told by a negative height
+  if (static_cast<long long>(bitmap.width) * bitmap.height > most_pixels) {
+    refuse(path, fmt::format("{} x {} pixels", bitmap.width, bitmap.height),
+           "give an image of at most 100 million pixels");
+  }
+  require_whole_png(path, bytes);
+  require_whole_bmp(path, bytes, bitmap.width, bitmap.height);
+  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+      stbi_load_from_memory(data, length, &bitmap.width, &bitmap.height, &channels, STBI_rgb_alpha),
+      stbi_image_free);
+  if (!pixels) {
+    refuse(path, fmt::format("the image is damaged ({})", stbi_failure_reason()),
+           "export it again");
+  }
+  const std::size_t count =
+      static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
+  bitmap.grey.resize(count);
+  for (std::size_t i = 0; i < count; ++i) bitmap.grey[i] = grey_over_white(pixels.get() + 4 * i);
+  return bitmap;
+}
+
+}  // namespace lamplock::model

@@ -1,0 +1,21 @@
+// Bitmaps. Comes in: a PNG or BMP file. Goes out: its grey values. Called by the command line
+// before bitmap_points().
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace lamplock::model {
+
+/// Row by row from the top left; 0 black, 255 white.
+struct Bitmap {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> grey;
+};
+
+/// Colours become their luma, transparent pixels are laid over white. Throws Error (bad_input) for
+/// a file that is missing, damaged, truncated, of another format or larger than 100 million pixels.
+Bitmap read_bitmap(const std::filesystem::path& path);
+
+}  // namespace lamplock::model

@@ -1,0 +1,24 @@
+// Whole files in and out, with the errors a user understands. Called by all readers and writers of
+// models and clouds.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace lamplock::model {
+
+/// Throws Error (bad_input) about `path`.
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what,
+                         const std::string& remedy);
+
+/// All bytes of a file. Throws Error (bad_input) if it is missing, no file, unreadable or empty.
+std::string read_file(const std::filesystem::path& path);
+
+/// Replaces the file. Throws Error (bad_input) if it cannot be written.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// The extension in lower case with its dot, `.stl`.
+std::string lower_extension(const std::filesystem::path& path);
+
+}  // namespace lamplock::model

@@ -1,0 +1,40 @@
+#include "host/model/input.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+
+#include "host/model/file.hpp"
+#include "host/model/ply.hpp"
+
+namespace lamplock::model {
+
+InputKind classify(const std::filesystem::path& path) {
+  struct Extension {
+    std::string_view name;
+    InputKind kind;
+  };
+  constexpr std::array<Extension, 8> extensions{{{".stl", InputKind::mesh},
+                                                 {".obj", InputKind::mesh},
+                                                 {".png", InputKind::bitmap},
+                                                 {".bmp", InputKind::bitmap},
+                                                 {".xyz", InputKind::points},
+                                                 {".txt", InputKind::points},
+                                                 {".csv", InputKind::points},
+                                                 {".asc", InputKind::points}}};
+  std::error_code failure;
+  if (!std::filesystem::exists(path, failure)) refuse(path, "no such file", "check the name");
+  const std::string extension = lower_extension(path);
+  if (extension == ".ply") {
+    const PlyHeader header = read_ply_header(path, read_file(path));
+    return header.count("face") > 0 ? InputKind::mesh : InputKind::points;
+  }
+  for (const Extension& known : extensions) {
+    if (known.name == extension) return known.kind;
+  }
+  refuse(path, fmt::format("unknown kind of file '{}'", extension),
+         "give STL, OBJ, PLY, PNG, BMP or a point list (xyz, txt, csv, asc)");
+}
+
+}  // namespace lamplock::model

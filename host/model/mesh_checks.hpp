@@ -1,0 +1,17 @@
+// Soundness of mesh files before the mesh library sees them. Comes in: the bytes of a file. Goes
+// out: nothing, or an Error (bad_input) that names `path`. Called by read_mesh() alone.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace lamplock::model {
+
+/// Binary: as many triangles as the count says; ASCII: every facet and solid closed; all
+/// coordinates finite. Gives the length the library may read (programs append bytes to binary STL).
+std::size_t check_stl(const std::filesystem::path& path, std::string_view bytes);
+
+/// Every `v` has three finite numbers and every `f` three or more corners that exist.
+void check_obj(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace lamplock::model

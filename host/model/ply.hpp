@@ -1,0 +1,52 @@
+// The PLY format (Greg Turk, "The PLY Polygon File Format", Stanford, 1994), as far as points and
+// the soundness of a file need it. Comes in: the bytes of a file. Goes out: the header, or the
+// vertices in full precision after every element has been checked to be there. Called by the
+// readers of point lists and meshes: a mesh is handed to the mesh library only after this check,
+// because the library fills up truncated files in silence.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/points/point.hpp"
+
+namespace lamplock::model {
+
+enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+enum class PlyFormat { ascii, little_endian, big_endian };
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::float32;
+  std::optional<PlyType> list_count;  // type of the count if this is a list
+};
+
+struct PlyElement {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+struct PlyHeader {
+  PlyFormat format = PlyFormat::ascii;
+  std::vector<PlyElement> elements;
+  std::size_t data_offset = 0;  // of the first byte behind end_header
+
+  /// Elements of that name in the file, 0 if there is no such element.
+  std::size_t count(std::string_view name) const;
+};
+
+/// Throws Error (bad_input, naming `path`) for a header that is broken or cut off.
+PlyHeader read_ply_header(const std::filesystem::path& path, std::string_view bytes);
+
+/// Reads every element and gives the vertices. Throws Error (bad_input, naming `path`) if elements
+/// are missing, a vertex is not finite (named by index from 0), there is no x, y or z, or a face
+/// names a vertex that does not exist.
+points::PointCloud read_ply_vertices(const std::filesystem::path& path, std::string_view bytes,
+                                     const PlyHeader& header);
+
+}  // namespace lamplock::model

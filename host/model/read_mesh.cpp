@@ -1,0 +1,124 @@
+#include "host/model/read_mesh.hpp"
+
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <tuple>
+
+#include "host/model/file.hpp"
+#include "host/model/mesh_checks.hpp"
+#include "host/model/ply.hpp"
+
+namespace lamplock::model {
+namespace {
+
+using std::filesystem::path;
+
+/// Gives the number of bytes the library may read.
+std::size_t check(const path& file, const std::string& bytes) {
+  const std::string extension = lower_extension(file);
+  if (extension == ".stl") return check_stl(file, bytes);
+  if (extension == ".obj") {
+    check_obj(file, bytes);
+  } else if (extension == ".ply") {
+    read_ply_vertices(file, bytes, read_ply_header(file, bytes));
+  } else {
+    refuse(file, fmt::format("'{}' is no mesh format", extension), "give STL, OBJ or PLY");
+  }
+  return bytes.size();
+}
+
+/// A triangle soup: three vertices a triangle.
+void append_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent,
+                 std::vector<points::Point>& corners) {
+  const aiMatrix4x4 transform = parent * node.mTransformation;
+  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      if (face.mNumIndices != 3) continue;  // points and lines have no surface
+      for (unsigned corner = 0; corner < 3; ++corner) {
+        const aiVector3D v = transform * mesh.mVertices[face.mIndices[corner]];
+        // + 0.0 makes -0 and 0 one position
+        corners.push_back({static_cast<double>(v.x) + 0.0, static_cast<double>(v.y) + 0.0,
+                           static_cast<double>(v.z) + 0.0});
+      }
+    }
+  }
+  for (unsigned child = 0; child < node.mNumChildren; ++child) {
+    append_node(scene, *node.mChildren[child], transform, corners);
+  }
+}
+
+void require_finite(const path& file, const std::vector<points::Point>& corners) {
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const points::Point& p = corners[i];
+    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
+    refuse(file,
+           fmt::format("corner {} of triangle {} is ({}, {}, {})", i % 3, i / 3, p.x, p.y, p.z),
+           "repair the model");
+  }
+}
+
+/// Corners of equal position become one vertex, numbered in order of first use.
+Mesh merge_corners(const std::vector<points::Point>& corners) {
+  std::vector<std::uint32_t> by_position(corners.size());
+  std::iota(by_position.begin(), by_position.end(), 0u);
+  std::sort(by_position.begin(), by_position.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const points::Point &p = corners[a], &q = corners[b];
+    return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
+  });
+  std::vector<std::uint32_t> first(corners.size());  // the first corner at the same position
+  for (std::size_t i = 0; i < by_position.size(); ++i) {
+    const bool same = i > 0 && corners[by_position[i]] == corners[by_position[i - 1]];
+    first[by_position[i]] = same ? first[by_position[i - 1]] : by_position[i];
+  }
+  Mesh mesh;
+  std::vector<std::uint32_t> vertex(corners.size());
+  for (std::uint32_t i = 0; i < corners.size(); ++i) {
+    if (first[i] == i) {
+      vertex[i] = static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.push_back(corners[i]);
+    }
+  }
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    const std::uint32_t a = vertex[first[i]], b = vertex[first[i + 1]], c = vertex[first[i + 2]];
+    if (a != b && b != c && c != a) mesh.triangles.push_back({a, b, c});
+  }
+  return mesh;
+}
+
+}  // namespace
+
+Mesh read_mesh(const path& file) {
+  const std::string bytes = read_file(file);
+  const std::size_t length = check(file, bytes);
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), length, aiProcess_Triangulate,
+                                                     lower_extension(file).c_str() + 1);
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    std::string reason = importer.GetErrorString();
+    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    refuse(file, "the mesh library refuses it: " + reason, "export the file again");
+  }
+  std::vector<points::Point> corners;
+  append_node(*scene, *scene->mRootNode, aiMatrix4x4(), corners);
+  if (corners.size() > std::numeric_limits<std::uint32_t>::max()) {
+    refuse(file, fmt::format("{} triangles are too many", corners.size() / 3), "reduce the mesh");
+  }
+  require_finite(file, corners);
+  Mesh mesh = merge_corners(corners);
+  if (mesh.triangles.empty()) {
+    refuse(file, "the mesh is empty: it has no triangle", "give a model with a surface");
+  }
+  return mesh;
+}
+
+}  // namespace lamplock::model

@@ -1,0 +1,18 @@
+// Mesh files. Comes in: STL (binary or ASCII), OBJ or PLY. Goes out: one triangle mesh in the
+// file's units. Called by the command line. The mesh library (assimp) reads the formats; because it
+// accepts cut-off files and numbers that are none, each file is checked first (mesh_checks.hpp).
+#pragma once
+
+#include <filesystem>
+
+#include "host/model/mesh.hpp"
+
+namespace lamplock::model {
+
+/// All meshes of the file joined with their transforms applied, polygons triangulated, equal
+/// corners merged, triangles without area by shared corners dropped. Coordinates have the library's
+/// single precision. Throws Error (bad_input): missing, unreadable or truncated file, a vertex that
+/// is not finite (named by its index in the file, from 0), no triangle.
+Mesh read_mesh(const std::filesystem::path& path);
+
+}  // namespace lamplock::model

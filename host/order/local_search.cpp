@@ -1,0 +1,208 @@
+#include "host/order/local_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "host/order/cost.hpp"
+
+namespace lamplock::order {
+namespace {
+
+using Node = std::uint32_t;
+using Place = std::int64_t;  // in the tour, taken modulo its length
+
+// The longest piece of the tour that one exchange may turn round: bounds the time of an exchange.
+constexpr Place longest_piece = 1000;
+// The longest piece that is moved elsewhere (Or-opt).
+constexpr Place longest_moved = 3;
+// Gains below this are rounding, and would let exchanges undo each other.
+constexpr double least_gain = 1e-9;
+
+class LocalSearch {
+ public:
+  /// An open tour is a closed one with one more node to and from which every way is free.
+  LocalSearch(std::span<const points::Point> points, const Neighbours& neighbours, Closing closing,
+              std::vector<Node>& tour)
+      : points_(points),
+        neighbours_(neighbours),
+        free_node_(static_cast<Node>(points.size())),
+        tour_(tour) {
+    if (closing == Closing::open) tour_.push_back(free_node_);
+    size_ = static_cast<Place>(tour_.size());
+    place_.resize(points.size() + 1);
+    for (Place i = 0; i < size_; ++i) place_[at(i)] = i;
+  }
+
+  void run() {
+    waiting_.assign(tour_.begin(), tour_.end());
+    is_waiting_.assign(points_.size() + 1, true);
+    // Rounds over all nodes whose surroundings changed, in the order in which they changed.
+    std::vector<Node> round;
+    while (!waiting_.empty()) {
+      round.swap(waiting_);
+      waiting_.clear();
+      for (const Node node : round) {
+        is_waiting_[node] = false;
+        if (node != free_node_ && try_node(node)) wake({node});
+      }
+    }
+    cut_at_free_node();
+  }
+
+ private:
+  Place wrap(Place place) const {
+    return place < 0 ? place + size_ : place >= size_ ? place - size_ : place;
+  }
+  Node at(Place place) const { return tour_[static_cast<std::size_t>(wrap(place))]; }
+
+  double edge(Node a, Node b) const {
+    return a == free_node_ || b == free_node_ ? 0 : distance(points_[a], points_[b]);
+  }
+  double turn(Node a, Node b, Node c) const {
+    if (a == free_node_ || b == free_node_ || c == free_node_) return 0;
+    return bend(points_[a], points_[b], points_[c]);
+  }
+  /// Cost of the edge b-c and of the turns at both its ends.
+  double joint(Node a, Node b, Node c, Node d) const {
+    return turn(a, b, c) + edge(b, c) + turn(b, c, d);
+  }
+
+  void wake(std::initializer_list<Node> nodes) {
+    for (const Node node : nodes) {
+      if (is_waiting_[node]) continue;
+      is_waiting_[node] = true;
+      waiting_.push_back(node);
+    }
+  }
+
+  bool try_node(Node a) {
+    for (const Place step : {Place{1}, Place{-1}}) {
+      const Place p = place_[a];
+      const double now = joint(at(p - step), a, at(p + step), at(p + 2 * step));
+      for (const Node c : neighbours_.of(a)) {
+        if (edge(a, c) >= now) break;  // the new edge alone costs more than what goes
+        if (try_two_opt(p, place_[c], step, now)) return true;
+      }
+    }
+    for (Place length = 1; length <= longest_moved && length + 5 <= size_; ++length) {
+      for (const Place step : {Place{1}, Place{-1}}) {
+        if (try_move(a, length, step)) return true;
+      }
+    }
+    return false;
+  }
+
+  /// Edges (p, p + step) and (q, q + step) become (p, q) and (p + step, q + step).
+  bool try_two_opt(Place p, Place q, Place step, double now_p) {
+    if (wrap(p + step) == q || wrap(q + step) == p) return false;
+    const Node a = at(p), b = at(p + step), c = at(q), d = at(q + step);
+    const Node before_a = at(p - step), after_b = at(p + 2 * step);
+    const Node before_c = at(q - step), after_d = at(q + 2 * step);
+    const double gain = now_p + joint(before_c, c, d, after_d) - joint(before_a, a, c, before_c) -
+                        joint(after_b, b, d, after_d);
+    if (gain < least_gain) return false;
+    Place first = step > 0 ? wrap(p + 1) : q, last = step > 0 ? q : wrap(p - 1);
+    if (piece(first, last) > size_ / 2) {  // the rest of the circle turned round is the same tour
+      std::swap(first, last);
+      first = wrap(first + 1);
+      last = wrap(last - 1);
+    }
+    if (piece(first, last) > longest_piece) return false;
+    reverse(first, last);
+    wake({a, b, c, d, before_a, after_b, before_c, after_d});
+    return true;
+  }
+
+  /// Moves the `length` nodes from `a` on in direction `step` next to a neighbour of a.
+  bool try_move(Node a, Place length, Place step) {
+    const Place p = place_[a];
+    const Node end = at(p + step * (length - 1));
+    const Node u = at(p - step), w = at(p + step * length);
+    const Node before_u = at(p - 2 * step), after_w = at(p + step * (length + 1));
+    const Node second = length > 1 ? at(p + step) : w;
+    const Node last_but_one = length > 1 ? at(p + step * (length - 2)) : u;
+    // All edges and turns that touch the piece from outside; a single node turns only once.
+    double now = joint(before_u, u, a, second) + joint(last_but_one, end, w, after_w);
+    if (length == 1) now -= turn(u, a, w);
+    const double freed = now - joint(before_u, u, w, after_w);
+    if (freed < least_gain) return false;
+    for (const Node c : neighbours_.of(a)) {
+      if (edge(a, c) >= freed) break;
+      const Place q = place_[c];
+      if (wrap((q - p) * step) < length) continue;  // inside the piece
+      for (const Place side : {Place{1}, Place{-1}}) {
+        const Node e = at(q + side), before_c = at(q - side), after_e = at(q + 2 * side);
+        if (c == u || c == w || e == u || e == w) continue;
+        double then = joint(before_c, c, a, length > 1 ? second : e) +
+                      joint(length > 1 ? last_but_one : c, end, e, after_e);
+        if (length == 1) then -= turn(c, a, e);
+        if (freed + joint(before_c, c, e, after_e) - then < least_gain) continue;
+        if (!move(p, length, step, q, side)) continue;
+        wake({u, before_u, w, after_w, c, before_c, e, after_e, a, end});
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Carries out a move if the gap that the piece jumps over is short enough.
+  bool move(Place p, Place length, Place step, Place q, Place side) {
+    const Place first = step > 0 ? p : wrap(p - length + 1), last = wrap(first + length - 1);
+    const Place low = side > 0 ? q : wrap(q - 1);  // the piece goes between low and low + 1
+    const Place ahead = wrap(low - last), behind = wrap(first - low - 1);
+    if (std::min(ahead, behind) > longest_piece) return false;
+    const bool turned = step != side;
+    if (ahead <= behind) {
+      reverse(first, low);  // piece, gap -> gap reversed... and both are put right again
+      reverse(first, wrap(first + ahead - 1));
+      if (!turned) reverse(wrap(first + ahead), low);
+    } else {
+      const Place begin = wrap(low + 1);
+      reverse(begin, last);
+      reverse(wrap(begin + length), last);
+      if (!turned) reverse(begin, wrap(begin + length - 1));
+    }
+    return true;
+  }
+
+  /// Nodes from place `first` on to place `last`, round the end if need be.
+  Place piece(Place first, Place last) const { return wrap(last - first) + 1; }
+
+  void reverse(Place first, Place last) {
+    for (Place n = piece(first, last) / 2; n > 0; --n) {
+      std::swap(tour_[static_cast<std::size_t>(first)], tour_[static_cast<std::size_t>(last)]);
+      place_[at(first)] = first;
+      place_[at(last)] = last;
+      first = wrap(first + 1);
+      last = wrap(last - 1);
+    }
+  }
+
+  void cut_at_free_node() {
+    const auto found = std::find(tour_.begin(), tour_.end(), free_node_);
+    if (found == tour_.end()) return;
+    std::rotate(tour_.begin(), found, tour_.end());
+    tour_.erase(tour_.begin());
+  }
+
+  std::span<const points::Point> points_;
+  const Neighbours& neighbours_;
+  Node free_node_;
+  std::vector<Node>& tour_;
+  Place size_ = 0;
+  std::vector<Place> place_;
+  std::vector<Node> waiting_;
+  std::vector<bool> is_waiting_;
+};
+
+}  // namespace
+
+void improve(std::span<const points::Point> points, const Neighbours& neighbours, Closing closing,
+             std::vector<std::uint32_t>& tour) {
+  constexpr std::size_t too_few_to_improve = 5;
+  if (points.size() < too_few_to_improve) return;
+  LocalSearch(points, neighbours, closing, tour).run();
+}
+
+}  // namespace lamplock::order

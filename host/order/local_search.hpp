@@ -1,0 +1,37 @@
+// Improves a tour by small exchanges (2-opt and Or-opt between near points: J. L. Bentley, "Fast
+// algorithms for geometric traveling salesman problems", ORSA Journal on Computing, 1992), with the
+// cost of cost.hpp. Comes in: points, their neighbours, a tour. Goes out: a tour that costs no
+// more. Called for each layer. Every exchange is bounded, so the time is near-linear.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/points/point.hpp"
+
+namespace lamplock::order {
+
+/// `per_point` nearest other points of each point, nearest first, one point after the other.
+struct Neighbours {
+  std::size_t per_point = 0;
+  std::vector<std::uint32_t> list;
+  std::span<const std::uint32_t> of(std::uint32_t point) const {
+    return std::span(list).subspan(point * per_point, per_point);
+  }
+};
+
+/// `points` should all differ and neighbouring numbers should lie near each other (memory).
+Neighbours find_neighbours(std::span<const points::Point> points);
+
+enum class Closing {
+  closed,  // the way from the last point back to the first costs like any other
+  open     // it is free
+};
+
+/// `tour` holds every index of `points` once and stays such a permutation.
+void improve(std::span<const points::Point> points, const Neighbours& neighbours, Closing closing,
+             std::vector<std::uint32_t>& tour);
+
+}  // namespace lamplock::order

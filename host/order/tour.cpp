@@ -1,0 +1,164 @@
+#include "host/order/tour.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "host/order/cost.hpp"
+#include "host/order/local_search.hpp"
+#include "host/points/bounds.hpp"
+
+namespace lamplock::order {
+namespace {
+
+using Indices = std::vector<std::uint32_t>;
+using Points = std::span<const points::Point>;
+
+// Bits per coordinate of the space-filling curve: finer than any point distance.
+constexpr unsigned curve_bits = 20;
+
+/// Place on the Hilbert curve of 2^bits cells a side that begins at (0, 0) and ends at (max, 0).
+std::uint64_t hilbert(std::uint32_t x, std::uint32_t y, unsigned bits) {
+  std::uint64_t place = 0;
+  for (unsigned bit = bits; bit-- > 0;) {
+    const std::uint32_t right = x >> bit & 1, upper = y >> bit & 1;
+    place = place << 2 | ((3 * right) ^ upper);
+    if (upper == 0) {
+      const std::uint32_t mask = (1u << bits) - 1;
+      if (right == 1) {
+        x = mask - x;
+        y = mask - y;
+      }
+      std::swap(x, y);
+    }
+  }
+  return place;
+}
+
+/// Place on the closed curve: four Hilbert curves, up on the left and down on the right.
+std::uint64_t moore(std::uint32_t x, std::uint32_t y) {
+  const unsigned bits = curve_bits - 1;
+  const std::uint32_t mask = (1u << bits) - 1;
+  const bool right = x >> bits != 0, upper = y >> bits != 0;
+  x &= mask;
+  y &= mask;
+  const std::uint64_t quarter = right ? (upper ? 2 : 3) : (upper ? 1 : 0);
+  const std::uint64_t place = right ? hilbert(mask - y, x, bits) : hilbert(y, mask - x, bits);
+  return quarter << (2 * bits) | place;
+}
+
+/// Indices round the closed curve; equal points follow each other.
+Indices along_curve(Points layer) {
+  const points::Bounds box = points::bounds(layer);
+  const double side = std::max(box.high.x - box.low.x, box.high.y - box.low.y);
+  const double scale = side > 0 ? ((1u << curve_bits) - 1) / side : 0;
+  std::vector<std::uint64_t> place(layer.size());
+  for (std::size_t i = 0; i < layer.size(); ++i) {
+    place[i] = moore(static_cast<std::uint32_t>((layer[i].x - box.low.x) * scale),
+                     static_cast<std::uint32_t>((layer[i].y - box.low.y) * scale));
+  }
+  Indices order(layer.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const points::Point &p = layer[a], &q = layer[b];
+    return std::tie(place[a], p.x, p.y, p.z, a) < std::tie(place[b], q.x, q.y, q.z, b);
+  });
+  return order;
+}
+
+std::size_t distinct(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return static_cast<std::size_t>(std::unique(values.begin(), values.end()) - values.begin());
+}
+
+/// Whether the points fill a good part of a lattice parallel to x and y.
+bool is_lattice(Points nodes) {
+  constexpr std::size_t fewest_points = 16;
+  constexpr double least_part = 0.2;  // below, rows are mostly gaps
+  if (nodes.size() < fewest_points) return false;
+  std::vector<double> x, y;
+  for (const points::Point& node : nodes) {
+    x.push_back(node.x);
+    y.push_back(node.y);
+  }
+  const double cells =
+      static_cast<double>(distinct(std::move(x))) * static_cast<double>(distinct(std::move(y)));
+  return static_cast<double>(nodes.size()) >= least_part * cells;
+}
+
+/// Rows of equal `major`, to and fro along `minor`.
+Indices along_rows(Points nodes, double points::Point::*major, double points::Point::*minor) {
+  Indices order(nodes.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple(nodes[a].*major, nodes[a].*minor, nodes[a].z, a) <
+           std::tuple(nodes[b].*major, nodes[b].*minor, nodes[b].z, b);
+  });
+  bool back = false;
+  for (auto row = order.begin(); row != order.end(); back = !back) {
+    const double value = nodes[*row].*major;
+    const auto end =
+        std::find_if(row, order.end(), [&](std::uint32_t i) { return nodes[i].*major != value; });
+    if (back) std::reverse(row, end);
+    row = end;
+  }
+  return order;
+}
+
+/// Cost of the closed tour without its longest edge, where it will be cut as a rule.
+double cost(Points nodes, const Indices& tour) {
+  double sum = 0, longest = 0;
+  const std::size_t n = tour.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const points::Point &p = nodes[tour[i]], &q = nodes[tour[(i + 1) % n]],
+                        &r = nodes[tour[(i + 2) % n]];
+    const double length = distance(p, q);
+    sum += length + bend(p, q, r);
+    longest = std::max(longest, length + bend(p, q, r));
+  }
+  return sum - longest;
+}
+
+/// A tour of points that all differ and follow the curve.
+Indices best_tour(Points nodes) {
+  Indices best(nodes.size());
+  std::iota(best.begin(), best.end(), 0u);
+  const Neighbours neighbours = find_neighbours(nodes);
+  improve(nodes, neighbours, Closing::closed, best);
+  if (!is_lattice(nodes)) return best;
+  double lowest = cost(nodes, best);
+  for (const bool along_x : {true, false}) {
+    Indices rows = along_x ? along_rows(nodes, &points::Point::y, &points::Point::x)
+                           : along_rows(nodes, &points::Point::x, &points::Point::y);
+    improve(nodes, neighbours, Closing::open, rows);
+    const double rows_cost = cost(nodes, rows);
+    if (rows_cost >= lowest) continue;
+    lowest = rows_cost;
+    best = std::move(rows);
+  }
+  return best;
+}
+
+}  // namespace
+
+Indices closed_tour(Points layer) {
+  const Indices curve = along_curve(layer);
+  // Equal points are visited one after the other, so the search sees them once.
+  std::vector<points::Point> nodes;
+  Indices first;  // of the points of each node, in `curve`
+  for (std::uint32_t i = 0; i < curve.size(); ++i) {
+    if (i > 0 && layer[curve[i]] == layer[curve[i - 1]]) continue;
+    nodes.push_back(layer[curve[i]]);
+    first.push_back(i);
+  }
+  first.push_back(static_cast<std::uint32_t>(curve.size()));
+  Indices tour;
+  tour.reserve(layer.size());
+  for (const std::uint32_t node : best_tour(nodes)) {
+    for (std::uint32_t i = first[node]; i < first[node + 1]; ++i) tour.push_back(curve[i]);
+  }
+  return tour;
+}
+
+}  // namespace lamplock::order

@@ -1,0 +1,161 @@
+#include "host/points/contours.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "host/points/limits.hpp"
+#include "host/points/mesh_edges.hpp"
+
+namespace lamplock::points {
+namespace {
+
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+/// The cut of one triangle: from edge to edge.
+struct Cut {
+  std::array<std::uint32_t, 2> edge;
+  std::array<Point, 2> at;
+};
+
+/// Planes below and at the height of a vertex: the vertex is above planes 0 .. result - 1. Found by
+/// comparing with the very planes, so that rounding cannot make two triangles disagree.
+std::size_t planes_not_above(const Planes& planes, double z) {
+  const double guess = std::floor((z - planes.first) / planes.distance) + 1;
+  auto k = static_cast<std::size_t>(std::clamp(guess, 0.0, static_cast<double>(planes.count)));
+  while (k > 0 && planes.z(k - 1) > z) --k;
+  while (k < planes.count && planes.z(k) <= z) ++k;
+  return k;
+}
+
+/// Both triangles of an edge must get the same point, so the lower vertex number comes first.
+Point on_edge(const model::Mesh& mesh, std::uint32_t a, std::uint32_t b, double z) {
+  const Point& p = mesh.vertices[std::min(a, b)];
+  const Point& q = mesh.vertices[std::max(a, b)];
+  const double t = (z - p.z) / (q.z - p.z);
+  return {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), z};
+}
+
+/// Which triangles each plane cuts: triangles of plane k are list[start[k]] .. list[start[k+1]-1].
+struct Crossings {
+  std::vector<std::size_t> start;
+  std::vector<std::uint32_t> list;
+};
+
+Crossings find_crossings(const model::Mesh& mesh, const std::vector<std::size_t>& level,
+                         std::size_t planes) {
+  const auto range = [&](const std::array<std::uint32_t, 3>& t) {
+    return std::minmax({level[t[0]], level[t[1]], level[t[2]]});
+  };
+  Crossings crossings;
+  crossings.start.assign(planes + 1, 0);
+  double total = 0;
+  for (const auto& triangle : mesh.triangles) {
+    const auto [low, high] = range(triangle);
+    total += static_cast<double>(high - low);
+  }
+  // A cut takes four bytes here, a sixth of a point; a fine mesh has more cuts than points.
+  require_count(total / 4, "slice");
+  for (const auto& triangle : mesh.triangles) {
+    const auto [low, high] = range(triangle);
+    for (std::size_t k = low; k < high; ++k) ++crossings.start[k + 1];
+  }
+  for (std::size_t k = 0; k < planes; ++k) crossings.start[k + 1] += crossings.start[k];
+  crossings.list.resize(crossings.start.back());
+  std::vector<std::size_t> next(crossings.start.begin(), crossings.start.end() - 1);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [low, high] = range(mesh.triangles[t]);
+    for (std::size_t k = low; k < high; ++k) crossings.list[next[k]++] = t;
+  }
+  return crossings;
+}
+
+/// Chains the cuts of one plane after the other; its tables are as large as the mesh has edges and
+/// are cleaned after every plane by what was used.
+class Chainer {
+ public:
+  explicit Chainer(std::size_t edges) : head_(edges, none) {}
+
+  std::vector<Contour> chain(const std::vector<Cut>& cuts) {
+    next_.assign(2 * cuts.size(), none);
+    used_.assign(cuts.size(), false);
+    for (std::uint32_t end = 0; end < next_.size(); ++end) {
+      std::uint32_t& head = head_[cuts[end / 2].edge[end % 2]];
+      next_[end] = head;
+      head = end;
+    }
+    std::vector<Contour> contours;
+    for (std::uint32_t cut = 0; cut < cuts.size(); ++cut) {
+      if (!used_[cut]) contours.push_back(contour_through(cuts, cut));
+    }
+    for (const Cut& cut : cuts) head_[cut.edge[0]] = head_[cut.edge[1]] = none;
+    return contours;
+  }
+
+ private:
+  Contour contour_through(const std::vector<Cut>& cuts, std::uint32_t first) {
+    used_[first] = true;
+    Contour contour;
+    contour.vertices = {cuts[first].at[0], cuts[first].at[1]};
+    const std::uint32_t start_edge = cuts[first].edge[0];
+    contour.closed = extend(cuts, cuts[first].edge[1], start_edge, contour.vertices);
+    if (contour.closed) {
+      contour.vertices.pop_back();
+    } else {
+      std::reverse(contour.vertices.begin(), contour.vertices.end());
+      extend(cuts, start_edge, none, contour.vertices);
+    }
+    return contour;
+  }
+
+  /// Appends cuts from `edge` on until nothing follows; true when `goal` was reached.
+  bool extend(const std::vector<Cut>& cuts, std::uint32_t edge, std::uint32_t goal,
+              std::vector<Point>& vertices) {
+    while (edge != goal) {
+      std::uint32_t end = head_[edge];
+      while (end != none && used_[end / 2]) end = next_[end];
+      if (end == none) return false;
+      used_[end / 2] = true;
+      edge = cuts[end / 2].edge[1 - end % 2];
+      vertices.push_back(cuts[end / 2].at[1 - end % 2]);
+    }
+    return true;
+  }
+
+  std::vector<std::uint32_t> head_, next_;  // ends of cuts on each edge, linked
+  std::vector<bool> used_;
+};
+
+}  // namespace
+
+void for_each_plane(const model::Mesh& mesh, const Planes& planes,
+                    const std::function<void(std::size_t, std::span<const Contour>)>& visit) {
+  std::vector<std::size_t> level(mesh.vertices.size());
+  for (std::size_t v = 0; v < level.size(); ++v) {
+    level[v] = planes_not_above(planes, mesh.vertices[v].z);
+  }
+  const MeshEdges edges = number_edges(mesh);
+  const Crossings crossings = find_crossings(mesh, level, planes.count);
+  Chainer chainer(edges.count);
+  std::vector<Cut> cuts;
+  for (std::size_t k = 0; k < planes.count; ++k) {
+    cuts.clear();
+    for (std::size_t i = crossings.start[k]; i < crossings.start[k + 1]; ++i) {
+      const std::uint32_t t = crossings.list[i];
+      Cut cut{};
+      std::size_t ends = 0;
+      for (std::size_t side = 0; side < 3; ++side) {
+        const std::uint32_t a = mesh.triangles[t][side], b = mesh.triangles[t][(side + 1) % 3];
+        if ((level[a] > k) == (level[b] > k)) continue;
+        cut.edge[ends] = edges.of_triangle[t][side];
+        cut.at[ends++] = on_edge(mesh, a, b, planes.z(k));
+      }
+      cuts.push_back(cut);
+    }
+    visit(k, chainer.chain(cuts));
+  }
+}
+
+}  // namespace lamplock::points

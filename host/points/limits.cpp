@@ -1,0 +1,24 @@
+#include "host/points/limits.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "host/error.hpp"
+
+namespace lamplock::points {
+
+void require_count(double count, const std::string& where) {
+  if (count <= static_cast<double>(most_points)) return;
+  throw Error(Exit::bad_input, where,
+              fmt::format("about {:.3g} points, at most {} are possible", count, most_points),
+              "use a greater spacing or a smaller size");
+}
+
+void require_positive(double value, const std::string& where, const std::string& name) {
+  if (value > 0 && std::isfinite(value)) return;
+  throw Error(Exit::bad_input, where, fmt::format("{} is {}", name, value),
+              "give a number greater than 0");
+}
+
+}  // namespace lamplock::points

@@ -1,0 +1,15 @@
+// A point in millimetres: the currency of the host between model, points, order and job.
+#pragma once
+
+#include <vector>
+
+namespace lamplock::points {
+
+/// mm, right-handed, z up, beam from +z.
+struct Point {
+  double x = 0, y = 0, z = 0;
+  friend bool operator==(const Point&, const Point&) = default;
+};
+using PointCloud = std::vector<Point>;
+
+}  // namespace lamplock::points

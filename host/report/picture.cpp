@@ -1,0 +1,144 @@
+#include "host/report/picture.hpp"
+
+#include <png.h>
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "host/error.hpp"
+#include "host/report/camera.hpp"
+#include "host/report/cloud_light.hpp"
+#include "host/report/glass_scene.hpp"
+#include "host/report/image.hpp"
+
+namespace lamplock::report {
+namespace {
+
+/// Points moved so that their middle is the origin: floats then resolve them wherever they lie.
+struct CentredCloud {
+  std::vector<Vec> points;
+  Vec half;  ///< half the size
+};
+
+bool is_finite(const points::Point& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+CentredCloud centred(const points::PointCloud& cloud) {
+  constexpr double far = std::numeric_limits<double>::max();
+  points::Point low{far, far, far}, high{-far, -far, -far};
+  for (const points::Point& p : cloud) {
+    if (!is_finite(p)) continue;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  CentredCloud result;
+  if (low.x > high.x) return result;
+  const points::Point middle{low.x / 2 + high.x / 2, low.y / 2 + high.y / 2,
+                             low.z / 2 + high.z / 2};
+  const auto relative = [&middle](const points::Point& p) {
+    return Vec{static_cast<float>(p.x - middle.x), static_cast<float>(p.y - middle.y),
+               static_cast<float>(p.z - middle.z)};
+  };
+  result.points.reserve(cloud.size());
+  for (const points::Point& p : cloud)
+    if (is_finite(p)) result.points.push_back(relative(p));
+  result.half = relative(high);
+  return result;
+}
+
+/// The glass round the cloud; flat clouds get a slab.
+Box block_round(const CentredCloud& cloud, double margin) {
+  const float longest = std::max({cloud.half.x, cloud.half.y, cloud.half.z});
+  if (!(longest > 0)) return {{-1, -1, -1}, {1, 1, 1}};
+  const float glass = static_cast<float>(2 * margin) * longest;
+  const auto thick = [&](float half) { return std::max(half + glass, 0.25f * longest); };
+  const Vec half{thick(cloud.half.x), thick(cloud.half.y), thick(cloud.half.z)};
+  return {half * -1.0f, half};
+}
+
+/// Height of a block against its width: 1 for a cube.
+float relative_height(const Box& block) {
+  const Vec size = block.size();
+  return size.z / std::max(size.x, size.y);
+}
+
+/// From slightly above; the flatter the block lies, the more from above, so that it is seen.
+float natural_elevation(const Box& block) {
+  return std::clamp(66 - 60 * relative_height(block), 14.0f, 52.0f);
+}
+
+float natural_yaw(const Box& block) { return std::clamp(40 * relative_height(block), 8.0f, 28.0f); }
+
+std::uint8_t to_srgb(float linear, float noise) {
+  const float v = std::clamp(linear, 0.0f, 1.0f);
+  const float s = v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
+  return static_cast<std::uint8_t>(std::clamp(255 * s + noise, 0.0f, 255.0f));
+}
+
+/// 0..1, the same for the same pixel: dark gradients would show bands without it (integer hash).
+float dither(std::uint32_t x) {
+  x ^= x >> 16;
+  x *= 0x7feb352du;
+  x ^= x >> 15;
+  x *= 0x846ca68bu;
+  x ^= x >> 16;
+  return static_cast<float>(x >> 8) * 0x1p-24f;
+}
+
+/// Leaves what is dark and rolls the light above `knee` off towards 1.
+float soft_clip(float v) {
+  constexpr float knee = 0.7f;
+  return v <= knee ? v : knee + (1 - knee) * (1 - std::exp(-(v - knee) / (1 - knee)));
+}
+
+std::vector<std::uint8_t> developed(const Image& scene, const Image& cloud, unsigned threads) {
+  std::vector<std::uint8_t> bytes(scene.pixels.size() * 3);
+  for_rows(scene.height, threads, [&](int y) {
+    for (int x = 0; x < scene.width; ++x) {
+      const std::size_t i = scene.index(x, y);
+      const Vec light = scene.pixels[i] + cloud.pixels[i];
+      const float noise = dither(static_cast<std::uint32_t>(i));
+      bytes[3 * i] = to_srgb(soft_clip(light.x), noise);
+      bytes[3 * i + 1] = to_srgb(soft_clip(light.y), noise);
+      bytes[3 * i + 2] = to_srgb(soft_clip(light.z), noise);
+    }
+  });
+  return bytes;
+}
+
+void write_png(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes, int width,
+               int height) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(width);
+  png.height = static_cast<png_uint_32>(height);
+  png.format = PNG_FORMAT_RGB;
+  png.flags = PNG_IMAGE_FLAG_FAST;
+  if (png_image_write_to_file(&png, path.c_str(), 0, bytes.data(), 0, nullptr) == 0)
+    throw Error(Exit::job_failed, path.string(),
+                std::string("cannot be written (") + png.message + ")",
+                "choose a folder that can be written with --report DIR");
+}
+
+}  // namespace
+
+void write_cloud_picture(const std::filesystem::path& path, const points::PointCloud& cloud,
+                         const PictureOptions& options) {
+  const CentredCloud centred_cloud = centred(cloud);
+  const Box block = block_round(centred_cloud, options.margin);
+  const Box stage{plinth_under(block).low,
+                  {plinth_under(block).high.x, plinth_under(block).high.y, block.high.z}};
+  const auto elevation = options.elevation_deg.value_or(natural_elevation(block));
+  const auto yaw = options.yaw_deg.value_or(natural_yaw(block));
+  const Camera camera(stage, static_cast<float>(yaw), static_cast<float>(elevation), options.width,
+                      options.height);
+  Image scene(options.width, options.height);
+  paint_glass_scene(scene, block, camera, options.threads);
+  const Image light =
+      cloud_light(centred_cloud.points, block, camera, options.width, options.height);
+  write_png(path, developed(scene, light, options.threads), options.width, options.height);
+}
+
+}  // namespace lamplock::report

@@ -1,0 +1,130 @@
+#include "host/report/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "host/error.hpp"
+#include "host/report/matching.hpp"
+
+namespace lamplock::report {
+namespace {
+
+void check(const JobRun& run) {
+  const auto contradiction = [](const std::string& what) {
+    throw Error(Exit::job_failed, "report", what, "the run is recorded wrongly, run it again");
+  };
+  if (!run.lattice_steps.empty() && run.lattice_steps.size() != run.shots.size())
+    contradiction(fmt::format("{} lattice positions for {} shots", run.lattice_steps.size(),
+                              run.shots.size()));
+  if (!run.shots_ordered.empty() && run.shots_ordered.size() != run.points.size())
+    contradiction(
+        fmt::format("{} orders for {} points", run.shots_ordered.size(), run.points.size()));
+  if (run.points.size() >= no_point) contradiction("too many points");
+}
+
+/// Largest error over all matched shots; empty if there is no shot to measure.
+template <class StepsOfShot>
+std::optional<double> largest_error(const JobRun& run, const Matching& matching,
+                                    StepsOfShot steps_of) {
+  std::optional<double> largest;
+  for (std::size_t i = 0; i < run.shots.size(); ++i) {
+    const std::uint32_t point = matching.point_of_shot[i];
+    if (point == no_point) continue;
+    const double error =
+        error_steps(steps_of(i), wanted_steps(run.points[point], run.steps_per_mm));
+    largest = std::max(largest.value_or(0), error);
+  }
+  return largest;
+}
+
+void judge_shots(const JobRun& run, Report& report) {
+  const Matching matching = match_shots(run);
+  report.missed = matching.missed;
+  report.doubled = matching.doubled;
+  report.largest_jitter_error_steps =
+      largest_error(run, matching, [&run](std::size_t i) { return run.shots[i].steps; });
+  if (!run.lattice_steps.empty())
+    report.largest_error_steps =
+        largest_error(run, matching, [&run](std::size_t i) { return run.lattice_steps[i]; });
+}
+
+template <class T>
+nlohmann::ordered_json or_null(const std::optional<T>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json settings_json(const settings::Values& values) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < settings::setting_count; ++i) {
+    const auto id = static_cast<settings::Id>(i);
+    const settings::Row& row = settings::row(id);
+    const std::string name(row.name);
+    if (row.whole)
+      json[name] = values.whole(id);
+    else
+      json[name] = values.milli(id) / 1000.0;
+  }
+  return json;
+}
+
+}  // namespace
+
+Report evaluate(const JobRun& run) {
+  check(run);
+  Report report;
+  report.version = LAMPLOCK_VERSION;
+  report.input = run.input;
+  report.mode = run.mode;
+  report.board = run.board;
+  report.lamp_hz = run.settings.milli(settings::Id::lamp_frequency) / 1000.0;
+  report.points = run.points.size();
+  report.shots = run.shots_known ? run.shots.size() : run.shots_fired;
+  report.beats = run.beats;
+  report.beats_before = run.beats_before;
+  report.time_s = run.time_s;
+  const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };
+  const auto points = static_cast<double>(report.points);
+  const auto beats = static_cast<double>(report.beats);
+  report.beats_per_point = ratio(beats, points);
+  report.utilisation = ratio(static_cast<double>(report.shots), beats);
+  report.points_per_s = ratio(points, report.time_s);
+  report.beats_by_reason = run.beats_by_reason;
+  report.link = run.link;
+  report.settings = run.settings;
+  if (run.shots_known) judge_shots(run, report);
+  return report;
+}
+
+std::string to_json(const Report& report) {
+  const nlohmann::ordered_json json{
+      {"version", report.version},
+      {"input", report.input},
+      {"mode", report.mode},
+      {"board", report.board},
+      {"lamp_hz", report.lamp_hz},
+      {"points", report.points},
+      {"shots", report.shots},
+      {"beats", report.beats},
+      {"beats_before", report.beats_before},
+      {"beats_per_point", report.beats_per_point},
+      {"utilisation", report.utilisation},
+      {"time_s", report.time_s},
+      {"points_per_s", report.points_per_s},
+      {"largest_error_steps", or_null(report.largest_error_steps)},
+      {"largest_jitter_error_steps", or_null(report.largest_jitter_error_steps)},
+      {"missed", or_null(report.missed)},
+      {"doubled", or_null(report.doubled)},
+      {"beats_by_reason", report.beats_by_reason},
+      {"link",
+       {{"resent", report.link.resent},
+        {"bad", report.link.bad},
+        {"reconnects", report.link.reconnects}}},
+      {"settings", settings_json(report.settings)},
+  };
+  // A file name need not be valid UTF-8; it must not cost the report.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace lamplock::report

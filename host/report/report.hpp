@@ -1,0 +1,99 @@
+// What a job did: the judge of a run and the files that tell about it.
+//
+// In:  the points as ordered, in firing order; what the laser recorded; the firmware's counters.
+// Out: a Report (numbers), and in a folder report.json, shots.csv, shots.ply, cloud.png.
+// Who: the command line after `engrave`; end-to-end tests.
+//
+// Missed and doubled points come from what was really fired, not from the firmware's counters:
+// every shot is matched to a point. Shots come in the order of the points except that a missed
+// point may be fired later than its successors. So a shot belongs to the point after the one shot
+// last if it lies there, else to any point that lies there, not fired ones first, else (a wrong
+// shot) to the nearest of the next few points not fired. "Lies there" means within the shot
+// tolerance of the settings plus the rounding to steps.
+//
+// On a real port nobody sees the shots: what cannot be known is empty here and null in the file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/points/point.hpp"
+#include "shared/settings_table.hpp"
+#include "shared/units.hpp"
+#include "sim/trace/shots.hpp"
+
+namespace lamplock::report {
+
+/// Troubles of the link during a job.
+struct LinkCounts {
+  std::uint64_t resent = 0;
+  std::uint64_t bad = 0;
+  std::uint64_t reconnects = 0;
+};
+
+/// Everything known about one run of a job.
+struct JobRun {
+  std::string input;  ///< file that was engraved
+  std::string mode;   ///< "free", "start-stop"
+  std::string board;  ///< "virtual" or the port
+
+  points::PointCloud points;                 ///< in firing order, input coordinates
+  std::vector<std::uint16_t> shots_ordered;  ///< per point; empty: one each
+
+  bool shots_known = true;        ///< false on a real board: nobody recorded the shots
+  std::uint64_t shots_fired = 0;  ///< as the firmware counts; used only if shots are not known
+  std::vector<sim::Shot> shots;   ///< in order of time
+  /// Machine position at the lattice tick of each shot's beat, same length as shots; empty:
+  /// unknown.
+  std::vector<StepPosition> lattice_steps;
+
+  PerAxis<double> steps_per_mm{200, 200, 200, 200};
+  int axes = 3;
+
+  std::uint64_t beats = 0;         ///< lamp periods from the first shot to the last, both included
+  std::uint64_t beats_before = 0;  ///< lamp periods before the first shot
+  double time_s = 0;               ///< machine time of `beats`
+  std::map<std::string, std::uint64_t> beats_by_reason;  ///< beats without a shot, by reason
+  LinkCounts link;
+  settings::Values settings;
+};
+
+/// The judgement.
+struct Report {
+  std::string version, input, mode, board;
+  double lamp_hz = 0;
+  std::uint64_t points = 0;
+  std::uint64_t shots = 0;
+  std::uint64_t beats = 0;
+  std::uint64_t beats_before = 0;
+  double beats_per_point = 0;
+  double utilisation = 0;  ///< shots / beats
+  double time_s = 0;
+  double points_per_s = 0;
+  /// Largest over axes and shots of |steps at the lattice tick - wanted mm x steps per mm|.
+  std::optional<double> largest_error_steps;
+  /// The same with the position at the real shot: lamp jitter included.
+  std::optional<double> largest_jitter_error_steps;
+  std::optional<std::uint64_t> missed;   ///< points never fired
+  std::optional<std::uint64_t> doubled;  ///< shots beyond those ordered
+  std::map<std::string, std::uint64_t> beats_by_reason;
+  LinkCounts link;
+  settings::Values settings;
+};
+
+/// Judges a run. Throws lamplock::Error if the run contradicts itself (lengths of the lists).
+Report evaluate(const JobRun& run);
+
+/// The report as JSON text, keys as documented; settings by name in their unit.
+std::string to_json(const Report& report);
+
+/// Writes report.json, shots.csv, shots.ply and cloud.png into `folder`, which is made if needed.
+/// Without known shots there is no shots.csv and no shots.ply, and the picture shows the points as
+/// ordered. Throws lamplock::Error if a file cannot be written.
+void write_report(const Report& report, const JobRun& run, const std::filesystem::path& folder);
+
+}  // namespace lamplock::report

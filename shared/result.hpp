@@ -1,0 +1,26 @@
+// Result codes of the firmware. A function that can fail returns one; nothing throws.
+#pragma once
+
+#include <cstdint>
+
+namespace lamplock {
+
+/// Why something was refused. The values are part of the wire format: never renumber.
+enum class Result : std::uint8_t {
+  ok = 0,
+  bad_frame = 1,           ///< malformed payload (length, unknown record or frame type)
+  bad_sequence = 2,        ///< frame is not the next one expected
+  no_space = 3,            ///< the point buffer cannot take the whole frame
+  no_job = 4,              ///< data or command outside a job
+  busy = 5,                ///< not possible in this state (job running, not idle)
+  locked = 6,              ///< alarm: unlock or home first
+  bad_value = 7,           ///< a number outside its range
+  out_of_bounds = 8,       ///< target outside the work space
+  bad_version = 9,         ///< other protocol version
+  settings_mismatch = 10,  ///< job was made for other settings
+  unreachable = 11,        ///< limits leave no way to reach the target
+  unsupported = 12,        ///< known but not available on this board or in this version
+  door_open = 13,          ///< safety door or e-stop is active
+};
+
+}  // namespace lamplock

@@ -1,0 +1,196 @@
+// The one table of settings: numbers, names, units, ranges, defaults, descriptions.
+//
+// Firmware, host, documentation and tests read this table and nothing else. Numbers are those of
+// grbl 1.1 where grbl has the setting, our own ones start at 900, in blocks: 900 beat, 920 laser
+// protection, 940 work space, 960 outputs, 980 link. Values are kept in thousandths of the unit
+// (`milli`) as 32-bit integers: exact, printable with three decimals, no floating point.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace lamplock::settings {
+
+/// Index of a setting in the table; per-axis settings stand in four consecutive rows X Y Z A.
+enum class Id : std::uint8_t {
+  step_pulse,
+  step_invert,
+  direction_invert,
+  soft_limits,
+  hard_limits,
+  steps_per_mm_x,
+  steps_per_mm_y,
+  steps_per_mm_z,
+  steps_per_mm_a,
+  max_rate_x,
+  max_rate_y,
+  max_rate_z,
+  max_rate_a,
+  acceleration_x,
+  acceleration_y,
+  acceleration_z,
+  acceleration_a,
+  travel_x,
+  travel_y,
+  travel_z,
+  travel_a,
+  lamp_mode,
+  lamp_frequency,
+  q_switch_delay,
+  q_switch_width,
+  shot_tolerance,
+  lock_range,
+  slew_limit,
+  lock_edges,
+  lamp_jitter,
+  lamp_drift,
+  lamp_warm_up,
+  max_shot_rate,
+  min_corner_x,
+  min_corner_y,
+  min_corner_z,
+  min_corner_a,
+  axes,
+  dead_man,
+  count
+};
+inline constexpr std::size_t setting_count = static_cast<std::size_t>(Id::count);
+
+/// One row of the table. Values in thousandths of `unit`.
+struct Row {
+  std::uint16_t number;
+  std::string_view name;
+  std::string_view unit;
+  std::int32_t min_milli;
+  std::int32_t max_milli;
+  std::int32_t default_milli;
+  bool whole;  ///< printed and accepted without decimals
+  std::string_view description;
+};
+
+/// Lamp mode ($900).
+enum class LampMode : std::uint8_t { free_beat = 0, slave = 1, master = 2 };
+
+inline constexpr std::array<Row, setting_count> table{{
+    {0, "step_pulse", "us", 500, 1'000'000, 500, false, "width of a step pulse"},
+    {2, "step_invert", "mask", 0, 15'000, 0, true, "axes with inverted step output, bit 0 = X"},
+    {3, "direction_invert", "mask", 0, 15'000, 0, true,
+     "axes with inverted direction output, bit 0 = X"},
+    {20, "soft_limits", "on/off", 0, 1'000, 1'000, true, "refuse targets outside the work space"},
+    {21, "hard_limits", "on/off", 0, 1'000, 1'000, true, "stop when a limit switch engages"},
+    {100, "steps_per_mm_x", "step/mm", 1, 50'000'000, 200'000, false, "resolution of X"},
+    {101, "steps_per_mm_y", "step/mm", 1, 50'000'000, 200'000, false, "resolution of Y"},
+    {102, "steps_per_mm_z", "step/mm", 1, 50'000'000, 200'000, false, "resolution of Z"},
+    {103, "steps_per_mm_a", "step/mm", 1, 50'000'000, 200'000, false, "resolution of A"},
+    {110, "max_rate_x", "mm/min", 1'000, 600'000'000, 60'000'000, false, "highest speed of X"},
+    {111, "max_rate_y", "mm/min", 1'000, 600'000'000, 60'000'000, false, "highest speed of Y"},
+    {112, "max_rate_z", "mm/min", 1'000, 600'000'000, 60'000'000, false, "highest speed of Z"},
+    {113, "max_rate_a", "mm/min", 1'000, 600'000'000, 60'000'000, false, "highest speed of A"},
+    {120, "acceleration_x", "mm/s2", 1'000, 200'000'000, 4'000'000, false,
+     "highest acceleration of X"},
+    {121, "acceleration_y", "mm/s2", 1'000, 200'000'000, 4'000'000, false,
+     "highest acceleration of Y"},
+    {122, "acceleration_z", "mm/s2", 1'000, 200'000'000, 4'000'000, false,
+     "highest acceleration of Z"},
+    {123, "acceleration_a", "mm/s2", 1'000, 200'000'000, 4'000'000, false,
+     "highest acceleration of A"},
+    {130, "travel_x", "mm", 100, 2'000'000, 100'000, false, "length of the work space in X"},
+    {131, "travel_y", "mm", 100, 2'000'000, 100'000, false, "length of the work space in Y"},
+    {132, "travel_z", "mm", 100, 2'000'000, 100'000, false, "length of the work space in Z"},
+    {133, "travel_a", "mm", 100, 2'000'000, 100'000, false, "length of the work space in A"},
+    {900, "lamp_mode", "0..2", 0, 2'000, 1'000, true,
+     "0 no lamp (free beat), 1 slave (the lamp free-runs, we follow LAMP SYNC), 2 master (we "
+     "trigger the lamp)"},
+    {901, "lamp_frequency", "Hz", 1'000, 5'000'000, 100'000, false, "nominal lamp frequency"},
+    {902, "q_switch_delay", "us", 2'200, 500'000, 5'000, false,
+     "LAMP SYNC to Q-switch; the contract of the laser is at most 20 us"},
+    {903, "q_switch_width", "us", 1'000, 1'000'000, 150'000, false,
+     "width of the Q-switch pulse; the laser wants more than 100 us"},
+    {904, "shot_tolerance", "um", 0, 1'000'000, 0, false,
+     "how far from its point a shot may be; 0 = the larger of half a step and 5 um"},
+    {905, "lock_range", "%", 100, 10'000, 3'000, false,
+     "how far the lamp period may be from nominal"},
+    {906, "slew_limit", "%", 10, 5'000, 200, false,
+     "how far a tick may be stretched or shrunk against the tracked period while moving"},
+    {907, "lock_edges", "count", 2'000, 16'000, 8'000, true, "edges in a row that make a lock"},
+    {908, "lamp_jitter", "us", 100, 1'000'000, 20'000, false,
+     "largest jitter of a lamp edge to expect; with lamp_drift it sets the gains of the beat "
+     "clock"},
+    {909, "lamp_drift", "%/s", 1, 10'000, 300, false, "largest drift of the lamp period to expect"},
+    {920, "lamp_warm_up", "count", 0, 100'000'000, 0, true, "flashes before the first shot"},
+    {921, "max_shot_rate", "Hz", 1'000, 10'000'000, 5'000'000, false, "highest rate of shots"},
+    {940, "min_corner_x", "mm", -1'000'000, 1'000'000, -50'000, false,
+     "lowest X of the work space"},
+    {941, "min_corner_y", "mm", -1'000'000, 1'000'000, -50'000, false,
+     "lowest Y of the work space"},
+    {942, "min_corner_z", "mm", -1'000'000, 1'000'000, -50'000, false,
+     "lowest Z of the work space"},
+    {943, "min_corner_a", "mm", -1'000'000, 1'000'000, -50'000, false,
+     "lowest A of the work space"},
+    {960, "axes", "count", 1'000, 4'000, 3'000, true, "number of axes"},
+    {980, "dead_man", "ms", 0, 60'000'000, 2'000'000, false,
+     "silence of the host in a job before a controlled stop; 0 = never"},
+}};
+
+/// Row of a setting.
+constexpr const Row& row(Id id) { return table[static_cast<std::size_t>(id)]; }
+
+/// Row of the same setting for another axis, given the X row.
+constexpr Id for_axis(Id x_row, int axis) {
+  return static_cast<Id>(static_cast<int>(x_row) + axis);
+}
+
+/// Index of a setting number; Id::count if there is none.
+constexpr Id find_number(std::uint16_t number) {
+  for (std::size_t i = 0; i < setting_count; ++i)
+    if (table[i].number == number) return static_cast<Id>(i);
+  return Id::count;
+}
+
+/// Index of a setting name; Id::count if there is none.
+constexpr Id find_name(std::string_view name) {
+  for (std::size_t i = 0; i < setting_count; ++i)
+    if (table[i].name == name) return static_cast<Id>(i);
+  return Id::count;
+}
+
+/// All values, starting with the defaults.
+class Values {
+ public:
+  constexpr Values() {
+    for (std::size_t i = 0; i < setting_count; ++i) milli_[i] = table[i].default_milli;
+  }
+  constexpr std::int32_t milli(Id id) const { return milli_[static_cast<std::size_t>(id)]; }
+  constexpr std::int32_t milli(Id x_row, int axis) const { return milli(for_axis(x_row, axis)); }
+  /// The value without its decimals.
+  constexpr std::int32_t whole(Id id) const { return milli(id) / 1000; }
+
+  /// Sets a value; false (and nothing changed) if it is outside its range or must be whole.
+  constexpr bool set_milli(Id id, std::int32_t value) {
+    const Row& r = row(id);
+    if (value < r.min_milli || value > r.max_milli) return false;
+    if (r.whole && value % 1000 != 0) return false;
+    milli_[static_cast<std::size_t>(id)] = value;
+    return true;
+  }
+
+  /// FNV-1a (Fowler, Noll, Vo) over numbers and values: tells whether a job was made for these.
+  constexpr std::uint32_t hash() const {
+    std::uint32_t h = 2166136261u;
+    for (std::size_t i = 0; i < setting_count; ++i) {
+      const auto v = static_cast<std::uint32_t>(milli_[i]);
+      const std::uint32_t words[2] = {table[i].number, v};
+      for (std::uint32_t word : words)
+        for (int shift = 0; shift < 32; shift += 8) h = (h ^ ((word >> shift) & 0xff)) * 16777619u;
+    }
+    return h;
+  }
+  friend constexpr bool operator==(const Values&, const Values&) = default;
+
+ private:
+  std::array<std::int32_t, setting_count> milli_{};
+};
+
+}  // namespace lamplock::settings

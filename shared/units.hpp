@@ -1,0 +1,31 @@
+// Constants and units that firmware, simulator and host agree on.
+//
+// Everything that moves is counted in steps (integers) and ticks (the smallest slice of time at
+// which a step may start). A beat is one lamp period and lasts a whole number of ticks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace lamplock {
+
+/// Most axes a machine can have: X Y Z A.
+inline constexpr int max_axes = 4;
+
+/// Nominal length of a tick.
+inline constexpr std::uint32_t tick_ns = 1000;
+inline constexpr std::uint32_t ticks_per_second = 1'000'000'000u / tick_ns;
+
+/// System clock of the reference board; times that cross the board interface are counted in it.
+inline constexpr std::uint32_t clock_hz = 125'000'000;
+inline constexpr std::uint32_t clocks_per_tick = clock_hz / ticks_per_second;
+inline constexpr std::uint32_t clocks_per_us = clock_hz / 1'000'000;
+
+/// One value per axis.
+template <class T>
+using PerAxis = std::array<T, max_axes>;
+
+/// Position of the machine in steps from machine zero.
+using StepPosition = PerAxis<std::int32_t>;
+
+}  // namespace lamplock

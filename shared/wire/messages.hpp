@@ -1,0 +1,78 @@
+// Frame types and the header every frame has (docs/wire-format.md, section 2).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "shared/result.hpp"
+#include "shared/wire/bytes.hpp"
+#include "shared/wire/framing.hpp"
+
+namespace lamplock::wire {
+
+/// Raised whenever the two ends would misunderstand each other.
+inline constexpr std::uint16_t protocol_version = 1;
+
+/// First byte of a frame's content.
+enum class FrameType : std::uint8_t {
+  query = 0x40,
+  begin = 0x41,
+  data = 0x42,
+  end = 0x43,
+  command = 0x44,
+  status = 0x60,
+  refused = 0x61,
+};
+
+/// What the host's user wants of a running job. Acts at once, out of turn.
+enum class Command : std::uint8_t { hold = 1, resume = 2, stop = 3 };
+
+/// Header of a frame.
+struct FrameHeader {
+  FrameType type = FrameType::query;
+  std::uint32_t session = 0;  ///< 0 = none
+  std::uint32_t number = 0;   ///< meaning depends on the type
+};
+inline constexpr std::size_t frame_header_size = 1 + 4 + 4;
+inline constexpr std::size_t max_payload = max_content - frame_header_size - crc_size;
+static_assert(max_payload == 499);
+
+constexpr void write_header(ByteWriter& out, const FrameHeader& header) {
+  out.put(static_cast<std::uint8_t>(header.type));
+  out.put(header.session);
+  out.put(header.number);
+}
+
+/// Takes the header; the reader's ok() tells whether it was there. The type may be unknown.
+constexpr FrameHeader read_header(ByteReader& in) {
+  FrameHeader header;
+  header.type = static_cast<FrameType>(in.take<std::uint8_t>());
+  header.session = in.take<std::uint32_t>();
+  header.number = in.take<std::uint32_t>();
+  return header;
+}
+
+/// Payload of REFUSED.
+struct Refused {
+  FrameType type = FrameType::begin;  ///< of the frame that was refused
+  Result result = Result::ok;
+  std::uint32_t value = 0;  ///< setting number (BEGIN) or index of the point (DATA)
+};
+inline constexpr std::size_t refused_size = 6;
+
+constexpr void write_refused(ByteWriter& out, const Refused& refused) {
+  out.put(static_cast<std::uint8_t>(refused.type));
+  out.put(static_cast<std::uint8_t>(refused.result));
+  out.put(refused.value);
+}
+
+constexpr Refused read_refused(ByteReader& in) {
+  Refused refused;
+  refused.type = static_cast<FrameType>(in.take<std::uint8_t>());
+  refused.result = static_cast<Result>(in.take<std::uint8_t>());
+  refused.value = in.take<std::uint32_t>();
+  return refused;
+}
+
+}  // namespace lamplock::wire

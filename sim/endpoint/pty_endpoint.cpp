@@ -1,0 +1,72 @@
+#include "sim/endpoint/pty_endpoint.hpp"
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+namespace lamplock::sim {
+namespace {
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// Raw: no echo, no line editing, no signals, every byte as it is.
+void make_raw(int descriptor) {
+  termios settings{};
+  if (::tcgetattr(descriptor, &settings) != 0) fail("pseudo-terminal");
+  ::cfmakeraw(&settings);
+  if (::tcsetattr(descriptor, TCSANOW, &settings) != 0) fail("pseudo-terminal");
+}
+
+void make_link(const std::string& target, const std::filesystem::path& link) {
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(link)))
+    std::filesystem::remove(link);
+  std::filesystem::create_symlink(target, link);
+}
+
+}  // namespace
+
+PtyEndpoint::PtyEndpoint(std::filesystem::path link) {
+  descriptor_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  std::array<char, 256> name{};
+  if (descriptor_ < 0 || ::grantpt(descriptor_) != 0 || ::unlockpt(descriptor_) != 0 ||
+      ::ptsname_r(descriptor_, name.data(), name.size()) != 0)
+    fail("pseudo-terminal");
+  name_ = name.data();
+  // With the host's side open once in this process, the terminal survives the host closing it.
+  keep_open_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (keep_open_ < 0) fail(name_);
+  make_raw(keep_open_);
+  if (!link.empty()) {
+    make_link(name_, link);
+    link_ = std::move(link);
+  }
+}
+
+PtyEndpoint::~PtyEndpoint() {
+  std::error_code ignored;
+  if (!link_.empty()) std::filesystem::remove(link_, ignored);
+  ::close(keep_open_);
+  ::close(descriptor_);
+}
+
+std::size_t PtyEndpoint::read(std::span<std::uint8_t> bytes) {
+  if (bytes.empty()) return 0;
+  const ssize_t count = ::read(descriptor_, bytes.data(), bytes.size());
+  return count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
+std::size_t PtyEndpoint::write(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return 0;
+  const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+  return count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
+}  // namespace lamplock::sim

@@ -1,0 +1,260 @@
+#include "sim/virtual_board/virtual_board.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace lamplock::sim {
+namespace {
+
+/// The main loop comes round this often.
+constexpr Picoseconds service_period = 250 * ps_per_us;
+/// Lengths of ticks and steps are handed out this far ahead.
+constexpr Picoseconds timing_lead = 300 * ps_per_us;
+constexpr std::uint64_t motion_lead_ticks = 2000;
+constexpr std::uint32_t span_ticks = 256;
+constexpr std::uint32_t block_ticks = 1u << 14;
+/// DIR changes this long before the tick that wants it, after STEP of the tick before has fallen.
+constexpr Picoseconds direction_lead = 400 * ps_per_ns;
+/// Full-speed USB: 19 packets of 64 bytes in a frame of 1 ms; a quarter of it per service.
+constexpr std::size_t bytes_per_service = 19 * 64 / 4;
+constexpr std::size_t host_buffer = 4096;
+/// Blocks kept after they were played, to look back from a late edge to its lattice tick.
+constexpr std::size_t remembered_blocks = 64;
+
+std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
+
+}  // namespace
+
+VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& world)
+    : world_(std::make_unique<World>(world, bus_)),
+      controller_(std::make_unique<machine::Controller>(stored)) {
+  for (const Pin pin : {Pin::lamp_sync, Pin::lamp_trigger, Pin::estop, Pin::door, Pin::limit_x,
+                        Pin::limit_y, Pin::limit_z, Pin::limit_a})
+    bus_.listen(pin, *this);
+}
+
+VirtualBoard::~VirtualBoard() = default;
+
+std::size_t VirtualBoard::write(std::span<const std::uint8_t> bytes) {
+  const std::size_t n =
+      std::min(bytes.size(), host_buffer - std::min(host_buffer, from_host_.size()));
+  from_host_.insert(from_host_.end(), bytes.begin(),
+                    bytes.begin() + static_cast<std::ptrdiff_t>(n));
+  return n;
+}
+
+std::size_t VirtualBoard::read(std::span<std::uint8_t> bytes) {
+  const std::size_t n = std::min(bytes.size(), to_host_.size());
+  const auto end = to_host_.begin() + static_cast<std::ptrdiff_t>(n);
+  std::copy(to_host_.begin(), end, bytes.begin());
+  to_host_.erase(to_host_.begin(), end);
+  return n;
+}
+
+void VirtualBoard::pin_changed(Pin pin, bool level, Picoseconds at) {
+  switch (pin) {
+    case Pin::lamp_sync:
+      if (!own_edges_) fire_.sync_changed(level, at);
+      break;
+    case Pin::lamp_trigger:
+      if (own_edges_) fire_.sync_changed(level, at);
+      break;
+    case Pin::estop:
+      if (level) stop_dead();
+      controller_->input_changed(machine::Input::estop, level);
+      break;
+    case Pin::door:
+      controller_->input_changed(machine::Input::door, level);
+      break;
+    default: {
+      const int axis = static_cast<int>(pin) - static_cast<int>(Pin::limit_x);
+      controller_->input_changed(
+          static_cast<machine::Input>(static_cast<int>(machine::Input::limit_x) + axis), level);
+      break;
+    }
+  }
+  check_outputs();
+}
+
+Picoseconds VirtualBoard::token_expiry() const {
+  if (!token_held_ || token_.expires_tick >= ticks_.end_tick()) return never;
+  return std::max(now_, ticks_.time_of(std::max(token_.expires_tick, played_)));
+}
+
+Picoseconds VirtualBoard::next_event() const {
+  return std::min(
+      {world_->next_event(), next_service_, fire_.next_event(), bits_change_, token_expiry()});
+}
+
+void VirtualBoard::run_until(Picoseconds until) {
+  while (now_ < until) {
+    const Picoseconds next = std::max(now_, std::min(until, next_event()));
+    play(next);
+    now_ = next;
+    fire_.drive(bus_, now_);
+    world_->advance(now_);
+    if (fire_.decision_due(now_)) decide();
+    if (token_expiry() <= now_) {
+      withdraw_token();
+      take_token();
+    }
+    if (next_service_ <= now_) service();
+  }
+}
+
+void VirtualBoard::service() {
+  next_service_ = now_ + service_period;
+  if (!from_host_.empty()) {
+    std::array<std::uint8_t, bytes_per_service> packet;
+    const std::size_t n = std::min(packet.size(), from_host_.size());
+    const auto end = from_host_.begin() + static_cast<std::ptrdiff_t>(n);
+    std::copy(from_host_.begin(), end, packet.begin());
+    from_host_.erase(from_host_.begin(), end);
+    controller_->receive(std::span<const std::uint8_t>(packet).first(n));
+  }
+  controller_->poll(static_cast<std::uint64_t>(now_ / ps_per_clock));
+  std::array<std::uint8_t, bytes_per_service> packet;
+  const std::size_t n = controller_->transmit(packet);
+  to_host_.insert(to_host_.end(), packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(n));
+
+  const machine::FireTiming timing = controller_->fire_timing();
+  fire_.configure(timing);
+  own_edges_ = timing.own_edges;
+  step_pulse_ = controller_->values().milli(settings::Id::step_pulse) * ps_per_ns;
+  feed_lattice();
+  check_outputs();
+  take_token();
+}
+
+void VirtualBoard::feed_lattice() {
+  while (ticks_.end_time() < now_ + timing_lead) ticks_.push(controller_->next_span(span_ticks));
+  while (filled_ < ticks_.end_tick() + motion_lead_ticks) {
+    stepper::TickBlock block;
+    controller_->fill(block, block_ticks);
+    filled_ = block.first_tick + block.ticks;
+    blocks_.push_back(block);
+  }
+  bits_change_ = never;
+  for (const stepper::TickBlock& block : blocks_) {
+    if (block.bits == bits_ || block.first_tick < played_) continue;
+    if (block.first_tick < ticks_.end_tick()) bits_change_ = ticks_.time_of(block.first_tick);
+    break;
+  }
+}
+
+void VirtualBoard::play(Picoseconds until) {
+  const std::uint64_t to_tick = std::min(ticks_.first_tick_from(until), filled_);
+  while (played_ < to_tick) {
+    const stepper::TickBlock& block = blocks_.front();
+    const std::uint64_t end = block.first_tick + block.ticks;
+    if (played_ == block.first_tick) begin_block(block);
+    play_block(block, std::min(end, to_tick));
+    if (end > to_tick) break;
+    recent_blocks_.push_back(block);
+    if (recent_blocks_.size() > remembered_blocks) recent_blocks_.pop_front();
+    blocks_.pop_front();
+  }
+  ticks_.drop_before(played_);
+  // A block that begins right here changes the bits now.
+  if (bits_change_ <= until) {
+    if (!blocks_.empty() && blocks_.front().first_tick <= played_ && blocks_.front().bits != bits_)
+      apply_bits(blocks_.front().bits, until);
+    bits_change_ = never;
+    feed_lattice();
+  }
+}
+
+void VirtualBoard::begin_block(const stepper::TickBlock& block) {
+  if (block.bits != bits_) apply_bits(block.bits, ticks_.time_of(block.first_tick));
+  for (int a = 0; a < max_axes; ++a)
+    cursors_[index(a)] =
+        block.moving ? StepCursor(block.axis[index(a)], block.ticks) : StepCursor();
+}
+
+void VirtualBoard::play_block(const stepper::TickBlock& block, std::uint64_t to_tick) {
+  if (block.moving) {
+    for (int axis = 0; axis < max_axes; ++axis) step_axis(axis, block, to_tick);
+  }
+  played_ = to_tick;
+}
+
+void VirtualBoard::step_axis(int axis, const stepper::TickBlock& block, std::uint64_t to_tick) {
+  StepCursor& cursor = cursors_[index(axis)];
+  while (cursor.tick() != StepCursor::none && block.first_tick + cursor.tick() < to_tick) {
+    const Picoseconds at = ticks_.time_of(block.first_tick + cursor.tick());
+    bus_.set(dir_pin(axis), cursor.backwards(), at - direction_lead);
+    bus_.set(step_pin(axis), true, at);
+    bus_.set(step_pin(axis), false, at + step_pulse_);
+    cursor.next();
+  }
+}
+
+void VirtualBoard::apply_bits(std::uint8_t bits, Picoseconds at) {
+  bits_ = bits;
+  bus_.set(Pin::arm, (bits & stepper::arm_bit) != 0, at);
+  bus_.set(Pin::lamp_trigger, (bits & stepper::trigger_bit) != 0, at);
+}
+
+StepPosition VirtualBoard::position_at_tick(std::uint64_t tick) const {
+  StepPosition steps{};
+  for (const auto* blocks : {&recent_blocks_, &blocks_}) {
+    for (const stepper::TickBlock& block : *blocks) {
+      if (tick > block.first_tick + block.ticks || tick < block.first_tick) continue;
+      const auto n = static_cast<std::uint32_t>(tick - block.first_tick);
+      for (int a = 0; a < max_axes; ++a)
+        steps[index(a)] = static_cast<std::int32_t>(block.axis[index(a)].position_after(n).hi());
+      return steps;
+    }
+  }
+  return steps;
+}
+
+void VirtualBoard::decide() {
+  const bool loaded = token_held_ && controller_->outputs().fire_enable &&
+                      played_ >= token_.not_before_tick && played_ < token_.expires_tick;
+  const Verdict verdict = fire_.decide((bits_ & stepper::arm_bit) != 0, loaded);
+  if (verdict.fired) {
+    const std::uint64_t tick = controller_->clock().tick_of_beat(token_.beat);
+    lattice_shots_.push_back({token_.beat, position_at_tick(tick)});
+  }
+  if (loaded) token_held_ = false;
+  controller_->lamp_edge(verdict.edge_clock, verdict.fired, loaded);
+  take_token();
+}
+
+void VirtualBoard::take_token() {
+  if (!token_held_) token_held_ = controller_->next_token(token_);
+}
+
+void VirtualBoard::withdraw_token() {
+  if (!token_held_) return;
+  token_held_ = false;
+  controller_->token_expired();
+}
+
+void VirtualBoard::check_outputs() {
+  const machine::Outputs outputs = controller_->outputs();
+  bus_.set(Pin::enable, outputs.drives_enable, now_);
+  if (outputs.fire_enable) return;
+  withdraw_token();
+}
+
+void VirtualBoard::stop_dead() {
+  // The tick line stops: what was filled is lost, the steps put out so far are what counts.
+  fire_.disarm(bus_, now_);
+  StepPosition steps{};
+  if (!blocks_.empty()) steps = position_at_tick(std::max(played_, blocks_.front().first_tick));
+  cursors_ = {};
+  for (stepper::TickBlock& block : blocks_) {
+    block.moving = false;
+    block.bits = 0;
+    for (int a = 0; a < max_axes; ++a) {
+      block.axis[index(a)] = stepper::AxisRun{};
+      block.axis[index(a)].position_q64 = motion::middle_of_step(steps[index(a)]);
+    }
+  }
+  apply_bits(0, now_);
+  controller_->stopped_at(steps);
+}
+
+}  // namespace lamplock::sim

@@ -1,0 +1,97 @@
+// The virtual board: the firmware core on a virtual clock, with the simulated world on its pins.
+//
+// In:  bytes of the host, a world (lamp, drives, switches).
+// Out: bytes to the host, pins, time. Deterministic: no threads, no wall clock.
+// It drives the Controller exactly as a real board does: steps are filled 2 ms ahead, lengths of
+// ticks 0.3 ms ahead, the main loop runs every quarter millisecond, and firing is done by a model
+// of the hardware. Steps come by closed form, never tick by tick.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "firmware/machine/controller.hpp"
+#include "sim/virtual_board/fire_stage.hpp"
+#include "sim/virtual_board/step_edges.hpp"
+#include "sim/virtual_board/tick_line.hpp"
+#include "sim/world/world.hpp"
+
+namespace lamplock::sim {
+
+/// Where the machine stood at the lattice tick of a shot's beat: the position without the jitter
+/// of the lamp.
+struct LatticeShot {
+  std::uint64_t beat = 0;
+  StepPosition steps{};
+};
+
+/// One board in its world.
+class VirtualBoard final : private PinListener {
+ public:
+  VirtualBoard(const settings::Values& stored, const WorldConfig& world);
+  ~VirtualBoard() override;
+  VirtualBoard(const VirtualBoard&) = delete;
+  VirtualBoard& operator=(const VirtualBoard&) = delete;
+
+  /// Bytes from the host; returns how many were taken (the buffer is that of a USB endpoint pair).
+  std::size_t write(std::span<const std::uint8_t> bytes);
+  /// Bytes to the host.
+  std::size_t read(std::span<std::uint8_t> bytes);
+  bool has_output() const { return !to_host_.empty(); }
+
+  /// Runs until `until`.
+  void run_until(Picoseconds until);
+  Picoseconds now() const { return now_; }
+
+  PinBus& bus() { return bus_; }
+  World& world() { return *world_; }
+  const World& world() const { return *world_; }
+  machine::Controller& controller() { return *controller_; }
+  const machine::Controller& controller() const { return *controller_; }
+  const std::vector<LatticeShot>& lattice_shots() const { return lattice_shots_; }
+
+ private:
+  void pin_changed(Pin pin, bool level, Picoseconds at) override;
+  Picoseconds next_event() const;
+  Picoseconds token_expiry() const;
+  void service();
+  void feed_lattice();
+  void play(Picoseconds until);
+  void begin_block(const stepper::TickBlock& block);
+  void play_block(const stepper::TickBlock& block, std::uint64_t to_tick);
+  void step_axis(int axis, const stepper::TickBlock& block, std::uint64_t to_tick);
+  void apply_bits(std::uint8_t bits, Picoseconds at);
+  void decide();
+  void take_token();
+  void withdraw_token();
+  void check_outputs();
+  void stop_dead();
+  StepPosition position_at_tick(std::uint64_t tick) const;
+
+  PinBus bus_;
+  std::unique_ptr<World> world_;
+  std::unique_ptr<machine::Controller> controller_;
+  FireStage fire_;
+  TickLine ticks_;
+  std::deque<stepper::TickBlock> blocks_;
+  std::deque<stepper::TickBlock> recent_blocks_;  ///< already played
+  std::uint64_t played_ = 0;                      ///< first tick not yet put out
+  std::uint64_t filled_ = 0;                      ///< first tick not yet filled
+  Picoseconds bits_change_ = never;               ///< when the lattice bits change next
+  std::uint8_t bits_ = 0;
+  PerAxis<StepCursor> cursors_{};  ///< of the block being played; refer into it
+  bool token_held_ = false;
+  lamp::FireToken token_;
+  bool own_edges_ = false;
+  Picoseconds step_pulse_ = 0;
+  Picoseconds now_ = 0;
+  Picoseconds next_service_ = 0;
+  std::deque<std::uint8_t> from_host_;
+  std::deque<std::uint8_t> to_host_;
+  std::vector<LatticeShot> lattice_shots_;
+};
+
+}  // namespace lamplock::sim

@@ -1,0 +1,19 @@
+// Names of the wires as they appear in traces.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "sim/world/pins.hpp"
+
+namespace lamplock::sim {
+
+inline constexpr std::array<std::string_view, pin_count> pin_names{
+    "step_x", "dir_x",     "step_y",       "dir_y",    "step_z",     "dir_z",  "step_a",
+    "dir_a",  "lamp_sync", "lamp_trigger", "q_switch", "laser_gate", "arm",    "enable",
+    "estop",  "door",      "limit_x",      "limit_y",  "limit_z",    "limit_a"};
+
+/// Name of a wire, as in the list of pins.
+constexpr std::string_view pin_name(Pin pin) { return pin_names[static_cast<std::size_t>(pin)]; }
+
+}  // namespace lamplock::sim

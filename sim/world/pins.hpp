@@ -1,0 +1,82 @@
+// The wires between a simulated board and the simulated world.
+//
+// The world knows pins and times, nothing of the firmware: the same lamp, drives and switches
+// serve the virtual board and the chip simulator, and traces listen to the same wires.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace lamplock::sim {
+
+/// Simulated time since power-up.
+using Picoseconds = std::int64_t;
+inline constexpr Picoseconds ps_per_ns = 1'000;
+inline constexpr Picoseconds ps_per_us = 1'000'000;
+inline constexpr Picoseconds ps_per_ms = 1'000'000'000;
+inline constexpr Picoseconds ps_per_s = 1'000'000'000'000;
+
+/// Every wire. Steps and directions first, axis by axis (X Y Z A).
+enum class Pin : std::uint8_t {
+  step_x,
+  dir_x,
+  step_y,
+  dir_y,
+  step_z,
+  dir_z,
+  step_a,
+  dir_a,
+  lamp_sync,     ///< in: the lamp flashes
+  lamp_trigger,  ///< out: the controller triggers the lamp (master)
+  q_switch,      ///< out: releases the pulse
+  laser_gate,    ///< out: continuous laser permitted
+  arm,           ///< out: machine is in position, a shot may be fired
+  enable,        ///< out: drives enabled
+  estop,         ///< in: high = pressed
+  door,          ///< in: high = open
+  limit_x,
+  limit_y,
+  limit_z,
+  limit_a,  ///< in: high = engaged
+  count
+};
+inline constexpr std::size_t pin_count = static_cast<std::size_t>(Pin::count);
+
+constexpr Pin step_pin(int axis) { return static_cast<Pin>(2 * axis); }
+constexpr Pin dir_pin(int axis) { return static_cast<Pin>(2 * axis + 1); }
+constexpr Pin limit_pin(int axis) {
+  return static_cast<Pin>(static_cast<int>(Pin::limit_x) + axis);
+}
+
+/// Somebody connected to the wires.
+class PinListener {
+ public:
+  virtual ~PinListener() = default;
+  /// Called once per change, in order of time for each pin.
+  virtual void pin_changed(Pin pin, bool level, Picoseconds at) = 0;
+};
+
+/// Levels of all wires and who listens to which.
+class PinBus {
+ public:
+  bool level(Pin pin) const { return levels_[index(pin)]; }
+
+  /// Connects a listener to one pin; it must outlive the bus.
+  void listen(Pin pin, PinListener& listener) { listeners_[index(pin)].push_back(&listener); }
+
+  /// Drives a wire; no call when the level does not change.
+  void set(Pin pin, bool level, Picoseconds at) {
+    if (levels_[index(pin)] == level) return;
+    levels_[index(pin)] = level;
+    for (PinListener* listener : listeners_[index(pin)]) listener->pin_changed(pin, level, at);
+  }
+
+ private:
+  static constexpr std::size_t index(Pin pin) { return static_cast<std::size_t>(pin); }
+  std::array<bool, pin_count> levels_{};
+  std::array<std::vector<PinListener*>, pin_count> listeners_{};
+};
+
+}  // namespace lamplock::sim

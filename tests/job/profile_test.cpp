@@ -1,0 +1,160 @@
+// The machine profile: what it takes, what it says when it cannot, and what it writes.
+#include "host/job/profile.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+
+#include "host/error.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::job {
+namespace {
+
+using settings::Id;
+using testing::HasSubstr;
+
+/// A file that is gone at the end of the test.
+class TempFile {
+ public:
+  explicit TempFile(const std::string& text) { std::ofstream(path_) << text; }
+  ~TempFile() { std::filesystem::remove(path_); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_ = std::filesystem::temp_directory_path() /
+                                ("lamplock-profile-" + std::to_string(::getpid()) + ".toml");
+};
+
+Profile read(const std::string& text) { return read_profile(TempFile(text).path()); }
+
+std::string error_of(const std::string& text) {
+  try {
+    read(text);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit(), Exit::bad_input);
+    const std::string what = error.what();
+    EXPECT_EQ(what.find('\n'), std::string::npos);
+    EXPECT_EQ(what.rfind("error: ", 0), 0u);
+    return what;
+  }
+  return "no error";
+}
+
+TEST(Profile, DefaultIsTheOneOfTheDesign) {
+  const settings::Values values = default_profile().settings;
+  EXPECT_EQ(values.whole(Id::axes), 3);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(values.whole(settings::for_axis(Id::steps_per_mm_x, axis)), 200);
+    EXPECT_EQ(values.whole(settings::for_axis(Id::max_rate_x, axis)), 60'000);
+    EXPECT_EQ(values.whole(settings::for_axis(Id::acceleration_x, axis)), 4'000);
+    EXPECT_EQ(values.whole(settings::for_axis(Id::travel_x, axis)), 100);
+    EXPECT_EQ(values.whole(settings::for_axis(Id::min_corner_x, axis)), -50);
+  }
+  EXPECT_EQ(values.whole(Id::lamp_frequency), 100);
+}
+
+TEST(Profile, ReadsArraysScalarsAndNames) {
+  const Profile profile = read(R"(
+name = "glass engraver"
+axes = 4
+steps_per_mm = [160, 160.5, 400, 8]
+travel_z = 60
+lamp_frequency = 62.5
+soft_limits = false
+)");
+  EXPECT_EQ(profile.name, "glass engraver");
+  EXPECT_EQ(profile.settings.milli(Id::steps_per_mm_x), 160'000);
+  EXPECT_EQ(profile.settings.milli(Id::steps_per_mm_y), 160'500);
+  EXPECT_EQ(profile.settings.milli(Id::steps_per_mm_a), 8'000);
+  EXPECT_EQ(profile.settings.milli(Id::travel_x), 100'000);
+  EXPECT_EQ(profile.settings.milli(Id::travel_z), 60'000);
+  EXPECT_EQ(profile.settings.milli(Id::lamp_frequency), 62'500);
+  EXPECT_EQ(profile.settings.milli(Id::soft_limits), 0);
+  EXPECT_TRUE(profile.stated[static_cast<std::size_t>(Id::steps_per_mm_z)]);
+  EXPECT_FALSE(profile.stated[static_cast<std::size_t>(Id::travel_x)]);
+  EXPECT_EQ(profile.stated.count(), 8u);
+}
+
+TEST(Profile, ErrorsNameFileLineKeyAndRange) {
+  const std::string unknown = error_of("axes = 3\n\nlamp_freqency = 100\n");
+  EXPECT_THAT(unknown, HasSubstr(".toml:3"));
+  EXPECT_THAT(unknown, HasSubstr("'lamp_freqency'"));
+  const std::string range = error_of("axes = 3\nlamp_frequency = 9000\n");
+  EXPECT_THAT(range, HasSubstr(".toml:2"));
+  EXPECT_THAT(range, HasSubstr("9000"));
+  EXPECT_THAT(range, HasSubstr("1..5000 Hz"));
+  EXPECT_THAT(error_of("axes = 2.5\n"), HasSubstr("whole number"));
+  EXPECT_THAT(error_of("travel_x = \"100\"\n"), HasSubstr("must be a number"));
+  EXPECT_THAT(error_of("travel = 100\n"), HasSubstr("array"));
+  EXPECT_THAT(error_of("travel = []\n"), HasSubstr("array"));
+  EXPECT_THAT(error_of("travel = [1, 2, 3, 4, 5]\n"), HasSubstr("1 to 4"));
+  EXPECT_THAT(error_of("travel = [1, \"b\"]\n"), HasSubstr("must be a number"));
+  EXPECT_THAT(error_of("travel = [1, -2]\n"), HasSubstr("travel_y"));
+  EXPECT_THAT(error_of("name = 3\n"), HasSubstr("'name'"));
+  EXPECT_THAT(error_of("[section]\naxes = 3\n"), HasSubstr("'section'"));
+  EXPECT_THAT(error_of("axes = nan\n"), HasSubstr("out of range"));
+  EXPECT_THAT(error_of("axes = 1e300\n"), HasSubstr("out of range"));
+  EXPECT_THAT(error_of("axes = = 3\n"), HasSubstr(".toml:1"));
+}
+
+TEST(Profile, MissingFileIsAnError) {
+  EXPECT_THROW(read_profile("/nowhere/machine.toml"), Error);
+  EXPECT_THROW(read_profile(std::filesystem::temp_directory_path()), Error);
+}
+
+TEST(Profile, WhatIsWrittenIsReadAgain) {
+  Profile profile;
+  profile.name = "a \"quoted\" name";
+  set_lamp_hz(profile, 62.5);
+  set_acceleration(profile, 2);
+  set_speed(profile, 0.25);
+  const TempFile file("");
+  write_profile(file.path(), profile);
+  const Profile again = read_profile(file.path());
+  EXPECT_EQ(again.name, profile.name);
+  EXPECT_EQ(again.settings, profile.settings);
+  EXPECT_EQ(again.stated, profile.stated);
+  EXPECT_THROW(write_profile("/nowhere/machine.toml", profile), Error);
+}
+
+/// The example states the defaults and mentions every setting, so that it cannot go stale unseen.
+TEST(Profile, TheExampleIsTheDefaultAndNamesEverySetting) {
+  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  const auto path = root / "examples" / "machine.toml";
+  const Profile example = read_profile(path);
+  EXPECT_EQ(example.settings, settings::Values{});
+  std::ifstream in(path);
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  std::string all;
+  // With the commented settings uncommented, all but the fourth axis are stated.
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    all += (line.rfind("# ", 0) == 0 && line.find(" = ") < 20 ? line.substr(2) : line) + "\n";
+  const Profile everything = read(all);
+  EXPECT_EQ(everything.settings, settings::Values{});
+  constexpr std::size_t settings_of_an_axis = 5;
+  EXPECT_EQ(everything.stated.count(), settings::setting_count - settings_of_an_axis);
+}
+
+TEST(Profile, CommandLineSetsEveryAxis) {
+  Profile profile;
+  set_acceleration(profile, 10);
+  set_speed(profile, 0.1);
+  for (int axis = 0; axis < lamplock::max_axes; ++axis) {
+    EXPECT_EQ(profile.settings.whole(settings::for_axis(Id::acceleration_x, axis)), 10'000);
+    EXPECT_EQ(profile.settings.whole(settings::for_axis(Id::max_rate_x, axis)), 6'000);
+  }
+  EXPECT_THROW(set_lamp_hz(profile, 0), Error);
+  EXPECT_THROW(set_acceleration(profile, -1), Error);
+  EXPECT_THROW(set_speed(profile, 1e12), Error);
+}
+
+}  // namespace
+}  // namespace lamplock::job

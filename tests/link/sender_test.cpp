@@ -1,0 +1,352 @@
+// Sender and link over a bad cable: every point exactly once and in order.
+#include "host/link/sender.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "host/error.hpp"
+#include "tests/link/faulty_transport.hpp"
+#include "tests/link/random_job.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::link {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Faults;
+using test::FaultyTransport;
+using test::random_job;
+using testing::HasSubstr;
+
+std::unique_ptr<FaultyTransport> cable(Faults faults = {}, std::uint64_t seed = 1) {
+  return std::make_unique<FaultyTransport>(faults, seed);
+}
+
+/// Options with a session that is the same in every run.
+SenderOptions fixed_session() {
+  SenderOptions options;
+  options.session = 0x5EED;
+  return options;
+}
+
+void expect_each_once(const FaultyTransport& board, const job::Job& job, std::size_t first = 0) {
+  ASSERT_EQ(board.machine.received.size(), job.targets.size() - first);
+  for (std::size_t i = first; i < job.targets.size(); ++i)
+    ASSERT_TRUE(test::same(board.machine.received[i - first], job.targets[i])) << i;
+  ASSERT_EQ(board.machine.fired.size(), job.targets.size() - first);
+  for (std::size_t i = first; i < job.targets.size(); ++i)
+    ASSERT_EQ(board.machine.fired[i - first], i);
+}
+
+/// The error a sender ends with.
+struct Failure {
+  Exit exit;
+  std::string text;
+};
+Failure failure_of(FaultyTransport& board, const job::Job& job, SenderOptions options = {}) {
+  try {
+    JobSender(board, job, std::move(options)).run();
+  } catch (const Error& error) {
+    return {error.exit(), error.what()};
+  }
+  return {Exit::done, "no error"};
+}
+
+TEST(Sender, GoodCableSendsNothingTwice) {
+  auto board = cable();
+  const job::Job job = random_job(5000, 1);
+  JobSender sender(*board, job, fixed_session());
+  std::size_t seen = 0;
+  const JobResult result = sender.run([&](const Progress& progress) {
+    EXPECT_GE(progress.points_fired, seen);
+    seen = progress.points_fired;
+  });
+  EXPECT_EQ(result.end, JobEnd::done);
+  EXPECT_EQ(seen, job.targets.size());
+  EXPECT_EQ(result.resent, 0u);
+  EXPECT_EQ(result.bad_frames, 0u);
+  EXPECT_EQ(result.reconnects, 0u);
+  EXPECT_EQ(result.status.link, wire::LinkCounters{});
+  expect_each_once(*board, job);
+}
+
+TEST(Sender, KeepsTheQueueFull) {
+  auto board = cable();
+  board->points_per_ms = 10;  // 10 000 points per second
+  const job::Job job = random_job(20'000, 2);
+  const JobResult result = JobSender(*board, job, fixed_session()).run();
+  EXPECT_EQ(result.end, JobEnd::done);
+  // 2 s of firing; more than a few per cent above it means that the queue ran dry.
+  EXPECT_LT(result.elapsed, 2200ms);
+}
+
+struct Named {
+  const char* name;
+  Faults faults;
+};
+class BadCable : public testing::TestWithParam<Named> {};
+
+TEST_P(BadCable, EveryPointOnceAndInOrder) {
+  for (int seed = 0; seed < test::scaled(15); ++seed) {
+    auto board = cable(GetParam().faults, static_cast<std::uint64_t>(seed));
+    const job::Job job = random_job(4000, static_cast<std::uint64_t>(seed));
+    SenderOptions options;
+    options.session = static_cast<std::uint32_t>(seed) * 7919 + 1;
+    const JobResult result = JobSender(*board, job, options).run();
+    ASSERT_EQ(result.end, JobEnd::done) << "seed " << seed;
+    expect_each_once(*board, job);
+    ASSERT_EQ(board->machine.begins, 1);
+    if (GetParam().faults.cuts > 0) {
+      ASSERT_GT(result.reconnects, 0u);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, BadCable,
+    testing::Values(
+        Named{"drops", {.drop = 5e-4}}, Named{"flips", {.flip = 5e-4}},
+        Named{"duplicates", {.duplicate = 5e-4}}, Named{"replays", {.replay = 0.2}},
+        Named{"strays", {.stray_realtime = 1e-3}}, Named{"cuts", {.cuts = 10}},
+        Named{"slow", {.flip = 1e-4, .delay = std::chrono::milliseconds(40)}},
+        // Slower than the sender waits: it asks again and again, and must not be confused.
+        Named{"slower", {.drop = 1e-4, .delay = std::chrono::milliseconds(400)}},
+        Named{"all",
+              {.drop = 2e-4,
+               .flip = 2e-4,
+               .duplicate = 2e-4,
+               .replay = 0.05,
+               .stray_realtime = 2e-4,
+               .cuts = 10}}),
+    [](const auto& faults) { return faults.param.name; });
+
+TEST(Sender, LostFramesCostOnlyThemselves) {
+  auto board = cable({.drop = 1e-4}, 3);
+  const job::Job job = random_job(20'000, 3);
+  const JobResult result = JobSender(*board, job, fixed_session()).run();
+  expect_each_once(*board, job);
+  // About 14 of the 140 000 bytes are lost; each costs at most a window of frames.
+  EXPECT_GT(result.resent, 0u);
+  EXPECT_LT(result.resent, 14u * 3 * 16);
+}
+
+TEST(Sender, StartsInTheMiddle) {
+  auto board = cable();
+  const job::Job job = random_job(3000, 4);
+  SenderOptions options = fixed_session();
+  options.first_index = 1234;
+  const JobResult result = JobSender(*board, job, options).run();
+  EXPECT_EQ(result.end, JobEnd::done);
+  expect_each_once(*board, job, 1234);
+}
+
+TEST(Sender, ResumesEveryHoldItDidNotAskFor) {
+  for (const auto reason :
+       {wire::HoldReason::realtime, wire::HoldReason::reset, wire::HoldReason::dead_man}) {
+    auto board = cable();
+    const job::Job job = random_job(2000, 5);
+    JobSender sender(*board, job, fixed_session());
+    for (int i = 0; i < 20; ++i) sender.step();
+    board->machine.hold(reason);
+    EXPECT_EQ(sender.run().end, JobEnd::done);
+    expect_each_once(*board, job);
+  }
+}
+
+TEST(Sender, PauseHoldsUntilResume) {
+  auto board = cable({.drop = 1e-3, .flip = 1e-3}, 6);
+  const job::Job job = random_job(3000, 6);
+  JobSender sender(*board, job, fixed_session());
+  while (board->machine.fired.size() < 500) ASSERT_TRUE(sender.step());
+  sender.pause();
+  for (int i = 0; i < 200; ++i) sender.step();
+  const std::size_t held_at = board->machine.fired.size();
+  EXPECT_EQ(board->machine.reason, wire::HoldReason::host);
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(sender.step());
+  EXPECT_EQ(board->machine.fired.size(), held_at);
+  sender.resume();
+  EXPECT_EQ(sender.run().end, JobEnd::done);
+  expect_each_once(*board, job);
+}
+
+TEST(Sender, PauseMakesAHoldOfAnotherReasonItsOwn) {
+  auto board = cable();
+  const job::Job job = random_job(2000, 6);
+  JobSender sender(*board, job, fixed_session());
+  for (int i = 0; i < 20; ++i) sender.step();
+  sender.pause();
+  board->machine.hold(wire::HoldReason::realtime);
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(sender.step());
+  EXPECT_EQ(board->machine.reason, wire::HoldReason::host);
+  sender.resume();
+  EXPECT_EQ(sender.run().end, JobEnd::done);
+}
+
+TEST(Sender, StopEndsTheJob) {
+  auto board = cable({.drop = 1e-3}, 7);
+  const job::Job job = random_job(3000, 7);
+  JobSender sender(*board, job, fixed_session());
+  while (board->machine.fired.size() < 500) ASSERT_TRUE(sender.step());
+  sender.stop();
+  const JobResult result = sender.run();
+  EXPECT_EQ(result.end, JobEnd::stopped);
+  EXPECT_EQ(board->machine.state, wire::MachineState::idle);
+  EXPECT_EQ(result.status.first_unfired, board->machine.fired.size());
+  EXPECT_LT(board->machine.fired.size(), 3000u);
+}
+
+TEST(Sender, DoesNotOpenADoorHoldByItself) {
+  auto board = cable();
+  const job::Job job = random_job(2000, 8);
+  JobSender sender(*board, job, fixed_session());
+  for (int i = 0; i < 20; ++i) sender.step();
+  board->machine.state = wire::MachineState::door;
+  for (int i = 0; i < 300; ++i) ASSERT_TRUE(sender.step());
+  EXPECT_EQ(board->machine.state, wire::MachineState::door);
+  sender.resume();
+  EXPECT_EQ(sender.run().end, JobEnd::done);
+  expect_each_once(*board, job);
+}
+
+TEST(Sender, AlarmEndsTheJob) {
+  auto board = cable();
+  const job::Job job = random_job(5000, 9);
+  JobSender sender(*board, job, fixed_session());
+  for (int i = 0; i < 20; ++i) sender.step();
+  board->machine.state = wire::MachineState::alarm;
+  board->machine.alarm = 1;
+  const JobResult result = sender.run();
+  EXPECT_EQ(result.end, JobEnd::alarm);
+  EXPECT_EQ(result.status.alarm, 1);
+}
+
+TEST(Sender, AMachineThatForgotTheJobIsNotFedAgain) {
+  auto board = cable();
+  const job::Job job = random_job(5000, 10);
+  JobSender sender(*board, job, fixed_session());
+  for (int i = 0; i < 20; ++i) sender.step();
+  board->link.forget_session();
+  EXPECT_EQ(sender.run().end, JobEnd::restarted);
+  EXPECT_EQ(board->machine.begins, 1);
+}
+
+TEST(Sender, GivesUpOnACableThatStaysCut) {
+  auto board = cable({.cuts = 1, .cut_span = 100ms}, 11);
+  board->unplugged = true;
+  const job::Job job = random_job(50'000, 11);
+  const JobResult result = JobSender(*board, job, fixed_session()).run();
+  EXPECT_EQ(result.end, JobEnd::lost);
+  EXPECT_GE(result.elapsed, SenderOptions{}.give_up);
+}
+
+TEST(Sender, SilentPortIsAnError) {
+  auto board = cable();
+  board->silent = true;
+  const Failure failure = failure_of(*board, random_job(10, 1));
+  EXPECT_EQ(failure.exit, Exit::no_device);
+  EXPECT_THAT(failure.text, HasSubstr("does not answer"));
+}
+
+TEST(Sender, ACableThatIsPluggedInAtTheLastMomentWillDo) {
+  auto board = cable({.cuts = 1, .cut_span = 0ms}, 1);
+  const job::Job job = random_job(100, 1);
+  EXPECT_EQ(JobSender(*board, job, fixed_session()).run().end, JobEnd::done);
+  expect_each_once(*board, job);
+}
+
+TEST(Sender, MachineThatSpeaksOnlyTextIsNamed) {
+  auto board = cable();
+  board->silent = true;
+  board->link.send_text("\r\nGrbl 1.1h ['$' for help]\r\n");
+  const Failure failure = failure_of(*board, random_job(10, 1));
+  EXPECT_EQ(failure.exit, Exit::no_device);
+  EXPECT_THAT(failure.text, HasSubstr("Grbl 1.1h"));
+}
+
+/// A firmware of another version: its STATUS has another version and another length.
+class OtherVersion : public FaultyTransport {
+ public:
+  OtherVersion() : FaultyTransport({}, 1) {}
+  std::size_t read(std::span<std::uint8_t> bytes) override {
+    std::array<std::uint8_t, 16> content{};
+    wire::ByteWriter out(content);
+    wire::write_header(out, {wire::FrameType::status, 0, 1});
+    out.put(static_cast<std::uint16_t>(wire::protocol_version + 1));
+    return wire::encode_frame(out.written(), bytes);
+  }
+};
+
+TEST(Sender, OtherProtocolVersionIsAnErrorAndNothingMoves) {
+  OtherVersion board;
+  const Failure failure = failure_of(board, random_job(10, 1));
+  EXPECT_EQ(failure.exit, Exit::no_device);
+  EXPECT_THAT(failure.text, HasSubstr("protocol version 2"));
+  EXPECT_EQ(board.machine.begins, 0);
+}
+
+TEST(Sender, RefusalsSayWhatIsWrong) {
+  struct Case {
+    Result result;
+    std::uint32_t value;
+    Exit exit;
+    const char* text;
+  };
+  for (const Case& c : {Case{Result::locked, 0, Exit::job_failed, "locked"},
+                        Case{Result::door_open, 0, Exit::job_failed, "door"},
+                        Case{Result::busy, 0, Exit::job_failed, "another job"},
+                        Case{Result::bad_value, 901, Exit::bad_input, "$901 (lamp_frequency)"},
+                        Case{Result::settings_mismatch, 0, Exit::bad_input, "other settings"}}) {
+    auto board = cable();
+    board->machine.begin_result = c.result;
+    board->machine.refused = c.value;
+    const Failure failure = failure_of(*board, random_job(10, 1));
+    EXPECT_EQ(failure.exit, c.exit);
+    EXPECT_THAT(failure.text, HasSubstr(c.text));
+    EXPECT_TRUE(board->machine.received.empty());
+  }
+}
+
+TEST(Sender, APointThatIsRefusedStopsTheJobAndIsNamed) {
+  auto board = cable();
+  job::Job job = random_job(5000, 12);
+  job.targets[4321].steps[2] = board->machine.limits.max[2] + 1;
+  const Failure failure = failure_of(*board, job);
+  EXPECT_EQ(failure.exit, Exit::bad_input);
+  EXPECT_THAT(failure.text, HasSubstr("point 4321"));
+}
+
+TEST(Sender, APassingRefusalDoesNotHangTheJob) {
+  auto board = cable();
+  const job::Job job = random_job(5000, 13);
+  board->machine.data_result = Result::locked;
+  const Failure failure = failure_of(*board, job);
+  EXPECT_EQ(failure.exit, Exit::job_failed);
+}
+
+TEST(Sender, TakesOverFromAHostThatHasGone) {
+  auto board = cable();
+  const job::Job first = random_job(5000, 14);
+  JobSender gone(*board, first);
+  for (int i = 0; i < 20; ++i) gone.step();
+  const job::Job second = random_job(500, 15);
+  EXPECT_EQ(failure_of(*board, second).exit, Exit::job_failed);
+  SenderOptions options;
+  options.take_over = true;
+  board->machine.received.clear();
+  board->machine.fired.clear();
+  EXPECT_EQ(JobSender(*board, second, options).run().end, JobEnd::done);
+  EXPECT_EQ(board->machine.begins, 4);
+}
+
+TEST(Sender, RefusesAStartBeyondTheJob) {
+  auto board = cable();
+  SenderOptions options;
+  options.first_index = 11;
+  EXPECT_EQ(failure_of(*board, random_job(10, 1), options).exit, Exit::bad_input);
+}
+
+}  // namespace
+}  // namespace lamplock::link

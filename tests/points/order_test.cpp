@@ -1,0 +1,198 @@
+#include "host/order/order.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "host/model/example.hpp"
+#include "host/order/cost.hpp"
+#include "host/points/slice.hpp"
+#include "tests/points/shapes.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock {
+namespace {
+
+using order::Ordering;
+using order::OrderOptions;
+using points::Point;
+using points::PointCloud;
+using test::error_of;
+
+bool is_permutation_of(PointCloud a, PointCloud b) {
+  const auto less = [](const Point& p, const Point& q) {
+    return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z);
+  };
+  std::sort(a.begin(), a.end(), less);
+  std::sort(b.begin(), b.end(), less);
+  return a == b;
+}
+
+double travel(const PointCloud& cloud) {
+  double sum = 0;
+  for (std::size_t i = 1; i < cloud.size(); ++i) sum += test::distance(cloud[i - 1], cloud[i]);
+  return sum;
+}
+
+double unevenness(const PointCloud& cloud) {
+  double sum = 0;
+  for (std::size_t i = 2; i < cloud.size(); ++i) {
+    sum += order::bend(cloud[i - 2], cloud[i - 1], cloud[i]);
+  }
+  return sum;
+}
+
+/// To and fro in the strips that are best for random points (width sqrt(3 area / n)).
+PointCloud serpentine(PointCloud cloud, double side) {
+  const double strip = std::sqrt(3 * side * side / static_cast<double>(cloud.size()));
+  const auto key = [&](const Point& p) {
+    const double row = std::floor(p.y / strip);
+    return std::pair(row, std::fmod(std::abs(row), 2) < 1 ? p.x : -p.x);
+  };
+  std::sort(cloud.begin(), cloud.end(),
+            [&](const Point& p, const Point& q) { return key(p) < key(q); });
+  return cloud;
+}
+
+TEST(Order, IsAPermutationWithLayersAscending) {
+  std::mt19937_64 random(11);
+  for (int i = 0; i < test::scaled(30); ++i) {
+    PointCloud cloud = test::random_cloud(random, 1 + random() % 2000, 5);
+    if (i % 3 == 0) {  // many equal points, lattices and tiny layers
+      for (auto& p : cloud) p = {std::round(p.x), std::round(p.y), std::round(p.z * 4) / 4};
+    }
+    OrderOptions options;
+    options.layer_mm = i % 2 == 0 ? 0.25 : 100;
+    const PointCloud ordered = order::order(cloud, Ordering::layers, options);
+    EXPECT_TRUE(is_permutation_of(cloud, ordered));
+    double lowest = ordered[0].z;
+    for (const Point& p : cloud) lowest = std::min(lowest, p.z);
+    double layer = 0;
+    for (const Point& p : ordered) {
+      const double now = std::floor((p.z - lowest) / options.layer_mm + 1e-6);
+      EXPECT_GE(now, layer);
+      layer = now;
+    }
+  }
+}
+
+TEST(Order, SmallCloudsOfEverySizeStayWhole) {
+  rc::check([] {
+    PointCloud cloud;
+    for (int i = *rc::gen::inRange(0, 14); i > 0; --i) {
+      cloud.push_back({static_cast<double>(*rc::gen::inRange(-3, 3)),
+                       static_cast<double>(*rc::gen::inRange(-3, 3)),
+                       static_cast<double>(*rc::gen::inRange(0, 2))});
+    }
+    const auto ordered = order::order(cloud, Ordering::layers, {.layer_mm = 0.5});
+    RC_ASSERT(is_permutation_of(cloud, ordered));
+  });
+}
+
+TEST(Order, GivenStaysAsGiven) {
+  std::mt19937_64 random(12);
+  const PointCloud cloud = test::random_cloud(random, 3000, 50);
+  EXPECT_EQ(order::order(cloud, Ordering::given), cloud);
+}
+
+TEST(Order, TourOfRandomPointsIsMuchShorterThanASerpentine) {
+  std::mt19937_64 random(13);
+  for (int i = 0; i < test::scaled(5); ++i) {
+    PointCloud cloud = test::random_cloud(random, 2000 + random() % 4000, 10);
+    for (Point& p : cloud) p.z = 0;
+    const auto ordered = order::order(cloud, Ordering::layers, {.start = cloud.front()});
+    EXPECT_LT(travel(ordered), 0.95 * travel(serpentine(cloud, 20)));
+  }
+}
+
+TEST(Order, LatticesAreWalkedRowByRow) {
+  PointCloud cloud;
+  for (int layer = 0; layer < 3; ++layer) {
+    for (int i = 0; i < 40; ++i) {
+      for (int j = 0; j < 25; ++j) cloud.push_back({i * 0.1, j * 0.1, layer * 0.1});
+    }
+  }
+  std::shuffle(cloud.begin(), cloud.end(), std::mt19937_64(14));
+  const auto ordered = order::order(cloud, Ordering::layers, {.layer_mm = 0.1});
+  EXPECT_NEAR(travel(ordered), 0.1 * 2999, 1e-6);  // no step longer than the lattice
+  // 24 turns of two bends a layer, and two changes of layer: nothing else is uneven.
+  EXPECT_LT(unevenness(ordered),
+            order::bend_weight * 0.1 * std::sqrt(2.0) * (3 * 24 * 2 + 4) + 1e-6);
+}
+
+TEST(Order, FollowsContours) {
+  points::SliceOptions options;
+  options.layer_mm = 1;
+  options.vertex_mm = 0.25;
+  PointCloud cloud = points::slice(test::torus(10, 3, 200, 100, 0.01), options);
+  const double contours = travel(cloud);
+  std::shuffle(cloud.begin(), cloud.end(), std::mt19937_64(15));
+  const auto ordered = order::order(cloud, Ordering::layers, {.layer_mm = 1});
+  EXPECT_LT(travel(ordered), 1.2 * contours);
+  std::size_t off_contour = 0;
+  for (std::size_t i = 1; i < ordered.size(); ++i) {
+    off_contour += test::distance(ordered[i], ordered[i - 1]) > 0.26 ? 1u : 0u;
+  }
+  EXPECT_LT(static_cast<double>(off_contour), 0.1 * static_cast<double>(ordered.size()));
+}
+
+TEST(Order, LayersAreJoinedWithoutLongJumps) {
+  PointCloud cloud = points::slice(test::sphere(10, 60, 120), {.layer_mm = 0.5, .vertex_mm = 0.25});
+  const auto ordered = order::order(cloud, Ordering::layers, {.layer_mm = 0.5});
+  for (std::size_t i = 1; i < ordered.size(); ++i) {
+    if (ordered[i].z == ordered[i - 1].z) continue;
+    EXPECT_LT(test::distance(ordered[i], ordered[i - 1]), 2.5);
+  }
+}
+
+TEST(Order, DoesNotDependOnThreads) {
+  std::mt19937_64 random(16);
+  const PointCloud cloud = test::random_cloud(random, 8000, 5);
+  const auto with = [&](unsigned threads) {
+    return order::order(cloud, Ordering::layers, {.layer_mm = 0.5, .threads = threads});
+  };
+  const auto one = with(1);
+  EXPECT_EQ(with(2), one);
+  EXPECT_EQ(with(7), one);
+}
+
+TEST(Order, BeginsNearTheStart) {
+  PointCloud ring;
+  for (int i = 0; i < 360; ++i) {
+    const double a = i * std::numbers::pi / 180;
+    ring.push_back({10 * std::cos(a), 10 * std::sin(a), 0});
+  }
+  const auto ordered = order::order(ring, Ordering::layers, {.start = {0, -12, 0}});
+  EXPECT_LT(test::distance(ordered.front(), {0, -10, 0}), 0.01);
+}
+
+TEST(Order, ReportsProgressAndCanBeGivenUp) {
+  std::mt19937_64 random(17);
+  const PointCloud cloud = test::random_cloud(random, 5000, 5);
+  double last = 0;
+  order::order(cloud, Ordering::layers, {.layer_mm = 0.5, .progress = [&](double part) {
+                                           EXPECT_GE(part, last);
+                                           last = part;
+                                         }});
+  EXPECT_EQ(last, 1);
+  struct GivenUp {};
+  EXPECT_THROW(order::order(cloud, Ordering::layers,
+                            {.layer_mm = 0.5, .progress = [](double) { throw GivenUp(); }}),
+               GivenUp);
+}
+
+TEST(Order, ManyEqualPointsTakeNoLonger) {
+  PointCloud cloud(200000, Point{1, 2, 3});
+  cloud.push_back({4, 5, 3});
+  EXPECT_TRUE(is_permutation_of(order::order(cloud, Ordering::layers), cloud));
+}
+
+TEST(Order, WrongLayersAreRefused) {
+  EXPECT_NE(error_of([] { order::order({{0, 0, 0}}, Ordering::layers, {.layer_mm = 0}); }), "");
+  EXPECT_TRUE(order::order({}, Ordering::layers, {}).empty());
+}
+
+}  // namespace
+}  // namespace lamplock

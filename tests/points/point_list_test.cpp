@@ -1,0 +1,119 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "host/model/file.hpp"
+#include "host/model/read_points.hpp"
+#include "tests/points/shapes.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock {
+namespace {
+
+using model::read_point_list;
+using points::PointCloud;
+using test::error_of;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+
+/// Doubles of every size, among them those with the most digits.
+PointCloud awkward_points(std::mt19937_64& random, int count) {
+  const auto coordinate = [&] {
+    double value;
+    do {
+      value = std::bit_cast<double>(random());
+    } while (!std::isnormal(value));
+    return random() % 2 == 0 ? value : static_cast<double>(random()) * 1e-17 - 50;
+  };
+  PointCloud cloud{{0.1, -0.0, 1.0 / 3}};
+  for (int i = 0; i < count; ++i) cloud.push_back({coordinate(), coordinate(), coordinate()});
+  return cloud;
+}
+
+bool same_bits(const PointCloud& a, const PointCloud& b) {
+  return a.size() == b.size() &&
+         std::equal(a.begin(), a.end(), b.begin(), [](const auto& p, const auto& q) {
+           return std::bit_cast<std::array<std::uint64_t, 3>>(p) ==
+                  std::bit_cast<std::array<std::uint64_t, 3>>(q);
+         });
+}
+
+TEST(PointList, RoundTripsAreExact) {
+  const TemporaryFolder folder;
+  std::mt19937_64 random(1);
+  const PointCloud cloud = awkward_points(random, test::scaled(3000));
+  model::write_xyz(folder.file("a.xyz"), cloud);
+  EXPECT_TRUE(same_bits(read_point_list(folder.file("a.xyz")), cloud));
+  model::write_ply(folder.file("a.ply"), cloud);
+  EXPECT_TRUE(same_bits(read_point_list(folder.file("a.ply")), cloud));
+}
+
+TEST(PointList, ReadsTheFormsOfText) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("a.txt",
+                                 "\xEF\xBB\xBF# x y z\r\n1 2 3\r\n\r\n 4,5 , 6 # a comment\n"
+                                 "+7\t-8e0\t.5 255 0 0\n1,2,3");
+  EXPECT_EQ(read_point_list(path), (PointCloud{{1, 2, 3}, {4, 5, 6}, {7, -8, 0.5}, {1, 2, 3}}));
+}
+
+TEST(PointList, ReadsPlyOfEveryKind) {
+  const TemporaryFolder folder;
+  const std::string properties =
+      "element vertex 2\nproperty float x\nproperty uchar red\nproperty double z\nproperty short "
+      "y\nend_header\n";
+  const PointCloud expected{{1.5, -2, 0.25}, {3, 4, 5}};
+  EXPECT_EQ(read_point_list(folder.write("a.ply", "ply\r\nformat ascii 1.0\r\ncomment x\r\n" +
+                                                      properties + "1.5 9 0.25 -2\n3 9 5 4\n")),
+            expected);
+  const std::string big(
+      "\x3F\xC0\0\0\x09\x3F\xD0\0\0\0\0\0\0\xFF\xFE"
+      "\x40\x40\0\0\x09\x40\x14\0\0\0\0\0\0\0\x04",
+      30);
+  EXPECT_EQ(read_point_list(
+                folder.write("b.ply", "ply\nformat binary_big_endian 1.0\n" + properties + big)),
+            expected);
+}
+
+TEST(PointList, ErrorsNameTheLine) {
+  const TemporaryFolder folder;
+  const auto message = [&](const std::string& name, const std::string& bytes) {
+    const auto path = folder.write(name, bytes);
+    return error_of([&] { read_point_list(path); });
+  };
+  EXPECT_THAT(message("a.xyz", "1 2 3\n# 4\n5 6\n"), HasSubstr("line 3: 2 of 3"));
+  EXPECT_THAT(message("a.xyz", "1 2 3\n4 five 6\n"), HasSubstr("line 2: 'five'"));
+  EXPECT_THAT(message("a.xyz", "1 2 nan\n"), HasSubstr("line 1"));
+  EXPECT_THAT(message("a.xyz", "1 2 -inf\n"), HasSubstr("line 1"));
+  EXPECT_THAT(message("a.xyz", "1 2 1e400\n"), HasSubstr("line 1"));
+  EXPECT_THAT(message("a.xyz", "# nothing\n"), HasSubstr("no points"));
+  EXPECT_THAT(message("a.xyz", ""), HasSubstr("empty"));
+  EXPECT_THAT(error_of([&] { read_point_list(folder.file("none.xyz")); }), HasSubstr("no such"));
+  const std::string ply = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n";
+  EXPECT_THAT(message("a.ply", ply + "end_header\n1\n2\n"), HasSubstr("no property y"));
+  EXPECT_THAT(
+      message("a.ply", ply + "property float y\nproperty float z\nend_header\n1 2 3\n4 5\n"),
+      HasSubstr("number 1"));
+  EXPECT_THAT(message("a.ply", ply + "element face 3\n"), HasSubstr("end_header"));
+}
+
+TEST(PointList, DamagedPlyNeverDoesMoreThanFail) {
+  const TemporaryFolder folder;
+  std::mt19937_64 random(2);
+  model::write_ply(folder.file("whole.ply"), test::random_cloud(random, 20, 50));
+  const std::string whole = model::read_file(folder.file("whole.ply"));
+  for (int i = 0; i < test::scaled(250); ++i) {
+    std::string bytes = whole;
+    bytes[random() % bytes.size()] = static_cast<char>(random() % 256);
+    if (random() % 4 == 0) bytes.resize(random() % bytes.size());
+    const auto path = folder.write("a.ply", bytes);
+    try {
+      EXPECT_FALSE(read_point_list(path).empty());
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit(), Exit::bad_input);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lamplock

@@ -1,0 +1,188 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "host/error.hpp"
+#include "host/report/matching.hpp"
+#include "host/report/report.hpp"
+#include "tests/report/job_run.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::report {
+namespace {
+
+using test::add_shot;
+using test::add_shot_at_point;
+using test::job;
+using test::perfect_run;
+using test::rounded_steps;
+
+TEST(Evaluate, PerfectRun) {
+  JobRun run = perfect_run(5000, 1);
+  run.beats = 6250;
+  run.time_s = 62.5;
+  const Report report = evaluate(run);
+  EXPECT_EQ(report.points, 5000u);
+  EXPECT_EQ(report.shots, 5000u);
+  EXPECT_EQ(report.missed, 0u);
+  EXPECT_EQ(report.doubled, 0u);
+  EXPECT_DOUBLE_EQ(report.utilisation, 0.8);
+  EXPECT_DOUBLE_EQ(report.beats_per_point, 1.25);
+  EXPECT_DOUBLE_EQ(report.points_per_s, 80);
+  EXPECT_DOUBLE_EQ(report.lamp_hz, 100);
+  ASSERT_TRUE(report.largest_error_steps);
+  EXPECT_LE(*report.largest_error_steps, 0.5);
+  EXPECT_GT(*report.largest_error_steps, 0.45);  // rounding of so many points comes near it
+}
+
+/// Random faults of every kind; the judge has to find exactly those.
+TEST(Evaluate, FindsEveryMissedAndDoubledPoint) {
+  constexpr std::size_t old_point = 250;  // fired in its turn, and sometimes again much later
+  for (int seed = 0; seed < lamplock::test::scaled(30); ++seed) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+    JobRun run = job(2000, static_cast<std::uint64_t>(seed));
+    std::uint64_t missed = 0, doubled = 0;
+    std::vector<std::size_t> later;
+    for (std::size_t i = 0; i < run.points.size(); ++i) {
+      const auto fault = i == old_point ? 100 : random() % 20;
+      if (fault == 0) {
+        ++missed;
+      } else if (fault == 1) {
+        later.push_back(i);
+      } else {
+        add_shot_at_point(run, i);
+      }
+      if (fault == 2 || (fault == 3 && i > old_point)) {
+        add_shot_at_point(run, fault == 2 ? i : old_point);
+        ++doubled;
+      }
+      if (!later.empty() && random() % 3 == 0) {
+        add_shot_at_point(run, later.front());
+        later.erase(later.begin());
+      }
+    }
+    for (std::size_t i : later) add_shot_at_point(run, i);
+    const Report report = evaluate(run);
+    EXPECT_GT(missed, 50u);
+    EXPECT_GT(doubled, 100u);
+    EXPECT_EQ(report.missed, missed) << seed;
+    EXPECT_EQ(report.doubled, doubled) << seed;
+    EXPECT_LE(*report.largest_error_steps, 0.5) << seed;
+  }
+}
+
+TEST(Evaluate, MatchesEveryShotOfAShuffledJob) {
+  JobRun run = job(3000, 4);
+  std::vector<std::size_t> order(run.points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::mt19937_64 random(3);
+  std::shuffle(order.begin(), order.end(), random);
+  for (std::size_t i : order) add_shot_at_point(run, i);
+  const Matching matching = match_shots(run);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    ASSERT_EQ(matching.point_of_shot[i], order[i]) << i;
+  EXPECT_EQ(matching.missed + matching.doubled, 0u);
+}
+
+TEST(Evaluate, AWrongShotIsAnErrorNotAMiss) {
+  JobRun run = perfect_run(1000, 2);
+  run.lattice_steps[400][1] += 9;
+  run.shots[400].steps[1] += 9;
+  const Report report = evaluate(run);
+  EXPECT_EQ(report.missed, 0u);
+  EXPECT_EQ(report.doubled, 0u);
+  EXPECT_NEAR(*report.largest_error_steps, 9, 0.5);
+}
+
+TEST(Evaluate, AStrayShotFarOffIsSeen) {
+  JobRun run = job(500, 2);
+  for (std::size_t i = 0; i < run.points.size(); ++i) {
+    if (i == 250) add_shot(run, {5000, 5000, 5000, 0});
+    add_shot_at_point(run, i);
+  }
+  const Report report = evaluate(run);
+  EXPECT_EQ(report.missed, 0u);
+  EXPECT_EQ(report.doubled, 1u);
+  EXPECT_GT(*report.largest_error_steps, 3000);
+}
+
+TEST(Evaluate, JitterIsKeptApart) {
+  JobRun run = perfect_run(1000, 3);
+  run.shots[10].steps[0] += 1;
+  run.shots[77].steps[2] -= 2;
+  const Report report = evaluate(run);
+  EXPECT_LE(*report.largest_error_steps, 0.5);
+  EXPECT_NEAR(*report.largest_jitter_error_steps, 2, 0.5);
+  run.lattice_steps.clear();
+  const Report unknown = evaluate(run);
+  EXPECT_FALSE(unknown.largest_error_steps);
+  EXPECT_EQ(unknown.missed, 0u);
+  EXPECT_EQ(unknown.doubled, 0u);
+  EXPECT_EQ(unknown.largest_jitter_error_steps, report.largest_jitter_error_steps);
+}
+
+TEST(Evaluate, EqualPointsAreEachFiredOnce) {
+  JobRun run;
+  run.points = {{1, 2, 3}, {1, 2, 3}, {1.001, 2, 3}, {1, 2, 3}};
+  for (std::size_t i = 0; i < 4; ++i) add_shot_at_point(run, i);
+  EXPECT_EQ(evaluate(run).missed, 0u);
+  EXPECT_EQ(evaluate(run).doubled, 0u);
+  add_shot_at_point(run, 0);
+  EXPECT_EQ(evaluate(run).doubled, 1u);
+}
+
+TEST(Evaluate, ALateShotAtEqualPointsGoesToTheOneNotFired) {
+  JobRun run;
+  run.points = {{1, 2, 3}, {5, 2, 3}, {1, 2, 3}, {9, 2, 3}};
+  for (std::size_t i : {3u, 0u, 2u, 1u}) add_shot_at_point(run, i);
+  EXPECT_EQ(evaluate(run).missed, 0u);
+  EXPECT_EQ(evaluate(run).doubled, 0u);
+}
+
+TEST(Evaluate, MoreShotsOrderedThanOne) {
+  JobRun run = job(10, 1);
+  run.shots_ordered.assign(10, 2);
+  run.shots_ordered[3] = 0;
+  for (std::size_t i = 0; i < 10; ++i)
+    for (int n = 0; n < run.shots_ordered[i]; ++n) add_shot_at_point(run, i);
+  EXPECT_EQ(evaluate(run).missed, 0u);
+  EXPECT_EQ(evaluate(run).doubled, 0u);
+  add_shot_at_point(run, 7);
+  add_shot_at_point(run, 3);
+  EXPECT_EQ(evaluate(run).doubled, 2u);
+}
+
+TEST(Evaluate, NothingFiredOrNothingToFire) {
+  JobRun run = job(100, 1);
+  EXPECT_EQ(evaluate(run).missed, 100u);
+  EXPECT_FALSE(evaluate(run).largest_error_steps);
+  EXPECT_EQ(evaluate(run).utilisation, 0);
+  JobRun empty;
+  add_shot(empty, {1, 2, 3, 0});
+  EXPECT_EQ(evaluate(empty).doubled, 1u);
+  EXPECT_EQ(evaluate(empty).missed, 0u);
+}
+
+TEST(Evaluate, UnknownShotsStayUnknown) {
+  JobRun run = job(100, 1);
+  run.shots_known = false;
+  run.shots_fired = 99;
+  const Report report = evaluate(run);
+  EXPECT_EQ(report.shots, 99u);
+  EXPECT_FALSE(report.missed || report.doubled || report.largest_error_steps ||
+               report.largest_jitter_error_steps);
+}
+
+TEST(Evaluate, RefusesARunThatContradictsItself) {
+  JobRun run = perfect_run(10, 1);
+  run.lattice_steps.pop_back();
+  EXPECT_THROW(evaluate(run), Error);
+  run = perfect_run(10, 1);
+  run.shots_ordered = {1, 2, 3};
+  EXPECT_THROW(evaluate(run), Error);
+}
+
+}  // namespace
+}  // namespace lamplock::report

@@ -1,0 +1,65 @@
+#include "host/report/summary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "tests/report/job_run.hpp"
+
+namespace lamplock::report {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Report example(const char* mode, std::uint64_t beats) {
+  JobRun run = test::perfect_run(2000, 1);
+  run.mode = mode;
+  run.beats = beats;
+  run.time_s = static_cast<double>(beats) / 100;
+  run.beats_by_reason = {{"travel", beats - 2000}, {"dropout", 0}};
+  run.link.resent = 4;
+  return evaluate(run);
+}
+
+TEST(Summary, OneReport) {
+  const std::string text = summary(example("free", 12'345));
+  EXPECT_THAT(text, ContainsRegex("cloud.xyz: free, virtual board, lamp 100 Hz"));
+  EXPECT_THAT(text, ContainsRegex("points +2 000\n"));
+  EXPECT_THAT(text, ContainsRegex("beats +12 345\n"));
+  EXPECT_THAT(text, ContainsRegex("utilisation +16\\.2 %\n"));
+  EXPECT_THAT(text, ContainsRegex("machine time +2 min 03 s\n"));
+  EXPECT_THAT(text, ContainsRegex("missed points +0\n"));
+  EXPECT_THAT(text, ContainsRegex("without shot: travel +10 345\n"));
+  EXPECT_THAT(text, ContainsRegex("frames resent +4\n"));
+  EXPECT_THAT(text, Not(HasSubstr("dropout")));
+}
+
+TEST(Summary, TwoReportsSideBySideWithTheirRatio) {
+  const std::string text = summary(example("start-stop", 4000), example("free", 3000));
+  EXPECT_THAT(text, ContainsRegex("start-stop +free\n"));
+  EXPECT_THAT(text, ContainsRegex("beats +4 000 +3 000\n"));
+  EXPECT_THAT(text, ContainsRegex("beats per point +2\\.000 +1\\.500\n"));
+  EXPECT_THAT(text, ContainsRegex("machine time +40\\.00 s +30\\.00 s\n"));
+  EXPECT_THAT(text, ContainsRegex("ratio +0\\.750\n"));
+}
+
+TEST(Summary, ColumnsLineUp) {
+  std::istringstream lines(summary(example("start-stop", 400'000), example("free", 3000)));
+  std::size_t width = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (width == 0) width = line.size();
+    EXPECT_EQ(line.size(), width) << line;
+  }
+}
+
+TEST(Summary, UnknownIsSaid) {
+  JobRun run = test::job(10, 1);
+  run.shots_known = false;
+  EXPECT_THAT(summary(evaluate(run)), ContainsRegex("missed points +unknown\n"));
+}
+
+}  // namespace
+}  // namespace lamplock::report

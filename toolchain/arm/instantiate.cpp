@@ -1,0 +1,21 @@
+// Makes the compiler emit the functions of the controller that a board calls, inline ones too, so
+// that toolchain/gate sees all code that can end up on the board. Never runs.
+#include <new>
+#include <tuple>
+
+#include "firmware/machine/controller.hpp"
+
+namespace lamplock::machine {
+
+/// Builds a controller as a board does: in memory that it has set aside.
+Controller* construct(void* memory) { return new (memory) Controller; }
+
+// Taking the address of an inline function makes it a function of its own.
+[[gnu::used]] constexpr std::tuple functions{
+    &Controller::receive,    &Controller::transmit,      &Controller::poll,
+    &Controller::fill,       &Controller::next_span,     &Controller::lamp_edge,
+    &Controller::next_token, &Controller::token_expired, &Controller::outputs,
+    &Controller::values,     &Controller::fire_timing,   &Controller::input_changed,
+};
+
+}  // namespace lamplock::machine
