@@ -16,8 +16,6 @@ namespace lamplock::settings {
 /// Index of a setting in the table; per-axis settings stand in four consecutive rows X Y Z A.
 enum class Id : std::uint8_t {
   step_pulse,
-  step_invert,
-  direction_invert,
   soft_limits,
   hard_limits,
   steps_per_mm_x,
@@ -74,10 +72,7 @@ struct Row {
 enum class LampMode : std::uint8_t { free_beat = 0, slave = 1, master = 2 };
 
 inline constexpr std::array<Row, setting_count> table{{
-    {0, "step_pulse", "us", 500, 1'000'000, 500, false, "width of a step pulse"},
-    {2, "step_invert", "mask", 0, 15'000, 0, true, "axes with inverted step output, bit 0 = X"},
-    {3, "direction_invert", "mask", 0, 15'000, 0, true,
-     "axes with inverted direction output, bit 0 = X"},
+    {0, "step_pulse", "us", 400, 900, 500, false, "width of a step pulse, within a tick of 1 us"},
     {20, "soft_limits", "on/off", 0, 1'000, 1'000, true, "refuse targets outside the work space"},
     {21, "hard_limits", "on/off", 0, 1'000, 1'000, true, "stop when a limit switch engages"},
     {100, "steps_per_mm_x", "step/mm", 1, 50'000'000, 200'000, false, "resolution of X"},

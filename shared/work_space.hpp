@@ -28,7 +28,11 @@ constexpr std::int32_t steps_from_milli(std::int64_t milli_mm, std::int32_t mill
   return static_cast<std::int32_t>((micro_steps + half) / 1'000'000);
 }
 
-/// The work space that the settings describe; axes the machine does not have stay at 0.
+/// Beyond this no position is taken even where soft limits are off: displacements stay in 32 bits.
+inline constexpr std::int32_t most_steps = 1 << 29;
+
+/// The work space that the settings describe, or all there is where soft limits are off; axes the
+/// machine does not have stay at 0.
 constexpr StepLimits work_space(const settings::Values& values) {
   using settings::Id;
   StepLimits limits;
@@ -36,6 +40,11 @@ constexpr StepLimits work_space(const settings::Values& values) {
     const std::int64_t corner = values.milli(Id::min_corner_x, axis);
     const std::int32_t steps_per_mm = values.milli(Id::steps_per_mm_x, axis);
     const auto i = static_cast<std::size_t>(axis);
+    if (values.whole(Id::soft_limits) == 0) {
+      limits.min[i] = -most_steps;
+      limits.max[i] = most_steps;
+      continue;
+    }
     limits.min[i] = steps_from_milli(corner, steps_per_mm);
     limits.max[i] = steps_from_milli(corner + values.milli(Id::travel_x, axis), steps_per_mm);
   }

@@ -18,6 +18,11 @@ constexpr std::uint32_t missed_to_loss = 32;
 /// The lattice has settled when it is within this of the lamp.
 constexpr std::int64_t settled_q16 = std::int64_t{4 * clocks_per_us} << 16;
 
+/// Signed difference of two times that may have wrapped.
+std::int64_t difference(std::uint64_t later_q16, std::uint64_t earlier_q16) {
+  return static_cast<std::int64_t>(later_q16 - earlier_q16);
+}
+
 /// A setting in us (kept in thousandths) to clocks, Q16.
 std::int64_t us_to_clocks_q16(std::int32_t milli_us) {
   return mul_div(std::int64_t{milli_us} << 16, clocks_per_us, 1000);
@@ -69,21 +74,21 @@ void BeatClock::set_gains(const settings::Values& values) {
 
 EdgeInfo BeatClock::edge(std::uint64_t clock) {
   ++edges_;
-  const auto clock_q16 = static_cast<std::int64_t>(clock << 16);
+  const ClockQ16 clock_q16 = clock << 16;
   if (mode_ != LampMode::slave) return nearest_beat(clock_q16);
-  return locked_ ? track(clock_q16) : acquire(clock);
+  return locked_ ? track(clock_q16) : acquire(clock_q16);
 }
 
-EdgeInfo BeatClock::nearest_beat(std::int64_t clock_q16) {
+EdgeInfo BeatClock::nearest_beat(ClockQ16 clock_q16) {
   // Our own trigger: the edge belongs to the beat whose lattice tick it announces.
-  const std::int64_t shot_q16 = clock_q16 + delay_q16_;
   std::uint64_t beat = beat_;
-  std::int64_t at_q16 = clock_q16_ - std::int64_t{tick_in_beat_} * (nominal_tick_q32 >> 16);
   const std::int64_t beat_q16 = std::int64_t{beat_ticks_} * (nominal_tick_q32 >> 16);
-  while (at_q16 - shot_q16 > beat_q16 / 2) at_q16 -= beat_q16, --beat;
-  while (shot_q16 - at_q16 > beat_q16 / 2) at_q16 += beat_q16, ++beat;
+  std::int64_t off_q16 = difference(clock_q16, clock_q16_) + delay_q16_ +
+                         std::int64_t{tick_in_beat_} * (nominal_tick_q32 >> 16);
+  while (off_q16 < -beat_q16 / 2) off_q16 += beat_q16, --beat;
+  while (off_q16 > beat_q16 / 2) off_q16 -= beat_q16, ++beat;
   EdgeInfo info{true, beat, 0};
-  if (abs64(shot_q16 - at_q16) > beat_q16 / 4) {
+  if (abs64(off_q16) > beat_q16 / 4) {
     ++spurious_;
     return {};
   }
@@ -98,9 +103,9 @@ EdgeInfo BeatClock::nearest_beat(std::int64_t clock_q16) {
   return info;
 }
 
-EdgeInfo BeatClock::acquire(std::uint64_t clock) {
-  const auto now_q16 = static_cast<std::int64_t>(clock << 16);
-  const std::int64_t interval = now_q16 - last_edge_q16_;
+EdgeInfo BeatClock::acquire(ClockQ16 now_q16) {
+  const std::int64_t interval = difference(now_q16, last_edge_q16_);
+  const EdgeInfo flash{.unlocked = true};
   const std::int64_t off = abs64(interval - nominal_q16_);
   if (good_edges_ == 0 || off > range_q16_ + 2 * jitter_q16_) {
     // A doubled edge shortens an interval: keep the older edge, start again only on a long one.
@@ -110,17 +115,17 @@ EdgeInfo BeatClock::acquire(std::uint64_t clock) {
     }
     first_edge_q16_ = last_edge_q16_ = now_q16;
     good_edges_ = 1;
-    return {};
+    return flash;
   }
   last_edge_q16_ = now_q16;
   if (++good_edges_ > lock_edges_) lock(now_q16);
-  return {};
+  return flash;
 }
 
-void BeatClock::lock(std::int64_t clock_q16) {
-  period_q16_ = mul_q32(clock_q16 - first_edge_q16_, per_lock_q32_);
+void BeatClock::lock(ClockQ16 clock_q16) {
+  period_q16_ = mul_q32(difference(clock_q16, first_edge_q16_), per_lock_q32_);
   tick_q32_ = (Int128::product(period_q16_, per_beat_q48_) >> 32).to_int64();
-  predicted_q16_ = clock_q16 + period_q16_;
+  predicted_q16_ = clock_q16 + static_cast<ClockQ16>(period_q16_);
   predicted_beat_ = beat_;
   // Number the beats such that the lattice has the shortest way to go.
   while (lattice_error_q16() > period_q16_ / 2) ++predicted_beat_;
@@ -135,12 +140,12 @@ void BeatClock::lose() {
   good_edges_ = 0;
 }
 
-EdgeInfo BeatClock::track(std::int64_t clock_q16) {
+EdgeInfo BeatClock::track(ClockQ16 clock_q16) {
   EdgeInfo info;
-  std::int64_t error = clock_q16 - predicted_q16_;
-  std::int64_t at = predicted_q16_;
+  std::int64_t error = difference(clock_q16, predicted_q16_);
+  std::int64_t passed = 0;
   while (error > period_q16_ / 2 && info.missed < missed_to_loss) {
-    at += period_q16_;
+    passed += period_q16_;
     error -= period_q16_;
     ++info.missed;
   }
@@ -159,7 +164,8 @@ EdgeInfo BeatClock::track(std::int64_t clock_q16) {
     return info;
   }
   tick_q32_ = (Int128::product(period_q16_, per_beat_q48_) >> 32).to_int64();
-  predicted_q16_ = at + ((error * phase_gain_q16_) >> 16) + period_q16_;
+  const std::int64_t step = passed + ((error * phase_gain_q16_) >> 16) + period_q16_;
+  predicted_q16_ += static_cast<ClockQ16>(step);
   predicted_beat_ = info.beat + 1;
   return info;
 }
@@ -168,7 +174,7 @@ std::int64_t BeatClock::lattice_error_q16() const {
   // Where tick_ should be minus where it is: the line through the predicted edge.
   const auto beats = static_cast<std::int64_t>(beat_ - predicted_beat_);
   const std::int64_t inside = (Int128::product(tick_q32_, tick_in_beat_) >> 16).to_int64();
-  return predicted_q16_ + delay_q16_ + beats * period_q16_ + inside - clock_q16_;
+  return difference(predicted_q16_, clock_q16_) + delay_q16_ + beats * period_q16_ + inside;
 }
 
 bool BeatClock::settled() const {
@@ -189,10 +195,11 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
     const std::int64_t error = lattice_error_q16();
     length += error > most ? most : error < -most ? -most : error;
   }
-  span.first_clock = static_cast<std::uint64_t>(clock_q16_) >> 16;
-  clock_q16_ += length;
+  span.first_clock = clock_;
   span.clocks =
-      static_cast<std::uint32_t>((static_cast<std::uint64_t>(clock_q16_) >> 16) - span.first_clock);
+      static_cast<std::uint32_t>((static_cast<ClockQ16>(length) + (clock_q16_ & 0xffff)) >> 16);
+  clock_ += span.clocks;
+  clock_q16_ += static_cast<ClockQ16>(length);
   tick_ += span.ticks;
   tick_in_beat_ += span.ticks;
   if (tick_in_beat_ == beat_ticks_) {

@@ -41,6 +41,7 @@ struct EdgeInfo {
   bool valid = false;        ///< belongs to a beat (otherwise spurious or not locked)
   std::uint64_t beat = 0;    ///< its number: lattice tick tick_of_beat(beat)
   std::uint32_t missed = 0;  ///< beats without an edge before it
+  bool unlocked = false;     ///< a flash while the clock still looks for the rhythm of the lamp
 };
 
 /// One per controller.
@@ -79,12 +80,15 @@ class BeatClock {
 
  private:
   void set_gains(const settings::Values& values);
-  EdgeInfo acquire(std::uint64_t clock);
-  EdgeInfo track(std::int64_t clock_q16);
-  void lock(std::int64_t clock_q16);
+  /// A time in clocks, Q16. Wraps after 26 days: only differences mean anything.
+  using ClockQ16 = std::uint64_t;
+
+  EdgeInfo acquire(ClockQ16 now_q16);
+  EdgeInfo track(ClockQ16 clock_q16);
+  void lock(ClockQ16 clock_q16);
   void lose();
   std::int64_t lattice_error_q16() const;
-  EdgeInfo nearest_beat(std::int64_t clock_q16);
+  EdgeInfo nearest_beat(ClockQ16 clock_q16);
 
   settings::LampMode mode_ = settings::LampMode::free_beat;
   std::uint32_t beat_ticks_ = 1;
@@ -102,9 +106,9 @@ class BeatClock {
   // The lamp.
   bool locked_ = false;
   std::uint32_t good_edges_ = 0;
-  std::int64_t first_edge_q16_ = 0, last_edge_q16_ = 0;
+  ClockQ16 first_edge_q16_ = 0, last_edge_q16_ = 0;
   std::int64_t period_q16_ = 0;       ///< tracked
-  std::int64_t predicted_q16_ = 0;    ///< next edge
+  ClockQ16 predicted_q16_ = 0;        ///< next edge
   std::uint64_t predicted_beat_ = 0;  ///< its number
   std::uint32_t strays_in_a_row_ = 0;
   std::uint32_t edges_ = 0;
@@ -117,8 +121,9 @@ class BeatClock {
   std::uint64_t origin_beat_ = 0;  ///< and the number of that beat
   std::uint64_t beat_ = 0;         ///< beat that tick_ is in
   std::uint32_t tick_in_beat_ = 0;
-  std::int64_t clock_q16_ = 0;  ///< time of tick_
-  std::int64_t tick_q32_ = 0;   ///< tracked length of a tick, clocks
+  std::uint64_t clock_ = 0;    ///< time of tick_, whole clocks
+  ClockQ16 clock_q16_ = 0;     ///< the same with its fraction
+  std::int64_t tick_q32_ = 0;  ///< tracked length of a tick, clocks
   std::uint64_t motion_end_tick_ = 0;
 };
 

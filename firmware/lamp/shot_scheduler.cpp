@@ -29,6 +29,7 @@ void ShotScheduler::begin_job() {
   outcome_end_ = outcome_begin_;
   blocked_ = token_out_ = false;
   expired_beat_ = ~std::uint64_t{0};
+  counted_end_ = 0;
   ledger_.reset();
 }
 
@@ -60,6 +61,12 @@ void ShotScheduler::restart(BeatReason reason) {
     at(i).reason = reason;
   }
   blocked_ = false;
+}
+
+bool ShotScheduler::shot_pending() const {
+  for (std::uint32_t i = begin_; i != end_; ++i)
+    if (plans_[i % capacity].shot) return true;
+  return false;
 }
 
 bool ShotScheduler::outcome(PointOutcome& out) {
@@ -140,17 +147,32 @@ BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
 }
 
 void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent) {
+  // Flashes count while the clock looks for the rhythm; no beat numbers them yet.
+  if (info.unlocked && !fired) ledger_.count(permitted_ ? BeatReason::not_locked : idle_reason_, 1);
   if (info.valid) {
-    if (info.missed != 0) ledger_.count(BeatReason::no_edge, info.missed);
-    ledger_.count(judge(info.beat, fired), 1);
+    if (!fired && info.beat < counted_end_) return;  // counted when a stray edge fired on it
+    const std::uint64_t open = info.beat > counted_end_ ? info.beat - counted_end_ : 0;
+    count_missed(open < info.missed ? static_cast<std::uint32_t>(open) : info.missed);
+    count(info.beat, fired);
   } else if (fired) {
     // The lattice was right and the beat clock was not: the shot is a fact.
-    ledger_.count(judge(token_beat_, true), 1);
+    if (counted_end_ != 0 && token_beat_ > counted_end_)
+      count_missed(static_cast<std::uint32_t>(token_beat_ - counted_end_));
+    count(token_beat_, true);
   } else if (token_spent && token_out_) {
     token_out_ = false;
     for (std::uint32_t i = begin_; i != end_; ++i)
       if (at(i).shot && at(i).last_beat == token_beat_) at(i).issued = false;
   }
+}
+
+void ShotScheduler::count_missed(std::uint32_t beats) {
+  if (beats != 0) ledger_.count(BeatReason::no_edge, beats);
+}
+
+void ShotScheduler::count(std::uint64_t beat, bool fired) {
+  ledger_.count(judge(beat, fired), 1);
+  counted_end_ = beat + 1;
 }
 
 }  // namespace lamplock::lamp

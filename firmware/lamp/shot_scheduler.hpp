@@ -76,6 +76,10 @@ class ShotScheduler {
   /// Firing permitted or not; when not, beats count with `reason`.
   void permit(bool firing, BeatReason reason) { permitted_ = firing, idle_reason_ = reason; }
   bool permitted() const { return permitted_; }
+  /// A shot is planned that no edge has judged yet.
+  bool shot_pending() const;
+  /// The board holds a token, or has fired on one and not yet said so.
+  bool token_out() const { return token_out_; }
   /// Takes the oldest outcome.
   bool outcome(PointOutcome& out);
   const BeatLedger& ledger() const { return ledger_; }
@@ -105,6 +109,8 @@ class ShotScheduler {
   void report(std::uint32_t point, Outcome outcome);
   void pass(const Plan& plan, bool fired);
   BeatReason judge(std::uint64_t beat, bool fired);
+  void count_missed(std::uint32_t beats);
+  void count(std::uint64_t beat, bool fired);
 
   std::array<Plan, capacity> plans_{};
   std::uint32_t begin_ = 0, end_ = 0;
@@ -115,6 +121,7 @@ class ShotScheduler {
   bool token_out_ = false;
   std::uint64_t token_beat_ = 0;
   std::uint64_t expired_beat_ = ~std::uint64_t{0};
+  std::uint64_t counted_end_ = 0;  ///< beats before this one have been counted; 0 = none yet
   BeatReason idle_reason_ = BeatReason::no_point_due;
   std::uint32_t stray_shots_ = 0;
   BeatLedger ledger_;

@@ -177,6 +177,7 @@ void Controller::unlock() {
   if (state_ != MachineState::alarm) return;
   // The position is not what it was: the job cannot simply go on.
   stop();
+  link_.forget_session();
   state_ = MachineState::idle;
   alarm_ = 0;
 }
@@ -186,6 +187,7 @@ void Controller::hold(HoldReason reason) {
   if (state_ == MachineState::hold && reason == HoldReason::host) hold_reason_ = reason;
   if (state_ != MachineState::run) return;
   shots_.permit(false, BeatReason::hold);
+  runner_.poll(values_, false);  // who asks now, where to go on, shall not be told too low a number
   if (moving_) runner_.brake();
   moving_ = false;
   state_ = MachineState::hold;
@@ -201,13 +203,14 @@ void Controller::resume() {
 
 void Controller::stop() {
   shots_.permit(false, BeatReason::no_point_due);
+  // Shots fired since the last poll count: the next job goes on behind them.
+  if (job_) runner_.poll(values_, false);
   if (moving_) runner_.brake();
   moving_ = false;
   job_ = false;
   if (state_ == MachineState::run || state_ == MachineState::hold || state_ == MachineState::door)
     state_ = MachineState::idle;
   hold_reason_ = HoldReason::none;
-  link_.forget_session();
 }
 
 Result Controller::job_settings(const wire::JobHeader& header, settings::Values& values) {
@@ -241,6 +244,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
   if (door_open_) return Result::door_open;
   if (!runner_.at_rest() || state_ == MachineState::run) return Result::busy;
+  if (shots_.token_out()) return Result::busy;  // a shot of the last job may still come
   if (static_cast<motion::JoinMode>(header.mode) == motion::JoinMode::path)
     return Result::unsupported;
   settings::Values values;

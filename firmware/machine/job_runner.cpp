@@ -35,7 +35,7 @@ void JobRunner::clear() {
   queue_.reset(0);
   next_ = 0;
   from_rest_ = true;
-  returning_ = starving_ = false;
+  returning_ = starving_ = braked_ = false;
 }
 
 std::uint32_t JobRunner::shortest_tick_q16() const {
@@ -61,6 +61,8 @@ void JobRunner::read_outcomes() {
     else if (o.point >= queue_.begin() && o.point < queue_.end())
       queue_.mark_done(o.point);
   }
+  // A point fired after a brake had put it back: its place in the queue may be another's by now.
+  if (next_ < queue_.begin()) next_ = queue_.begin();
   if (missed) {
     ++misses_;
     go_back();
@@ -126,9 +128,11 @@ bool JobRunner::may_plan(motion::PlanRequest& request) {
 }
 
 Result JobRunner::poll(const settings::Values& values, bool go) {
+  // In this order: an edge may come in between.
+  if (!shots_.shot_pending()) braked_ = false;
   read_outcomes();
   motion::PlanRequest request;
-  if (!go || !may_plan(request) || !prepare_start()) return Result::ok;
+  if (!go || braked_ || !may_plan(request) || !prepare_start()) return Result::ok;
   request.queue = &queue_;
   request.mode = options_.mode;
   request.least_beats = options_.least_beats;
@@ -224,7 +228,8 @@ void JobRunner::brake() {
   const motion::MotionState head = generator_.state();
   // What lies before the head has been handed to the board and is judged by its edges.
   shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
-  if (generator_.running() && !head.at_rest()) {
+  // Also where the speed is zero for a moment, at the start of a segment or at a turn.
+  if (generator_.running()) {
     const motion::Segment s = make_brake(head);
     generator_.replace(s);
     plan_state_ = s.end;
@@ -233,6 +238,7 @@ void JobRunner::brake() {
   next_ = queue_.begin();
   from_rest_ = true;
   returning_ = false;
+  braked_ = true;
 }
 
 void JobRunner::halt() {

@@ -104,6 +104,7 @@ class JobRunner {
   std::uint64_t receive_tick_ = 0;     ///< and when that was
   bool from_rest_ = true;              ///< the next window starts on a fresh beat
   bool returning_ = false;
+  bool braked_ = false;  ///< shots handed out before a brake are not judged yet
   bool starving_ = false;
   motion::MotionState plan_state_;  ///< where committed motion ends
   std::uint64_t plan_beat_ = 0;     ///< on which beat

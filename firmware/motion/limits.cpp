@@ -102,11 +102,11 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
       setting = settings::row(settings::for_axis(Id::max_rate_x, a)).number;
       return Result::bad_value;
     }
-    // Rounding switch points to whole ticks costs at most 1.02/n of the acceleration and 2/n of
+    // Rounding switch points to whole ticks costs at most 1.02/n of the acceleration and 4.8/n of
     // the speed over n ticks (measured; a segment has at least one beat).
     const std::uint32_t margin = beat * 10;
     axis.plan_accel_q62 = mul_div(axis.accel_q62, margin - 11, margin) - 1;
-    axis.plan_speed_q62 = mul_div(axis.speed_q62, margin - 20, margin) - 1;
+    axis.plan_speed_q62 = mul_div(axis.speed_q62, margin - 50, margin) - 1;
     axis.min_steps = space.min[static_cast<std::size_t>(a)];
     axis.max_steps = space.max[static_cast<std::size_t>(a)];
     if (axis.plan_accel_q62 < min_accel_q62 || axis.plan_speed_q62 <= 0) {

@@ -29,9 +29,13 @@ struct AxisLimits {
   int per_accel_shift = 0;
   std::int64_t shot_tolerance_q32 = 0;  ///< steps
 
-  /// d/A in beats squared, Q32, of a displacement in steps, Q32.
+  /// d/A in beats squared, Q32, of a displacement in steps, Q32; what does not fit is returned as
+  /// +-2^62, more than any beats can cover.
   std::int64_t displacement_q32(std::int64_t steps_q32) const {
-    return (Int128::product(steps_q32, per_accel) >> per_accel_shift).to_int64();
+    constexpr std::int64_t largest = std::int64_t{1} << 62;
+    const Int128 q = Int128::product(steps_q32, per_accel) >> per_accel_shift;
+    if (q > Int128(largest)) return largest;
+    return q < Int128(-largest) ? -largest : q.to_int64();
   }
 };
 

@@ -26,12 +26,20 @@ std::uint32_t turn_ticks(std::int64_t speed, std::int64_t accel, std::uint32_t t
   return turn > 0 && turn < static_cast<std::int64_t>(ticks) ? static_cast<std::uint32_t>(turn) : 0;
 }
 
+/// Two phases without a limit can peak at several steps per tick, more than Q62 holds. One step per
+/// tick is above every limit, so that a cruise replaces such a peak.
+std::int64_t saturated(Int128 speed_q62) {
+  if (speed_q62 > Int128(one_q62)) return one_q62;
+  if (speed_q62 < Int128(-one_q62)) return -one_q62;
+  return speed_q62.to_int64();
+}
+
 /// Phases with given lengths: the cruise speed follows from the displacement.
 AxisProfile solve(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t lead,
                   std::uint32_t cruise, std::uint32_t tail) {
   // D = (v0 + vc) lead / 2 + vc cruise + (vc + v1) tail / 2, solved for vc.
   const Int128 numerator = (distance << 1) - Int128::product(v0, lead) - Int128::product(v1, tail);
-  const std::int64_t vc = numerator.divided_by(lead + 2 * cruise + tail).to_int64();
+  const std::int64_t vc = saturated(numerator.divided_by(lead + 2 * cruise + tail));
   AxisProfile p;
   p.speed_q62 = v0;
   p.lead_ticks = lead;
@@ -99,10 +107,15 @@ AxisProfile three_phases(Int128 distance, std::int64_t v0, std::int64_t v1, std:
     g >>= width - 31;
   }
   const std::uint64_t squares = x * x + y * y;
-  const std::uint32_t lead = ramp_ticks(n, x, g, squares);
-  const std::uint32_t tail = ramp_ticks(n, y, g, squares);
+  std::uint32_t lead = ramp_ticks(n, x, g, squares);
+  std::uint32_t tail = ramp_ticks(n, y, g, squares);
   if (lead + tail >= n) return two_phases(distance, v0, v1, n);
-  return solve(distance, v0, v1, lead, n - lead - tail, tail);
+  const AxisProfile p = solve(distance, v0, v1, lead, n - lead - tail, tail);
+  if (lead + tail + 1 == n) return p;
+  // Whole ticks make the cruise a little faster, which a short ramp feels: lengthen the steeper.
+  ++(abs64(p.lead_accel_q62) > abs64(p.tail_accel_q62) ? lead : tail);
+  const AxisProfile q = solve(distance, v0, v1, lead, n - lead - tail, tail);
+  return peak_accel(q) < peak_accel(p) ? q : p;
 }
 
 void widen(Excursion& e, Int128 way) {

@@ -4,7 +4,8 @@
 // Out: Q-switch pulses; one verdict per accepted edge.
 // It works like the hardware: a rising edge that stays high for the runt filter is accepted; one
 // decision is made a fixed number of clocks after the edge, armed and with a token or not; a shot
-// starts exactly `delay` after the edge. While a pulse lasts the stage sees no edges.
+// starts exactly `delay` after the edge. While a pulse lasts the stage sees no edges. A shot counts
+// once its pulse has begun: an e-stop between decision and pulse takes it back.
 #pragma once
 
 #include <algorithm>
@@ -59,9 +60,10 @@ class FireStage {
     return verdict;
   }
 
-  /// Drives the Q-switch up to `now`.
-  void drive(PinBus& bus, Picoseconds now) {
-    if (rise_ <= now) {
+  /// Drives the Q-switch up to `now`; true if a pulse began.
+  bool drive(PinBus& bus, Picoseconds now) {
+    const bool begins = rise_ <= now;
+    if (begins) {
       bus.set(Pin::q_switch, true, rise_);
       rise_ = never;
     }
@@ -69,6 +71,7 @@ class FireStage {
       bus.set(Pin::q_switch, false, fall_);
       fall_ = never;
     }
+    return begins;
   }
 
   /// Firing is taken away: what has not started does not start, what lasts ends.

@@ -70,6 +70,7 @@ void VirtualBoard::pin_changed(Pin pin, bool level, Picoseconds at) {
       const int axis = static_cast<int>(pin) - static_cast<int>(Pin::limit_x);
       controller_->input_changed(
           static_cast<machine::Input>(static_cast<int>(machine::Input::limit_x) + axis), level);
+      if (level && controller_->state() == wire::MachineState::alarm) stop_dead();
       break;
     }
   }
@@ -91,7 +92,7 @@ void VirtualBoard::run_until(Picoseconds until) {
     const Picoseconds next = std::max(now_, std::min(until, next_event()));
     play(next);
     now_ = next;
-    fire_.drive(bus_, now_);
+    if (fire_.drive(bus_, now_)) report_shot(true);
     world_->advance(now_);
     if (fire_.decision_due(now_)) decide();
     if (token_expiry() <= now_) {
@@ -213,12 +214,23 @@ void VirtualBoard::decide() {
   const bool loaded = token_held_ && controller_->outputs().fire_enable &&
                       played_ >= token_.not_before_tick && played_ < token_.expires_tick;
   const Verdict verdict = fire_.decide((bits_ & stepper::arm_bit) != 0, loaded);
+  if (loaded) token_held_ = false;
   if (verdict.fired) {
+    shot_ = verdict;
+    return;
+  }
+  controller_->lamp_edge(verdict.edge_clock, false, loaded);
+  take_token();
+}
+
+void VirtualBoard::report_shot(bool fired) {
+  if (!shot_.fired) return;
+  if (fired) {
     const std::uint64_t tick = controller_->clock().tick_of_beat(token_.beat);
     lattice_shots_.push_back({token_.beat, position_at_tick(tick)});
   }
-  if (loaded) token_held_ = false;
-  controller_->lamp_edge(verdict.edge_clock, verdict.fired, loaded);
+  shot_.fired = false;
+  controller_->lamp_edge(shot_.edge_clock, fired, true);
   take_token();
 }
 
@@ -242,6 +254,7 @@ void VirtualBoard::check_outputs() {
 void VirtualBoard::stop_dead() {
   // The tick line stops: what was filled is lost, the steps put out so far are what counts.
   fire_.disarm(bus_, now_);
+  report_shot(false);
   StepPosition steps{};
   if (!blocks_.empty()) steps = position_at_tick(std::max(played_, blocks_.front().first_tick));
   cursors_ = {};

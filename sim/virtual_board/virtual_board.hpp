@@ -65,6 +65,7 @@ class VirtualBoard final : private PinListener {
   void step_axis(int axis, const stepper::TickBlock& block, std::uint64_t to_tick);
   void apply_bits(std::uint8_t bits, Picoseconds at);
   void decide();
+  void report_shot(bool fired);
   void take_token();
   void withdraw_token();
   void check_outputs();
@@ -85,6 +86,7 @@ class VirtualBoard final : private PinListener {
   PerAxis<StepCursor> cursors_{};  ///< of the block being played; refer into it
   bool token_held_ = false;
   lamp::FireToken token_;
+  Verdict shot_;  ///< decided, its pulse has not begun
   bool own_edges_ = false;
   Picoseconds step_pulse_ = 0;
   Picoseconds now_ = 0;
