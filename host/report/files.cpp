@@ -37,19 +37,6 @@ points::Point position_mm(const sim::Shot& shot, const PerAxis<double>& steps_pe
           shot.steps[2] / steps_per_mm[2]};
 }
 
-void write_csv(const JobRun& run, const fs::path& path) {
-  fmt::memory_buffer text;
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "index,channel,beat,time_us,x_mm,y_mm,z_mm\n");
-  for (const sim::Shot& shot : run.shots) {
-    const points::Point p = position_mm(shot, run.steps_per_mm);
-    // Shortest decimals that read back as the same number; time to the picosecond.
-    fmt::format_to(out, "{},{},{},{}.{:06},{},{},{}\n", shot.index, shot.channel, shot.beat,
-                   shot.at / sim::ps_per_us, shot.at % sim::ps_per_us, p.x, p.y, p.z);
-  }
-  write_file(path, text.data(), text.size());
-}
-
 template <class Bits>
 void append_little_endian(fmt::memory_buffer& data, Bits bits) {
   for (std::size_t byte = 0; byte < sizeof bits; ++byte)
@@ -89,6 +76,20 @@ points::PointCloud engraved(const JobRun& run) {
 
 }  // namespace
 
+void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
+                     const fs::path& path) {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "index,channel,beat,time_us,x_mm,y_mm,z_mm\n");
+  for (const sim::Shot& shot : shots) {
+    const points::Point p = position_mm(shot, steps_per_mm);
+    // Shortest decimals that read back as the same number; time to the picosecond.
+    fmt::format_to(out, "{},{},{},{}.{:06},{},{},{}\n", shot.index, shot.channel, shot.beat,
+                   shot.at / sim::ps_per_us, shot.at % sim::ps_per_us, p.x, p.y, p.z);
+  }
+  write_file(path, text.data(), text.size());
+}
+
 void write_report(const Report& report, const JobRun& run, const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -96,7 +97,7 @@ void write_report(const Report& report, const JobRun& run, const fs::path& folde
   const std::string json = to_json(report);
   write_file(folder / "report.json", json.data(), json.size());
   if (run.shots_known) {
-    write_csv(run, folder / "shots.csv");
+    write_shots_csv(run.shots, run.steps_per_mm, folder / "shots.csv");
     write_ply(run, folder / "shots.ply");
   }
   write_cloud_picture(folder / "cloud.png", engraved(run));

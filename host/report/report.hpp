@@ -91,6 +91,11 @@ Report evaluate(const JobRun& run);
 /// The report as JSON text, keys as documented; settings by name in their unit.
 std::string to_json(const Report& report);
 
+/// Writes shots as shots.csv has them: one line each, positions in mm. Throws lamplock::Error if
+/// the file cannot be written.
+void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
+                     const std::filesystem::path& path);
+
 /// Writes report.json, shots.csv, shots.ply and cloud.png into `folder`, which is made if needed.
 /// Without known shots there is no shots.csv and no shots.ply, and the picture shows the points as
 /// ordered. Throws lamplock::Error if a file cannot be written.

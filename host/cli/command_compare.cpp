@@ -1,0 +1,44 @@
+// `lamplock compare`: two reports side by side.
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/report_folder.hpp"
+#include "host/report/summary.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+struct Options {
+  std::string first, second;
+  bool json = false;
+};
+
+Exit compare(const Options& options) {
+  Console console(options.json);
+  const report::Report first = read_report(options.first), second = read_report(options.second);
+  console.text(report::summary(first, second));
+  const auto beats = [](const report::Report& r) { return static_cast<double>(r.beats); };
+  Json ratio = nullptr;
+  if (first.beats > 0) ratio = beats(second) / beats(first);
+  console.document({{"first", Json::parse(report::to_json(first))},
+                    {"second", Json::parse(report::to_json(second))},
+                    {"beats_ratio", ratio}});
+  return Exit::done;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand("compare", "Show two reports side by side");
+  app->footer(
+      "Example:\n  lamplock engrave model.stl --mode start-stop --report stop\n"
+      "  lamplock engrave model.stl --mode free --report free\n  lamplock compare stop free");
+  const auto options = std::make_shared<Options>();
+  app->add_option("FIRST", options->first, "Folder of a report")->required()->type_name("DIR");
+  app->add_option("SECOND", options->second, "Folder of another")->required()->type_name("DIR");
+  app->add_flag("--json", options->json, "Print both and the ratio as JSON on stdout");
+  app->callback([options, &action] { action = [options] { return compare(*options); }; });
+}
+
+}  // namespace lamplock::cli

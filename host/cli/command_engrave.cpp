@@ -1,0 +1,42 @@
+// `lamplock engrave`: from a file to shots, all in one.
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/engraving.hpp"
+#include "host/cli/run_job.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+struct Options {
+  EngravingOptions engraving;
+  BoardOptions board;
+};
+
+Exit engrave(const Options& options) {
+  Console console(options.board.json);
+  options.board.check();
+  auto port = open_port(options.board);
+  const Work work = make_work(options.engraving, options.board.dry, console);
+  const Outcome outcome = run_job(work, options.board, std::move(port), console);
+  return report_job(outcome, options.board, console);
+}
+
+}  // namespace
+
+void add_engrave(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand(
+      "engrave", "Engrave a mesh, bitmap or point list: points, order, job and machine in one");
+  app->footer(
+      "Example:\n  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n"
+      "  lamplock engrave points.xyz --board /dev/ttyACM0 --machine machine.toml\n\n"
+      "Ctrl-C holds the machine with the laser off, Enter resumes, Ctrl-C again stops.\n"
+      "Exit status: 0 done, 1 job failed, 2 bad input, 3 no device, 130 interrupted.");
+  const auto options = std::make_shared<Options>();
+  options->engraving.add(*app, true);
+  options->board.add_board(*app);
+  options->board.add_job(*app);
+  app->callback([options, &action] { action = [options] { return engrave(*options); }; });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,30 @@
+// `lamplock example`: the model to begin with.
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/staged_file.hpp"
+#include "host/model/example.hpp"
+
+namespace lamplock::cli {
+
+void add_example(CLI::App& program, Action& action) {
+  struct Options {
+    std::string output;
+  };
+  CLI::App* app = program.add_subcommand("example", "Write the example model: a nautilus, 60 mm");
+  app->footer("Example:\n  lamplock example model.stl");
+  const auto options = std::make_shared<Options>();
+  app->add_option("OUTPUT", options->output, "STL file to write")->required()->type_name("FILE");
+  app->callback([options, &action] {
+    action = [options] {
+      check_target(options->output);
+      const model::Mesh mesh = model::example_model();
+      write_whole(options->output, [&mesh](const auto& path) { model::write_stl(path, mesh); });
+      Console(false).say("{}: {} triangles, 60 mm", options->output, mesh.triangles.size());
+      return Exit::done;
+    };
+  });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,99 @@
+// `lamplock frame`: shows where the object will be.
+#include <algorithm>
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/options.hpp"
+#include "host/cli/prepare.hpp"
+#include "host/cli/run_job.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using settings::Id;
+
+/// Slow enough to watch.
+constexpr double default_speed_m_s = 0.05;
+constexpr double mm_min_per_m_s = 60'000.0;
+constexpr double milli_per_unit = 1000.0;
+
+struct Options {
+  std::string input;
+  double speed_m_s = default_speed_m_s;
+  PointsOptions points;
+  MachineOptions machine;
+  BoardOptions board;
+};
+
+/// The machine's own speeds, none above the wanted one; no lamp is needed where nothing fires.
+job::Profile frame_profile(const Options& options) {
+  job::Profile profile = options.machine.profile();
+  for (int axis = 0; axis < profile.settings.whole(Id::axes); ++axis) {
+    const Id id = settings::for_axis(Id::max_rate_x, axis);
+    const double own = profile.settings.milli(id) / milli_per_unit;
+    job::state_setting(profile, id, std::min(own, options.speed_m_s * mm_min_per_m_s), "--speed");
+  }
+  job::state_setting(profile, Id::lamp_mode, static_cast<double>(settings::LampMode::free_beat),
+                     "frame");
+  return profile;
+}
+
+/// Round the box at the height of its top, back to the first corner.
+points::PointCloud corners(const points::Bounds& box) {
+  const double z = box.high.z;
+  return {{box.low.x, box.low.y, z},
+          {box.high.x, box.low.y, z},
+          {box.high.x, box.high.y, z},
+          {box.low.x, box.high.y, z},
+          {box.low.x, box.low.y, z}};
+}
+
+Exit frame(Options options) {
+  options.board.dry = true;
+  Console console(options.board.json);
+  options.board.check();
+  auto port = open_port(options.board);
+  const job::Profile profile = frame_profile(options);
+  const points::Bounds box =
+      input_bounds(options.input, options.points, work_space_mm(profile.settings));
+  console.phase("frame", bounds_text(box));
+  job::JobOptions job_options;
+  job_options.mode = motion::JoinMode::start_stop;
+  job_options.dry = true;
+  Work work{options.input, corners(box), {}};
+  work.job = job::make_job(work.points, profile, job_options);
+  const Outcome outcome = run_job(work, options.board, std::move(port), console);
+  console.document({{"input", options.input},
+                    {"bounds", bounds_json(box)},
+                    {"board", options.board.board},
+                    {"done", outcome.result.end == link::JobEnd::done}});
+  return tell_end(outcome.result, options.board);
+}
+
+}  // namespace
+
+void add_frame(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand(
+      "frame", "Run round the bounds of an object with firing disabled, at the height of its top");
+  app->footer("Example:\n  lamplock frame model.stl --size 40 --board /dev/ttyACM0");
+  const auto options = std::make_shared<Options>();
+  app->add_option("INPUT", options->input, "Mesh, bitmap or point list")
+      ->required()
+      ->type_name("FILE");
+  options->points.add(*app);
+  options->machine.add_machine(*app);
+  app->add_option("--speed", options->speed_m_s, "Highest speed, never above the machine's own")
+      ->check(number_from(0, false))
+      ->type_name("M_S")
+      ->capture_default_str()
+      ->group("Machine");
+  app->add_option("--board", options->board.board, "virtual, a serial port, or HOST:PORT")
+      ->type_name("virtual|PORT")
+      ->capture_default_str()
+      ->group("Board");
+  app->add_flag("--json", options->board.json, "Print the result as JSON on stdout")
+      ->group("Board");
+  app->callback([options, &action] { action = [options] { return frame(*options); }; });
+}
+
+}  // namespace lamplock::cli

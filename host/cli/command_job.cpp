@@ -1,0 +1,80 @@
+// `lamplock job`: a job file, made or shown.
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/engraving.hpp"
+#include "host/cli/job_points.hpp"
+#include "host/cli/prepare.hpp"
+#include "host/cli/staged_file.hpp"
+#include "host/job/job_file.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+struct Options {
+  EngravingOptions engraving;
+  std::string output, show;
+  bool dry = false, json = false;
+};
+
+/// What is in a job, as text and as JSON.
+void describe(const job::Job& job, const std::string& file, Console& console) {
+  const points::Bounds box = points::bounds(points_of(job));
+  console.say("{}: {} points, {}{}", file, job.targets.size(), mode_name(job.header.mode),
+              job.header.dry ? ", dry" : "");
+  console.say("  inside {}", bounds_text(box));
+  console.say("  made for settings {:08x}, which it states:", job.settings.hash());
+  Json overrides = Json::object();
+  for (const wire::Override& item : job.header.used_overrides()) {
+    const settings::Row& row = settings::row(settings::find_number(item.number));
+    const double value = item.value_milli / 1000.0;
+    overrides[std::string(row.name)] = value;
+    console.say("    ${:<3} {} = {:g} {}", item.number, row.name, value, row.unit);
+  }
+  console.document({{"file", file},
+                    {"points", job.targets.size()},
+                    {"mode", mode_name(job.header.mode)},
+                    {"dry", job.header.dry},
+                    {"axes", job.header.axes},
+                    {"settings_hash", job.settings.hash()},
+                    {"bounds", bounds_json(box)},
+                    {"settings", overrides}});
+}
+
+Exit make_or_show(const Options& options) {
+  Console console(options.json);
+  const bool show = !options.show.empty();
+  if (show == !options.engraving.input.empty())
+    throw Error(Exit::bad_input, "lamplock job", "needs INPUT or --show FILE, one of them",
+                "see lamplock job --help");
+  if (show) {
+    describe(job::read_job_file(options.show), options.show, console);
+    return Exit::done;
+  }
+  if (options.output.empty())
+    throw Error(Exit::bad_input, "lamplock job", "where to write is missing", "give -o FILE.llj");
+  check_target(options.output);
+  const Work work = make_work(options.engraving, options.dry, console);
+  write_whole(options.output, [&work](const auto& path) { job::write_job_file(path, work.job); });
+  console.phase("written", options.output);
+  if (options.json) describe(work.job, options.output, console);
+  return Exit::done;
+}
+
+}  // namespace
+
+void add_job(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand("job", "Make a job file to send later, or show one");
+  app->footer(
+      "Example:\n  lamplock job model.stl --size 40 --spacing 0.3 -o model.llj\n"
+      "  lamplock job --show model.llj");
+  const auto options = std::make_shared<Options>();
+  options->engraving.add(*app, false);
+  app->add_option("-o,--output", options->output, "Job file to write")->type_name("FILE.llj");
+  app->add_option("--show", options->show, "Show what is in a job file")->type_name("FILE.llj");
+  app->add_flag("--dry", options->dry, "A job that moves and never fires");
+  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
+  app->callback([options, &action] { action = [options] { return make_or_show(*options); }; });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,160 @@
+// `lamplock sim`: a virtual board at the end of a real port, at the pace of the wall clock.
+#include <array>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "host/cli/board_files.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/interrupt.hpp"
+#include "host/cli/options.hpp"
+#include "host/cli/staged_file.hpp"
+#include "sim/endpoint/pty_endpoint.hpp"
+#include "sim/endpoint/tcp_endpoint.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using sim::Picoseconds;
+
+/// The world is looked at this often; a USB frame.
+constexpr std::chrono::milliseconds pace{1};
+/// Falling behind by more is told, and made up for by waiting less, not by hurrying.
+constexpr std::chrono::milliseconds tolerated_lag{100};
+/// What a host that does not read is owed at most, bytes.
+constexpr std::size_t most_unsent = 65'536;
+
+struct Options {
+  std::string pty, tcp, vcd, shots;
+  std::optional<double> seconds;
+  bool json = false;
+  MachineOptions machine;
+  LampFaults faults;
+};
+
+std::unique_ptr<sim::ByteEndpoint> open_endpoint(const std::string& where, bool tcp) {
+  try {
+    if (tcp) return std::make_unique<sim::TcpEndpoint>(where);
+    return std::make_unique<sim::PtyEndpoint>(where);
+  } catch (const std::invalid_argument& error) {
+    throw Error(Exit::bad_input, "--tcp " + where, error.what(), "write HOST:PORT");
+  } catch (const std::system_error& error) {
+    const std::string name = tcp ? "--tcp " + where : "--pty " + where;
+    throw Error(Exit::no_device, name, "cannot be opened (" + error.code().message() + ")",
+                "choose another name or port");
+  }
+}
+
+/// The board's ports. Whoever spoke last is answered.
+class Ports {
+ public:
+  explicit Ports(const Options& options) {
+    if (!options.pty.empty() || options.tcp.empty())
+      ports_.push_back(open_endpoint(options.pty, false));
+    if (!options.tcp.empty()) ports_.push_back(open_endpoint(options.tcp, true));
+    speaker_ = ports_.front().get();
+  }
+
+  const std::vector<std::unique_ptr<sim::ByteEndpoint>>& all() const { return ports_; }
+
+  void exchange(sim::VirtualBoard& board) {
+    std::array<std::uint8_t, 1024> bytes{};
+    for (const auto& port : ports_) {
+      const std::size_t count = port->read(bytes);
+      if (count == 0) continue;
+      if (speaker_ != port.get()) unsent_.clear();
+      speaker_ = port.get();
+      board.write(std::span(bytes).first(count));
+    }
+    for (std::size_t count = board.read(bytes); count > 0; count = board.read(bytes))
+      if (unsent_.size() < most_unsent)
+        unsent_.insert(unsent_.end(), bytes.begin(),
+                       bytes.begin() + static_cast<std::ptrdiff_t>(count));
+    const std::size_t sent = speaker_->write(unsent_);
+    unsent_.erase(unsent_.begin(), unsent_.begin() + static_cast<std::ptrdiff_t>(sent));
+  }
+
+ private:
+  std::vector<std::unique_ptr<sim::ByteEndpoint>> ports_;
+  sim::ByteEndpoint* speaker_ = nullptr;
+  std::vector<std::uint8_t> unsent_;
+};
+
+/// Runs until the user or --seconds ends it.
+void run_at_wall_pace(sim::VirtualBoard& board, Ports& ports, const Options& options,
+                      Console& console) {
+  const Interrupt interrupt;
+  auto start = Clock::now();
+  const auto limit =
+      static_cast<Picoseconds>(options.seconds.value_or(0) * static_cast<double>(sim::ps_per_s));
+  while (interrupt.count() == 0 && (!options.seconds || board.now() < limit)) {
+    ports.exchange(board);
+    const auto wall = std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start);
+    const Picoseconds due = wall.count() * sim::ps_per_ns;
+    const Picoseconds lag = due - board.now();
+    if (lag > std::chrono::nanoseconds(tolerated_lag).count() * sim::ps_per_ns) {
+      console.say("fell behind the wall clock by {} ms", lag / sim::ps_per_ms);
+      start += std::chrono::nanoseconds(lag / sim::ps_per_ns);
+      continue;
+    }
+    board.run_until(due);
+    std::this_thread::sleep_for(pace);
+  }
+}
+
+Exit simulate(const Options& options) {
+  Console console(options.json);
+  for (const std::string& file : {options.vcd, options.shots})
+    if (!file.empty()) check_target(file);
+  const settings::Values values = options.machine.profile().settings;
+  sim::WorldConfig world;
+  world.lamp = options.faults.lamp(values);
+  Ports ports(options);
+  sim::VirtualBoard board(values, world);
+  std::optional<PinTrace> trace;
+  if (!options.vcd.empty()) trace.emplace(options.vcd, board);
+  for (const auto& port : ports.all()) console.say("listening on {}", port->address());
+  if (!options.seconds) console.say("Ctrl-C ends the simulation");
+  run_at_wall_pace(board, ports, options, console);
+  const auto shots = board.world().laser().shots().size();
+  const auto flashes = board.world().lamp().flashes();
+  console.say("{} shots, {} lamp flashes in {:.1f} s", shots, flashes,
+              static_cast<double>(board.now()) / static_cast<double>(sim::ps_per_s));
+  if (trace) trace->finish();
+  if (!options.shots.empty()) write_shots(options.shots, board, values);
+  console.document({{"shots", shots}, {"flashes", flashes}});
+  return Exit::done;
+}
+
+}  // namespace
+
+void add_sim(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand(
+      "sim", "A virtual board on a port, at the pace of the wall clock, as hardware would be");
+  app->footer(
+      "Example:\n  lamplock sim --pty /tmp/engraver --lamp 100\n"
+      "  lamplock engrave model.stl --size 5 --board /tmp/engraver     # in another terminal");
+  const auto options = std::make_shared<Options>();
+  app->add_option("--pty", options->pty, "Pseudo-terminal, with a link to it of this name")
+      ->type_name("LINK");
+  app->add_option("--tcp", options->tcp, "Listen there; port 0 chooses a free one")
+      ->type_name("HOST:PORT");
+  app->add_option("--seconds", options->seconds, "End after so long")
+      ->check(number_from(0, false))
+      ->type_name("S");
+  app->add_option("--vcd", options->vcd, "Trace of all pins, for GTKWave")->type_name("FILE");
+  app->add_option("--shots", options->shots, "What the laser fired, as CSV")->type_name("FILE");
+  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
+  options->machine.add_machine(*app);
+  options->machine.add_overrides(*app);
+  options->faults.add(*app);
+  app->callback([options, &action] { action = [options] { return simulate(*options); }; });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,264 @@
+#include "host/cli/options.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "host/cli/report_folder.hpp"
+#include "host/cli/staged_file.hpp"
+#include "host/error.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using settings::Id;
+using settings::LampMode;
+
+constexpr double percent = 0.01;
+constexpr const char* machine_group = "Machine";
+constexpr const char* points_group = "Points";
+constexpr const char* board_group = "Board";
+constexpr const char* lamp_group = "Lamp of the virtual board";
+
+struct NamedLampMode {
+  const char* name;
+  LampMode mode;
+};
+constexpr std::array lamp_modes{NamedLampMode{"none", LampMode::free_beat},
+                                NamedLampMode{"slave", LampMode::slave},
+                                NamedLampMode{"master", LampMode::master}};
+
+LampMode lamp_mode_named(const std::string& name) {
+  for (const NamedLampMode& known : lamp_modes)
+    if (name == known.name) return known.mode;
+  throw Error(Exit::bad_input, "--lamp-mode", "unknown mode " + name, "use none, slave or master");
+}
+
+}  // namespace
+
+CLI::Validator number_from(double low, bool included) {
+  const auto check = [=](const std::string& text) -> std::string {
+    double value = 0;
+    if (!CLI::detail::lexical_cast(text, value)) return text + " is not a number";
+    if (std::isfinite(value) && (value > low || (included && value == low))) return "";
+    return fmt::format("{} is not {} {:g}", text, included ? "at least" : "greater than", low);
+  };
+  return {check, ""};
+}
+
+CLI::Validator one_of(std::vector<std::string> names) {
+  // Without its description: the help names the choices already.
+  return CLI::IsMember(std::move(names)).description("");
+}
+
+void MachineOptions::add_machine(CLI::App& app) {
+  app.add_option("--machine", machine, "Machine profile (TOML); without it the default machine")
+      ->type_name("FILE")
+      ->group(machine_group);
+}
+
+void MachineOptions::add_overrides(CLI::App& app) {
+  app.add_option("--lamp", lamp_hz, "Lamp frequency")->type_name("HZ")->group(machine_group);
+  app.add_option("--lamp-mode", lamp_mode,
+                 "slave: the lamp runs freely, we follow; master: we trigger it; none: free beat")
+      ->check(one_of({"slave", "master", "none"}))
+      ->type_name("slave|master|none")
+      ->group(machine_group);
+  app.add_option("--accel", accel_m_s2, "Highest acceleration of every axis")
+      ->type_name("M_S2")
+      ->group(machine_group);
+  app.add_option("--speed", speed_m_s, "Highest speed of every axis")
+      ->type_name("M_S")
+      ->group(machine_group);
+}
+
+job::Profile MachineOptions::profile() const {
+  job::Profile profile = machine.empty() ? job::default_profile() : job::read_profile(machine);
+  if (lamp_hz) job::set_lamp_hz(profile, *lamp_hz);
+  if (accel_m_s2) job::set_acceleration(profile, *accel_m_s2);
+  if (speed_m_s) job::set_speed(profile, *speed_m_s);
+  if (lamp_mode)
+    job::state_setting(profile, Id::lamp_mode, static_cast<double>(lamp_mode_named(*lamp_mode)),
+                       "--lamp-mode");
+  return profile;
+}
+
+void PointsOptions::add(CLI::App& app) {
+  app.add_option("--size", size_mm,
+                 "Longest side of the object; without it meshes are in mm and "
+                 "bitmaps 50 mm")
+      ->check(number_from(0, false))
+      ->type_name("MM")
+      ->group(points_group);
+  app.add_option("--spacing", spacing_mm, "Distance of neighbouring points")
+      ->check(number_from(0, false))
+      ->type_name("MM")
+      ->capture_default_str()
+      ->group(points_group);
+  app.add_option("--layer", layer_mm, "Distance of layers; without it the spacing")
+      ->check(number_from(0, false))
+      ->type_name("MM")
+      ->group(points_group);
+  app.add_option("--weld", weld_mm, "Points closer than this become one; without it 0.9 x spacing")
+      ->check(number_from(0, true))
+      ->type_name("MM")
+      ->group(points_group);
+  app.add_option("--method", method, "Meshes: slice (contours of layers) or rays (parallel rays)")
+      ->check(one_of({"slice", "rays"}))
+      ->type_name("slice|rays")
+      ->capture_default_str()
+      ->group(points_group);
+  app.add_option("--direction", direction, "Meshes: direction of the rays")
+      ->check(one_of({"x", "y", "z"}))
+      ->type_name("x|y|z")
+      ->capture_default_str()
+      ->group(points_group);
+  app.add_option("--up", up, "Meshes: axis of the file that points up (often y in OBJ)")
+      ->check(one_of({"y", "z"}))
+      ->type_name("y|z")
+      ->capture_default_str()
+      ->group(points_group);
+  app.add_option("--threshold", threshold, "Bitmaps: grey values below this are points, 0..255")
+      ->type_name("GREY")
+      ->capture_default_str()
+      ->group(points_group);
+  app.add_flag("--invert", invert, "Bitmaps: light instead of dark becomes points")
+      ->group(points_group);
+  app.add_option("--layers", layers, "Bitmaps: number of layers")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(points_group);
+}
+
+void OrderOption::add(CLI::App& app) {
+  app.add_option("--order", name,
+                 "layers: lowest layer first, short way in it; given: as they come. Default: "
+                 "given for point lists, else layers")
+      ->check(one_of({"given", "layers"}))
+      ->type_name("given|layers")
+      ->group(points_group);
+}
+
+order::Ordering OrderOption::ordering(model::InputKind kind) const {
+  if (name) return *name == "given" ? order::Ordering::given : order::Ordering::layers;
+  return kind == model::InputKind::points ? order::Ordering::given : order::Ordering::layers;
+}
+
+void ModeOption::add(CLI::App& app) {
+  app.add_option("--mode", name,
+                 "free: pass every point in motion; start-stop: rest at every point")
+      ->check(one_of({"free", "start-stop"}))
+      ->type_name("free|start-stop")
+      ->capture_default_str()
+      ->group(machine_group);
+}
+
+motion::JoinMode ModeOption::mode() const {
+  return name == "free" ? motion::JoinMode::free : motion::JoinMode::start_stop;
+}
+
+std::string mode_name(std::uint8_t mode) {
+  switch (static_cast<motion::JoinMode>(mode)) {
+    case motion::JoinMode::start_stop:
+      return "start-stop";
+    case motion::JoinMode::path:
+      return "path";
+    case motion::JoinMode::free:
+      return "free";
+  }
+  return "unknown";
+}
+
+void LampFaults::add(CLI::App& app) {
+  app.add_option("--jitter", jitter_us, "Every flash early or late by up to this")
+      ->type_name("US")
+      ->group(lamp_group);
+  app.add_option("--wander", wander_percent, "Swing of the period, peak to peak, in 10 s")
+      ->type_name("PERCENT")
+      ->group(lamp_group);
+  app.add_option("--dropouts", dropouts_percent, "Flashes that are missing")
+      ->type_name("PERCENT")
+      ->group(lamp_group);
+  app.add_option("--runts", runts_percent, "Flashes with a pulse of noise beside them")
+      ->type_name("PERCENT")
+      ->group(lamp_group);
+  app.add_option("--seed", seed, "Another seed, other faults")
+      ->check(number_from(0, true))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(lamp_group);
+}
+
+bool LampFaults::any() const {
+  return jitter_us != 0 || wander_percent != 0 || dropouts_percent != 0 || runts_percent != 0;
+}
+
+sim::LampConfig LampFaults::lamp(const settings::Values& values) const {
+  sim::LampConfig config;
+  config.frequency_hz = values.milli(Id::lamp_frequency) / 1000.0;
+  config.triggered = values.whole(Id::lamp_mode) == static_cast<int>(LampMode::master);
+  config.jitter_us = jitter_us;
+  config.wander = wander_percent * percent;
+  config.dropout = dropouts_percent * percent;
+  config.runt = runts_percent * percent;
+  config.seed = seed;
+  try {
+    sim::PinBus bus;
+    const sim::Lamp trial(config, bus);
+  } catch (const std::invalid_argument& error) {
+    throw Error(Exit::bad_input, "virtual lamp", error.what(),
+                "check --lamp, --jitter, --wander, --dropouts and --runts");
+  }
+  return config;
+}
+
+void BoardOptions::add_board(CLI::App& app) {
+  app.add_option("--board", board, "virtual, a serial port, or HOST:PORT")
+      ->type_name("virtual|PORT")
+      ->capture_default_str()
+      ->group(board_group);
+  app.add_flag("--yes", yes, "Do not ask before the first shot")->group(board_group);
+  app.add_flag("--json", json, "Print the result as JSON on stdout")->group(board_group);
+}
+
+void BoardOptions::add_job(CLI::App& app) {
+  app.add_option("--from", from, "Go on at this point: the first one not fired")
+      ->check(number_from(0, true))
+      ->type_name("N")
+      ->group(board_group);
+  app.add_flag("--dry", dry, "Move, never fire")->group(board_group);
+  app.add_option("--report", report, "Write report.json, shots.csv, shots.ply and cloud.png there")
+      ->type_name("DIR")
+      ->group(board_group);
+  app.add_option("--vcd", vcd, "Trace of all pins of the virtual board, for GTKWave")
+      ->type_name("FILE")
+      ->group(board_group);
+  app.add_option("--shots", shots, "What the laser of the virtual board fired, as CSV")
+      ->type_name("FILE")
+      ->group(board_group);
+  faults.add(app);
+}
+
+void BoardOptions::check() const {
+  if (!vcd.empty()) check_target(vcd);
+  if (!shots.empty()) check_target(shots);
+  if (!report.empty()) check_report_folder(report);
+  if (is_virtual()) return;
+  const auto only_virtual = [](const std::string& option) {
+    throw Error(Exit::bad_input, option, "works on the virtual board only",
+                "leave it out, or use --board virtual");
+  };
+  if (!vcd.empty()) only_virtual("--vcd");
+  if (!shots.empty()) only_virtual("--shots");
+  if (faults.any()) only_virtual("--jitter, --wander, --dropouts, --runts");
+  if (!dry && !yes && ::isatty(STDIN_FILENO) != 1)
+    throw Error(Exit::bad_input, "--board " + board, "nobody is there to permit the first shot",
+                "run it in a terminal, or give --yes or --dry");
+}
+
+}  // namespace lamplock::cli

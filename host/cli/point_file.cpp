@@ -1,0 +1,28 @@
+#include "host/cli/point_file.hpp"
+
+#include "host/cli/staged_file.hpp"
+#include "host/error.hpp"
+#include "host/model/file.hpp"
+#include "host/model/read_points.hpp"
+
+namespace lamplock::cli {
+
+void check_point_file(const std::filesystem::path& file) {
+  const std::string extension = model::lower_extension(file);
+  if (extension != ".xyz" && extension != ".ply")
+    throw Error(Exit::bad_input, file.string(), "is not a kind of point list",
+                "name it .xyz or .ply");
+  check_target(file);
+}
+
+void write_point_file(const std::filesystem::path& file, std::span<const points::Point> cloud) {
+  const bool ply = model::lower_extension(file) == ".ply";
+  write_whole(file, [&](const std::filesystem::path& path) {
+    if (ply)
+      model::write_ply(path, cloud);
+    else
+      model::write_xyz(path, cloud);
+  });
+}
+
+}  // namespace lamplock::cli

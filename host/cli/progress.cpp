@@ -1,0 +1,83 @@
+#include "host/cli/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace lamplock::cli {
+namespace {
+
+constexpr std::size_t bar_width = 30;
+constexpr std::size_t line_every_percent = 10;
+constexpr std::chrono::milliseconds redraw_interval{50};
+/// What is over sooner needs no line.
+constexpr std::chrono::milliseconds line_interval{500};
+/// Back to the start of the line and clear it (ECMA-48).
+constexpr const char* clear_line = "\r\033[K";
+
+std::size_t percent(std::size_t done, std::size_t total) {
+  return total == 0 ? 100 : done * 100 / total;
+}
+
+std::string clock_text(double seconds) {
+  const auto s = static_cast<long long>(std::ceil(seconds));
+  if (s < 3600) return fmt::format("{}:{:02}", s / 60, s % 60);
+  return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+}  // namespace
+
+Progress::Progress(std::string title, std::size_t total, std::size_t first)
+    : title_(std::move(title)),
+      total_(total),
+      first_(first),
+      terminal_(::isatty(STDERR_FILENO) == 1),
+      next_line_percent_((percent(first, total) / line_every_percent + 1) * line_every_percent) {}
+
+Progress::~Progress() { clear(); }
+
+void Progress::update(std::size_t done) {
+  if (terminal_) {
+    const auto now = Clock::now();
+    if (now - drawn_at_ < redraw_interval) return;
+    drawn_at_ = now;
+    return draw(done);
+  }
+  const std::size_t now = percent(done, total_);
+  if (now < next_line_percent_ || Clock::now() - drawn_at_ < line_interval) return;
+  drawn_at_ = Clock::now();
+  next_line_percent_ = (now / line_every_percent + 1) * line_every_percent;
+  fmt::print(stderr, "{}: {} %, {} of {}{}\n", title_, now, done, total_, left(done));
+}
+
+void Progress::note(const std::string& line) {
+  clear();
+  fmt::print(stderr, "{}\n", line);
+}
+
+std::string Progress::left(std::size_t done) const {
+  if (done <= first_ || done >= total_) return "";
+  const std::chrono::duration<double> taken = Clock::now() - start_;
+  const double pace = taken.count() / static_cast<double>(done - first_);
+  return fmt::format(", {} left", clock_text(pace * static_cast<double>(total_ - done)));
+}
+
+void Progress::draw(std::size_t done) {
+  const std::size_t filled = percent(done, total_) * bar_width / 100;
+  fmt::print(stderr, "{}{} [{:#<{}}{:-<{}}] {:3} %, {} of {}{}", clear_line, title_, "", filled, "",
+             bar_width - filled, percent(done, total_), done, total_, left(done));
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+void Progress::clear() {
+  if (!drawn_) return;
+  fmt::print(stderr, "{}", clear_line);
+  std::fflush(stderr);
+  drawn_ = false;
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,44 @@
+// How far something is, on stderr: a bar with the time left on a terminal, otherwise a line every
+// ten per cent, unless it is over in no time.
+//
+// In:  how much is done, as often as one likes. Out: text. Who: ordering and jobs.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace lamplock::cli {
+
+/// Progress of one thing.
+class Progress {
+ public:
+  /// `title` says what is going on; `first` was done before.
+  Progress(std::string title, std::size_t total, std::size_t first = 0);
+  /// Removes the bar.
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void update(std::size_t done);
+  /// Prints a line that stays, above the bar.
+  void note(const std::string& line);
+  /// Time in which nothing could go on, not to be counted in the pace.
+  void pause_ended(std::chrono::steady_clock::duration pause) { start_ += pause; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string left(std::size_t done) const;
+  void draw(std::size_t done);
+  void clear();
+
+  std::string title_;
+  std::size_t total_, first_;
+  bool terminal_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point drawn_at_ = start_;
+  std::size_t next_line_percent_;
+  bool drawn_ = false;
+};
+
+}  // namespace lamplock::cli

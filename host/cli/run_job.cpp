@@ -1,0 +1,221 @@
+#include "host/cli/run_job.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+#include <optional>
+#include <utility>
+
+#include "host/cli/board_files.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/report_folder.hpp"
+#include "host/cli/steering.hpp"
+#include "host/link/serial_transport.hpp"
+#include "host/link/tcp_transport.hpp"
+#include "host/link/virtual_transport.hpp"
+#include "host/report/summary.hpp"
+#include "shared/beat_reason.hpp"
+#include "sim/endpoint/tcp_address.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using link::JobEnd;
+using settings::Id;
+
+constexpr double milli_per_unit = 1000.0;
+
+double lamp_hz(const settings::Values& values) {
+  return values.milli(Id::lamp_frequency) / milli_per_unit;
+}
+
+/// A real laser fires only when somebody has said so.
+void ask_permission(const Work& work, const BoardOptions& options) {
+  if (options.yes || work.job.header.dry || options.is_virtual()) return;
+  fmt::print(stderr, "{} points on {}, lamp {:g} Hz: the laser will fire. Type yes to fire: ",
+             work.points.size() - options.from, options.board, lamp_hz(work.job.settings));
+  std::fflush(stderr);
+  std::string answer;
+  if (!std::getline(std::cin, answer) || answer != "yes")
+    throw Error(Exit::interrupted, "engraving", "not permitted, nothing was fired",
+                "answer yes, or give --yes");
+}
+
+link::JobResult send(link::Transport& transport, const Work& work, const BoardOptions& options,
+                     Clocking clocking) {
+  link::SenderOptions sending;
+  sending.first_index = options.from;
+  Progress progress(work.job.header.dry ? "dry run" : "engraving", work.points.size(),
+                    options.from);
+  if (clocking == Clocking::wall)
+    sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
+  link::JobSender sender(transport, work.job, sending);
+  Steering steering(sender, progress, clocking);
+  // Looked after at every step: simulated time runs fast, and a hold should be seen at once.
+  while (sender.step()) steering.look();
+  return sender.result();
+}
+
+/// What is known on any board.
+report::JobRun run_of(const Work& work, const BoardOptions& options,
+                      const link::JobResult& result) {
+  report::JobRun run;
+  run.input = work.input;
+  run.mode = mode_name(work.job.header.mode);
+  run.board = options.board;
+  // With --from the report is about the rest of the job.
+  run.points.assign(work.points.begin() + static_cast<std::ptrdiff_t>(options.from),
+                    work.points.end());
+  run.shots_ordered.reserve(run.points.size());
+  for (std::size_t i = options.from; i < work.job.targets.size(); ++i)
+    run.shots_ordered.push_back(work.job.header.dry ? 0 : work.job.targets[i].shots);
+  run.shots_known = false;
+  run.shots_fired = result.status.shots;
+  run.settings = work.job.settings;
+  run.axes = run.settings.whole(Id::axes);
+  run.steps_per_mm = steps_per_mm(run.settings);
+  run.beats = result.status.beats;
+  run.beats_before = result.status.beats_before;
+  run.time_s = static_cast<double>(run.beats) / lamp_hz(run.settings);
+  for (std::size_t i = 0; i < beat_reason_count; ++i)
+    if (static_cast<BeatReason>(i) != BeatReason::fired)
+      run.beats_by_reason[std::string(beat_reason_names[i])] = result.status.beats_by_reason[i];
+  run.link = {result.resent, result.bad_frames + result.status.link.bad_frames, result.reconnects};
+  return run;
+}
+
+/// What only the simulated world knows.
+void add_shots(const sim::VirtualBoard& board, report::JobRun& run) {
+  run.shots_known = true;
+  run.shots = board.world().laser().shots();
+  const auto& lattice = board.lattice_shots();
+  // A pulse taken back by the e-stop has a lattice position and no shot.
+  if (lattice.size() == run.shots.size())
+    for (const sim::LatticeShot& shot : lattice) run.lattice_steps.push_back(shot.steps);
+  if (run.shots.empty()) return;
+  const double last_beat_s = 1 / lamp_hz(run.settings);
+  run.time_s = static_cast<double>(run.shots.back().at - run.shots.front().at) /
+                   static_cast<double>(sim::ps_per_s) +
+               last_beat_s;
+}
+
+Outcome run_virtual(const Work& work, const BoardOptions& options, Console& console) {
+  sim::WorldConfig world;
+  world.lamp = options.faults.lamp(work.job.settings);
+  sim::VirtualBoard board(work.job.settings, world);
+  std::optional<PinTrace> trace;
+  if (!options.vcd.empty()) trace.emplace(options.vcd, board);
+  link::VirtualTransport transport(board);
+  Outcome outcome;
+  outcome.result = send(transport, work, options, Clocking::lock_step);
+  outcome.run = run_of(work, options, outcome.result);
+  add_shots(board, outcome.run);
+  if (trace) trace->finish();
+  if (!options.shots.empty()) write_shots(options.shots, board, work.job.settings);
+  const double simulated_s = static_cast<double>(board.now()) / static_cast<double>(sim::ps_per_s);
+  console.phase("run", fmt::format("{:.1f} s of machine time on the virtual board", simulated_s));
+  return outcome;
+}
+
+std::string go_on_text(const link::JobResult& result) {
+  return fmt::format("go on with --from {}", result.status.first_unfired);
+}
+
+std::string end_name(JobEnd end) {
+  switch (end) {
+    case JobEnd::done:
+      return "done";
+    case JobEnd::stopped:
+      return "stopped";
+    case JobEnd::alarm:
+      return "alarm";
+    case JobEnd::lost:
+      return "lost";
+    case JobEnd::restarted:
+      return "restarted";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
+  if (options.is_virtual()) return nullptr;
+  const bool path = options.board.find('/') != std::string::npos;
+  if (!path && sim::parse_tcp_address(options.board))
+    return std::make_unique<link::TcpTransport>(options.board);
+  return std::make_unique<link::SerialTransport>(options.board);
+}
+
+Outcome run_job(const Work& work, const BoardOptions& options,
+                std::unique_ptr<link::Transport> port, Console& console) {
+  if (options.from >= work.points.size())
+    throw Error(Exit::bad_input, fmt::format("--from {}", options.from),
+                fmt::format("the job has {} points", work.points.size()),
+                fmt::format("points count from 0, the last is {}", work.points.size() - 1));
+  ask_permission(work, options);
+  console.restart_clock();
+  if (!port) return run_virtual(work, options, console);
+  Outcome outcome;
+  outcome.result = send(*port, work, options, Clocking::wall);
+  outcome.run = run_of(work, options, outcome.result);
+  console.phase("run", "on " + options.board);
+  return outcome;
+}
+
+Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
+  const report::Report report = report::evaluate(outcome.run);
+  console.line("");
+  console.text(report::summary(report));
+  if (!options.report.empty()) {
+    console.restart_clock();
+    write_report_whole(report, outcome.run, options.report);
+    console.phase("\nreport", options.report);
+  }
+  if (console.json()) {
+    Json json = Json::parse(report::to_json(report));
+    json["end"] = end_name(outcome.result.end);
+    json["first_unfired"] = outcome.result.status.first_unfired;
+    console.document(json);
+  }
+  const Exit exit = tell_end(outcome.result, options);
+  if (exit != Exit::done) return exit;
+  const auto missed = report.missed.value_or(0), doubled = report.doubled.value_or(0);
+  if (missed == 0 && doubled == 0) return Exit::done;
+  throw Error(Exit::job_failed, "job",
+              fmt::format("{} points not fired, {} shots too many", missed, doubled),
+              "do not go on with this glass; please report it with its input");
+}
+
+Exit tell_end(const link::JobResult& result, const BoardOptions& options) {
+  const std::uint32_t next = result.status.first_unfired;
+  switch (result.end) {
+    case JobEnd::done:
+      return Exit::done;
+    case JobEnd::stopped:
+      fmt::print(stderr, "stopped: first point not fired is {}; {}\n", next, go_on_text(result));
+      return Exit::interrupted;
+    case JobEnd::alarm: {
+      const bool estop = result.status.state == wire::MachineState::estop;
+      const std::string what =
+          estop ? "e-stop" : fmt::format("alarm {}", static_cast<int>(result.status.alarm));
+      throw Error(Exit::job_failed, options.board, fmt::format("{} before point {}", what, next),
+                  "clear it and " + go_on_text(result));
+    }
+    case JobEnd::lost:
+      throw Error(Exit::job_failed, options.board,
+                  fmt::format("connection lost, the last point heard of is {}", next),
+                  "check the cable and " + go_on_text(result));
+    case JobEnd::restarted:
+      throw Error(Exit::job_failed, options.board,
+                  fmt::format("the machine has restarted, its position is lost; the last point "
+                              "heard of is {}",
+                              next),
+                  "home it and " + go_on_text(result));
+  }
+  return Exit::job_failed;
+}
+
+}  // namespace lamplock::cli

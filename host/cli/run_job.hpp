@@ -1,0 +1,50 @@
+// Runs a job on a board: what `engrave`, `send` and `frame` share.
+//
+// In:  a job and the points it was made of; where to run it. Out: how it went; the report.
+// Ctrl-C once holds the machine, Enter goes on, Ctrl-C again stops. Where a job that did not end
+// well can go on is always told.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "host/cli/console.hpp"
+#include "host/cli/options.hpp"
+#include "host/error.hpp"
+#include "host/job/job.hpp"
+#include "host/link/sender.hpp"
+#include "host/link/transport.hpp"
+#include "host/points/point.hpp"
+#include "host/report/report.hpp"
+
+namespace lamplock::cli {
+
+/// A job and what it is about.
+struct Work {
+  std::string input;          ///< file
+  points::PointCloud points;  ///< as ordered, one per target of the job
+  job::Job job;
+};
+
+/// What came of it: `run` is what a report is made of.
+struct Outcome {
+  link::JobResult result;
+  report::JobRun run;
+};
+
+/// Opens a real port: HOST:PORT or a serial port; nothing for the virtual board. Throws
+/// Error(no_device).
+std::unique_ptr<link::Transport> open_port(const BoardOptions& options);
+
+/// Asks the user if need be, then runs the job to its end. `port` as open_port() gave it. Throws
+/// Error.
+Outcome run_job(const Work& work, const BoardOptions& options,
+                std::unique_ptr<link::Transport> port, Console& console);
+
+/// Judges the run, prints and writes the report, and tells how to go on. Gives the exit status.
+Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console);
+
+/// One line on stderr if the job did not end well; gives the exit status.
+Exit tell_end(const link::JobResult& result, const BoardOptions& options);
+
+}  // namespace lamplock::cli

@@ -1,0 +1,50 @@
+// The user's hand on a running job: Ctrl-C, Enter.
+//
+// In:  interrupts, lines on stdin, the state of the machine. Out: wishes to the sender, notes.
+// Who: run_job, after every step of the sender.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "host/cli/interrupt.hpp"
+#include "host/cli/progress.hpp"
+#include "host/link/sender.hpp"
+
+namespace lamplock::cli {
+
+/// Whose time it is while the user thinks.
+enum class Clocking {
+  wall,      ///< the machine's: it runs on
+  lock_step  ///< ours: a simulated board stands still while we wait
+};
+
+/// Steers one job; all arguments must outlive it.
+class Steering {
+ public:
+  Steering(link::JobSender& sender, Progress& progress, Clocking clocking)
+      : sender_(sender), progress_(progress), clocking_(clocking) {}
+
+  /// To be called after every step of the sender.
+  void look();
+
+ private:
+  void ask_to_go_on(const std::string& why);
+  void wait_for_user();
+  void take_input(std::chrono::milliseconds wait);
+  void stop();
+  void go_on();
+
+  link::JobSender& sender_;
+  Progress& progress_;
+  Clocking clocking_;
+  Interrupt interrupt_;
+  bool holding_ = false;  ///< the user wants a hold
+  bool asking_ = false;   ///< the machine is at rest until the user says
+  bool stopping_ = false;
+  bool input_ended_ = false;
+  std::optional<std::chrono::steady_clock::time_point> asked_at_{};
+};
+
+}  // namespace lamplock::cli

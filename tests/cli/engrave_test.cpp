@@ -1,0 +1,236 @@
+// Whole runs on the virtual board.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/model/read_points.hpp"
+#include "tests/cli/inputs.hpp"
+#include "tests/cli/program.hpp"
+#include "tests/cli/shots.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+/// Half a step of the default machine (200 steps/mm).
+constexpr double half_step_mm = 0.0025;
+
+/// Runs, expects success, gives the JSON document on stdout.
+Json run_json(std::vector<std::string> arguments) {
+  arguments.emplace_back("--json");
+  const Finished finished = run(arguments);
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  return Json::parse(finished.out, nullptr, false);
+}
+
+void expect_each_once(const Json& report) {
+  EXPECT_EQ(report["shots"], report["points"]);
+  EXPECT_EQ(report["missed"], 0);
+  EXPECT_EQ(report["doubled"], 0);
+  EXPECT_EQ(report["end"], "done");
+  EXPECT_EQ(report["first_unfired"], report["points"]);
+}
+
+void expect_exactly(const std::vector<points::Point>& shots,
+                    const std::vector<points::Point>& wanted) {
+  ASSERT_EQ(shots.size(), wanted.size());
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    EXPECT_NEAR(shots[i].x, wanted[i].x, half_step_mm + 1e-9) << i;
+    EXPECT_NEAR(shots[i].y, wanted[i].y, half_step_mm + 1e-9) << i;
+    EXPECT_NEAR(shots[i].z, wanted[i].z, half_step_mm + 1e-9) << i;
+  }
+}
+
+TEST(Engrave, mesh) {
+  const Folder folder;
+  const std::string mesh = folder.write("m.stl", octahedron_stl());
+  const Json report = run_json(
+      {"engrave", mesh, "--size", "6", "--spacing", "0.3", "--report", folder / "out/report"});
+  expect_each_once(report);
+  EXPECT_GT(report["points"], 500);
+  EXPECT_LE(report["largest_error_steps"], 0.5);
+  for (const points::Point& p : read_shots(folder / "out/report/shots.csv"))
+    EXPECT_NEAR(std::abs(p.x) + std::abs(p.y) + std::abs(p.z), 3, 0.01);  // on the surface
+  EXPECT_EQ(Folder::files(folder.path() / "out"), std::vector<std::string>{"report"});
+  EXPECT_EQ(Folder::files(folder.path() / "out/report"),
+            (std::vector<std::string>{"cloud.png", "report.json", "shots.csv", "shots.ply"}));
+  EXPECT_THAT(read(folder / "out/report/cloud.png"), testing::StartsWith("\x89PNG"));
+}
+
+TEST(Engrave, mesh_by_rays) {
+  const Folder folder;
+  const std::string mesh = folder.write("m.stl", octahedron_stl());
+  expect_each_once(run_json({"engrave", mesh, "--size", "4", "--spacing", "0.3", "--method", "rays",
+                             "--direction", "x"}));
+}
+
+TEST(Engrave, bitmap) {
+  const Folder folder;
+  const std::string bitmap = folder.write("d.bmp", disc_bmp(40));
+  const Json report = run_json({"engrave", bitmap, "--size", "8", "--spacing", "0.2", "--layers",
+                                "2", "--layer", "0.5", "--shots", folder / "shots.csv"});
+  expect_each_once(report);
+  EXPECT_NEAR(report["points"].get<double>(), 2 * M_PI / 4 * 40 * 40, 100);
+  for (const points::Point& p : read_shots(folder / "shots.csv")) {
+    EXPECT_LT(std::hypot(p.x, p.y), 4);
+    EXPECT_EQ(std::abs(p.z), 0.25);
+  }
+}
+
+TEST(Engrave, point_list_exactly_as_given) {
+  const Folder folder;
+  std::vector<points::Point> points = walk(300, 7);
+  points[100] = points[99];  // not welded either
+  const std::string list = folder.write("p.xyz", xyz(points));
+  for (const char* mode : {"free", "start-stop"}) {
+    expect_each_once(run_json(
+        {"engrave", list, "--order", "given", "--mode", mode, "--shots", folder / "shots.csv"}));
+    expect_exactly(read_shots(folder / "shots.csv"), points);
+  }
+}
+
+TEST(Engrave, point_list_by_layers_only_on_request) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", "0 0 1\n0 0 -1\n0 0 0\n");
+  run_json({"engrave", list, "--shots", folder / "given.csv"});
+  EXPECT_EQ(read_shots(folder / "given.csv")[0].z, 1);
+  run_json({"engrave", list, "--order", "layers", "--shots", folder / "layers.csv"});
+  const auto shots = read_shots(folder / "layers.csv");
+  EXPECT_EQ(shots[0].z, -1);
+  EXPECT_EQ(shots[2].z, 1);
+}
+
+TEST(Engrave, the_rest_of_a_job) {
+  const Folder folder;
+  const std::vector<points::Point> points = walk(200, 3);
+  const std::string list = folder.write("p.xyz", xyz(points));
+  const Json report = run_json({"engrave", list, "--from", "150", "--shots", folder / "shots.csv"});
+  EXPECT_EQ(report["points"], 50);
+  EXPECT_EQ(report["missed"], 0);
+  EXPECT_EQ(report["first_unfired"], 200);
+  expect_exactly(read_shots(folder / "shots.csv"), {points.begin() + 150, points.end()});
+}
+
+TEST(Engrave, dry_moves_and_never_fires) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(100, 3)));
+  const Json report = run_json({"engrave", list, "--dry", "--shots", folder / "shots.csv"});
+  EXPECT_EQ(report["shots"], 0);
+  EXPECT_EQ(report["first_unfired"], 100);
+  EXPECT_TRUE(read_shots(folder / "shots.csv").empty());
+}
+
+TEST(Engrave, lamp_modes_and_overrides) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(100, 3)));
+  for (const char* mode : {"slave", "master", "none"}) {
+    const Json report = run_json(
+        {"engrave", list, "--lamp-mode", mode, "--lamp", "50", "--accel", "2.5", "--speed", "0.5"});
+    expect_each_once(report);
+    EXPECT_LE(report["largest_jitter_error_steps"], 0.5) << mode;
+    EXPECT_EQ(report["settings"]["lamp_frequency"], 50);
+    for (const char* axis : {"x", "y", "z"}) {
+      EXPECT_EQ(report["settings"][std::string("acceleration_") + axis], 2500);
+      EXPECT_EQ(report["settings"][std::string("max_rate_") + axis], 30000);
+    }
+  }
+}
+
+TEST(Engrave, faults_of_the_lamp_cost_beats_never_points) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(400, 3)));
+  const Json clean = run_json({"engrave", list});
+  const Json faulty = run_json({"engrave", list, "--jitter", "20", "--wander", "1", "--dropouts",
+                                "5", "--runts", "10", "--seed", "5"});
+  expect_each_once(faulty);
+  EXPECT_GT(faulty["beats"], clean["beats"]);
+  EXPECT_GT(faulty["beats_by_reason"]["no_edge"], 0);
+  const Json other = run_json({"engrave", list, "--dropouts", "5", "--seed", "6"});
+  EXPECT_NE(other["beats"], faulty["beats"]);
+}
+
+TEST(Engrave, trace_of_the_pins) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(20, 3)));
+  run_json({"engrave", list, "--vcd", folder / "a.vcd"});
+  EXPECT_THAT(read(folder / "a.vcd"), HasSubstr("q_switch"));
+  EXPECT_EQ(folder.files(), (std::vector<std::string>{"a.vcd", "p.xyz"}));
+}
+
+TEST(Engrave, a_profile_moves_the_middle) {
+  const Folder folder;
+  const std::string mesh = folder.write("m.stl", octahedron_stl());
+  const std::string profile = folder.write(
+      "m.toml", "min_corner = [0, 0, 0]\ntravel = [20, 20, 10]\nsteps_per_mm = [400, 400, 400]\n");
+  expect_each_once(run_json({"engrave", mesh, "--size", "4", "--spacing", "0.5", "--machine",
+                             profile, "--shots", folder / "shots.csv"}));
+  for (const points::Point& p : read_shots(folder / "shots.csv"))
+    EXPECT_NEAR(std::abs(p.x - 10) + std::abs(p.y - 10) + std::abs(p.z - 5), 2, 0.01);
+}
+
+TEST(Engrave, summary_for_people) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(20, 3)));
+  const Finished finished = run({"engrave", list});
+  EXPECT_EQ(finished.status, 0);
+  for (const char* text : {"points   20 in x", "order    as given", "beats per point", "missed"})
+    EXPECT_THAT(finished.out, HasSubstr(text));
+}
+
+TEST(Engrave, reports_side_by_side) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(200, 3)));
+  const std::string stop = folder / "stop", free = folder / "free";
+  const Json a = run_json({"engrave", list, "--mode", "start-stop", "--report", stop});
+  const Json b = run_json({"engrave", list, "--mode", "free", "--report", free});
+  const Json both = run_json({"compare", stop, free});
+  EXPECT_EQ(both["first"]["beats"], a["beats"]);
+  EXPECT_EQ(both["second"]["mode"], "free");
+  EXPECT_EQ(both["second"]["settings"], b["settings"]);
+  EXPECT_DOUBLE_EQ(both["beats_ratio"], b["beats"].get<double>() / a["beats"].get<double>());
+  EXPECT_THAT(run({"compare", stop, free}).out, HasSubstr("beats, ratio"));
+}
+
+TEST(Commands, points_order_job_send_give_what_engrave_gives) {
+  const Folder folder;
+  const std::string mesh = folder.write("m.stl", octahedron_stl());
+  const std::vector<std::string> size{"--size", "5", "--spacing", "0.4"};
+  const auto with_size = [&size](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), size.begin(), size.end());
+    return arguments;
+  };
+  const Json made = run_json(with_size({"points", mesh, "-o", folder / "p.ply"}));
+  const auto points = model::read_point_list(folder / "p.ply");
+  EXPECT_EQ(made["points"], points.size());
+  EXPECT_NEAR(made["bounds"]["high_mm"][0], 2.5, 0.2);
+  run_json({"order", folder / "p.ply", "--layer", "0.4", "-o", folder / "o.xyz"});
+  EXPECT_EQ(run({"job", folder / "o.xyz", "-o", folder / "j.llj"}).status, 0);
+  const Json shown = run_json({"job", "--show", folder / "j.llj"});
+  EXPECT_EQ(shown["points"], points.size());
+  EXPECT_EQ(shown["mode"], "free");
+  expect_each_once(run_json({"send", folder / "j.llj", "--shots", folder / "sent.csv"}));
+  expect_each_once(run_json(with_size({"engrave", mesh, "--shots", folder / "engraved.csv"})));
+  EXPECT_EQ(read(folder / "sent.csv"), read(folder / "engraved.csv"));
+  EXPECT_THAT(folder.files(), testing::Not(testing::Contains(HasSubstr(".part"))));
+}
+
+TEST(Commands, example_engraves) {
+  const Folder folder;
+  EXPECT_EQ(run({"example", folder / "e.stl"}).status, 0);
+  expect_each_once(run_json({"engrave", folder / "e.stl", "--size", "20", "--spacing", "1"}));
+}
+
+TEST(Commands, frame_goes_round_and_never_fires) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", "-1 -2 3\n4 5 6\n");
+  const Json frame = run_json({"frame", list});
+  EXPECT_EQ(frame["done"], true);
+  EXPECT_EQ(frame["bounds"]["low_mm"], Json({-1, -2, 3}));
+  EXPECT_EQ(frame["bounds"]["high_mm"], Json({4, 5, 6}));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test

@@ -1,0 +1,65 @@
+// Runs the real program, as a shell would.
+//
+// In:  arguments. Out: exit status and what it printed. A program in the background can be asked
+// and interrupted; nothing is left running when a test ends.
+#pragma once
+
+#include <sys/types.h>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lamplock::cli::test {
+
+/// A folder of its own for a test; it goes with the test.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  const std::filesystem::path& path() const { return path_; }
+  /// Names of the files in a folder, sorted.
+  static std::vector<std::string> files(const std::filesystem::path& folder);
+  std::vector<std::string> files() const { return files(path_); }
+  /// Writes a file and gives its path.
+  std::string write(const std::string& name, const std::string& bytes) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string read(const std::filesystem::path& file);
+std::vector<std::string> lines(const std::string& text);
+
+/// A run that has ended.
+struct Finished {
+  int status = -1;  ///< exit status; 128 + signal if one ended it
+  std::string out, err;
+};
+
+/// A run that has not ended yet. Its stdin is empty.
+class Running {
+ public:
+  explicit Running(const std::vector<std::string>& arguments);
+  ~Running();
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+  /// Waits until it has printed this, to stdout or stderr; false after some seconds.
+  bool wait_for(const std::string& text) const;
+  std::string out() const { return read(folder_ / "out"); }
+  std::string err() const { return read(folder_ / "err"); }
+  void interrupt() const;
+  Finished finish();
+
+ private:
+  Folder folder_;
+  pid_t process_ = -1;
+};
+
+/// Runs to the end.
+Finished run(const std::vector<std::string>& arguments);
+
+}  // namespace lamplock::cli::test

@@ -1,0 +1,68 @@
+// What the program says when asked, and when asked wrongly.
+#include <gmock/gmock.h>
+
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using testing::HasSubstr;
+
+class CommandHelp : public testing::TestWithParam<std::string> {};
+
+TEST_P(CommandHelp, explains_itself_with_an_example) {
+  const Finished help = run({GetParam(), "--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_EQ(help.err, "");
+  EXPECT_THAT(help.out, HasSubstr("Usage: lamplock " + GetParam()));
+  EXPECT_THAT(help.out, HasSubstr("Example:\n  lamplock "));
+  EXPECT_THAT(help.out, HasSubstr("lamplock " + GetParam() + " "));
+}
+
+INSTANTIATE_TEST_SUITE_P(all, CommandHelp,
+                         testing::Values("example", "points", "order", "job", "send", "engrave",
+                                         "frame", "compare", "sim"),
+                         [](const auto& test) { return test.param; });
+
+TEST(Usage, help_lists_every_command) {
+  const Finished help = run({"--help"});
+  EXPECT_EQ(help.status, 0);
+  for (const char* command : {"example", "points", "order", "job", "send", "engrave", "frame",
+                              "compare", "sim", "--version"})
+    EXPECT_THAT(help.out, HasSubstr(command));
+}
+
+TEST(Usage, version_is_one_line) {
+  const Finished version = run({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_EQ(version.out, "lamplock " LAMPLOCK_VERSION "\n");
+}
+
+/// Arguments that cannot be understood, and a word the error must have.
+struct Wrong {
+  std::vector<std::string> arguments;
+  std::string names;
+};
+class WrongUsage : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongUsage, is_one_line_with_status_2) {
+  const Finished wrong = run(GetParam().arguments);
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_EQ(wrong.out, "");
+  EXPECT_THAT(wrong.err, testing::MatchesRegex("error: [^\n]+: [^\n]+; see lamplock [^\n]*\n"));
+  EXPECT_THAT(wrong.err, HasSubstr(GetParam().names));
+}
+
+INSTANTIATE_TEST_SUITE_P(all, WrongUsage,
+                         testing::Values(Wrong{{}, "command"}, Wrong{{"carve"}, "carve"},
+                                         Wrong{{"engrave"}, "INPUT"},
+                                         Wrong{{"engrave", "a.stl", "--colour", "red"}, "--colour"},
+                                         Wrong{{"engrave", "a.stl", "--spacing", "wide"}, "wide"},
+                                         Wrong{{"engrave", "a.stl", "--mode", "fast"}, "--mode"},
+                                         Wrong{{"engrave", "a.stl", "--from", "-1"}, "--from"},
+                                         Wrong{{"order", "a.xyz"}, "--output"},
+                                         Wrong{{"compare", "a"}, "SECOND"},
+                                         Wrong{{"job"}, "--show"}));
+
+}  // namespace
+}  // namespace lamplock::cli::test
