@@ -1,0 +1,139 @@
+// Lamps that stop or change their mind, hosts that cannot keep up: the job costs time, no point.
+#include "tests/board/board_cable.hpp"
+#include "tests/board/scripted_lamp.hpp"
+
+namespace lamplock::test {
+namespace {
+
+constexpr sim::Picoseconds period = 10 * ps_per_ms;
+
+/// A job under a scripted lamp; shots are judged by the script's own edges.
+class ScriptedLamp : public testing::Test {
+ protected:
+  void run(const LampScript& script, int seed, JoinMode mode) {
+    profile_ = lamp_profile();
+    job::JobOptions options;
+    options.mode = mode;
+    job_ = job::make_job(histogram_walk(500, static_cast<std::uint64_t>(seed)), profile_, options);
+    rig_ = std::make_unique<Rig>(profile_.settings, dark_world());
+    script.connect(rig_->board);
+    result_ = run_job(*rig_, job_);
+    ASSERT_EQ(result_.end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(*rig_, job_, true));
+    EXPECT_EQ(rig_->monitor.violation(profile_.settings), "");
+    EXPECT_FALSE(rig_->board.controller().runner().underrun());
+    const auto delay = rig_->board.controller().fire_timing().delay_clocks * sim::ps_per_clock;
+    for (const PinMonitor::Fire& fire : rig_->monitor.fires())
+      ASSERT_LE(std::abs(fire.rise - fire.edge - delay), sim::ps_per_clock);
+    const auto& reasons = result_.status.beats_by_reason;
+    EXPECT_EQ(std::accumulate(reasons.begin(), reasons.end(), 0u), result_.status.beats);
+  }
+  std::int64_t edges_between_shots() const {
+    const auto& edges = rig_->monitor.edges();
+    const auto& fires = rig_->monitor.fires();
+    return std::count_if(edges.begin(), edges.end(), [&](sim::Picoseconds at) {
+      return fires.front().edge <= at && at <= fires.back().edge;
+    });
+  }
+
+  job::Profile profile_;
+  job::Job job_;
+  std::unique_ptr<Rig> rig_;
+  link::JobResult result_;
+};
+
+TEST_F(ScriptedLamp, StopsForASecond) {
+  for (int seed = 0; seed < scaled(12); ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    LampScript script;
+    // Comes back at any phase.
+    script.flash(period, (900 + 37 * seed) * ps_per_ms)
+        .dark(ps_per_s + seed * 1'234'567 * sim::ps_per_ns)
+        .flash(period, 20 * ps_per_s);
+    ASSERT_NO_FATAL_FAILURE(run(script, seed, both_modes[seed % 2]));
+    EXPECT_EQ(rig_->board.controller().clock().lock_losses(), 1u);
+    EXPECT_GT(beats_of(result_.status, BeatReason::not_locked), 0u);
+    // Beats are the lamp's periods: no edge is left out, besides those that the clock missed
+    // before it gave up.
+    EXPECT_EQ(result_.status.beats - beats_of(result_.status, BeatReason::no_edge),
+              edges_between_shots());
+  }
+}
+
+TEST_F(ScriptedLamp, StopsBrieflyWithoutLosingTheLock) {
+  for (int seed = 0; seed < scaled(12); ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    LampScript script;
+    const int missing = 1 + seed % 20;
+    script.flash(period, (900 + 37 * seed) * ps_per_ms)
+        .dark(missing * period)
+        .flash(period, 20 * ps_per_s);
+    ASSERT_NO_FATAL_FAILURE(run(script, seed, both_modes[seed % 2]));
+    EXPECT_EQ(rig_->board.controller().clock().lock_losses(), 0u);
+    EXPECT_EQ(beats_of(result_.status, BeatReason::no_edge), static_cast<std::uint32_t>(missing));
+    EXPECT_EQ(result_.status.beats, edges_between_shots() + missing);
+  }
+}
+
+TEST_F(ScriptedLamp, JumpsInFrequency) {
+  for (const double jump : {0.985, 1.015, 0.995, 1.005}) {
+    for (const JoinMode mode : both_modes) {
+      SCOPED_TRACE(testing::Message() << "period x " << jump);
+      LampScript script;
+      const auto other = static_cast<sim::Picoseconds>(static_cast<double>(period) * jump);
+      script.flash(period, 1300 * ps_per_ms)
+          .flash(other, 2 * ps_per_s)
+          .flash(period, 20 * ps_per_s);
+      ASSERT_NO_FATAL_FAILURE(run(script, 3, mode));
+      EXPECT_EQ(result_.status.beats, edges_between_shots());
+    }
+  }
+}
+
+/// A cable to a host that falls asleep.
+class SleepyTransport final : public link::Transport {
+ public:
+  SleepyTransport(sim::VirtualBoard& board, std::chrono::milliseconds nap)
+      : inner_(board), nap_(nap) {}
+  std::size_t write(std::span<const std::uint8_t> bytes) override {
+    // A dozen points, then sleep.
+    const std::size_t taken = inner_.write(bytes.first(std::min<std::size_t>(bytes.size(), 100)));
+    if (taken > 80) inner_.wait(nap_);
+    return taken;
+  }
+  std::size_t read(std::span<std::uint8_t> bytes) override { return inner_.read(bytes); }
+  void wait(std::chrono::microseconds time) override { inner_.wait(time); }
+  std::chrono::microseconds now() const override { return inner_.now(); }
+  bool reconnect() override { return true; }
+
+ private:
+  link::VirtualTransport inner_;
+  std::chrono::microseconds nap_;
+};
+
+TEST(StarvedHost, SlowsDownAndLosesNothing) {
+  for (const JoinMode mode : both_modes) {
+    for (int seed = 0; seed < scaled(4); ++seed) {
+      const job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);
+      job::JobOptions options;
+      options.mode = mode;
+      const job::Job job =
+          job::make_job(histogram_walk(400, static_cast<std::uint64_t>(seed)), profile, options);
+      Rig rig(profile);
+      SleepyTransport transport(rig.board, std::chrono::milliseconds(300));
+      link::SenderOptions sending;
+      sending.session = 1;
+      const link::JobResult result = link::JobSender(transport, job, sending).run();
+      SCOPED_TRACE(testing::Message() << "seed " << seed);
+      ASSERT_EQ(result.end, link::JobEnd::done);
+      ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+      expect_sound(rig, profile.settings);
+      expect_ledger(rig, result.status);
+      EXPECT_GT(result.status.starvations, 2u);
+      EXPECT_GT(beats_of(result.status, BeatReason::starved), 0u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test

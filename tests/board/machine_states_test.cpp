@@ -1,0 +1,302 @@
+// Hold, door, stop, e-stop, limit switches and a silent host at random moments of a job: rest
+// inside the limits, no shot while held, every point once at the end.
+#include "host/error.hpp"
+#include "tests/board/board_cable.hpp"
+
+namespace lamplock::test {
+namespace {
+
+constexpr std::size_t job_points = 60;
+/// The board looks at its inputs and bytes this often.
+constexpr sim::Picoseconds notice = 600 * ps_per_us;
+/// Braking from the highest speed that 2 m/s2 reach inside 100 mm, sqrt(2 x 0.1) m/s, plus what is
+/// handed out ahead.
+constexpr sim::Picoseconds to_rest = 230 * ps_per_ms;
+
+/// One job on one rig, disturbed at a random moment.
+class Disturbed : public testing::Test {
+ protected:
+  void set_up(int seed) {
+    const auto number = static_cast<std::uint64_t>(seed);
+    random_.seed(number);
+    profile_ = lamp_profile();
+    job::JobOptions options;
+    options.mode = both_modes[seed % 2];
+    job_ =
+        job::make_job(seed % 3 == 0 ? wild_points(20, number) : histogram_walk(job_points, number),
+                      profile_, options);
+    const bool jitter = seed % 4 >= 2;
+    rig_ = std::make_unique<Rig>(profile_, sim::LampConfig{.jitter_us = jitter ? 20.0 : 0.0,
+                                                           .wander = jitter ? 0.01 : 0.0,
+                                                           .seed = number + 1});
+    cable_ = std::make_unique<BoardCable>(*rig_);
+    sender_ = std::make_unique<link::JobSender>(*cable_, job_, session(1));
+    jitter_ = jitter;
+  }
+  static link::SenderOptions session(std::uint32_t number) {
+    link::SenderOptions options;
+    options.session = number;
+    return options;
+  }
+  /// A moment of the job, to the picosecond.
+  sim::Picoseconds moment() {
+    return std::uniform_int_distribution<sim::Picoseconds>(110 * ps_per_ms,
+                                                           800 * ps_per_ms)(random_);
+  }
+  sim::Picoseconds up_to(sim::Picoseconds time) {
+    return std::uniform_int_distribution<sim::Picoseconds>(0, time)(random_);
+  }
+  void run_sender_until(sim::Picoseconds at) {
+    while (rig_->board.now() < at && sender_->step()) {
+    }
+  }
+  void finish() {
+    ASSERT_EQ(sender_->run().end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(*rig_, job_, jitter_));
+    expect_sound(*rig_, profile_.settings);
+  }
+  /// From `from` on, until `to`: nothing fired, and after a while nothing moved.
+  void expect_quiet(sim::Picoseconds from, sim::Picoseconds to) {
+    EXPECT_EQ(rig_->monitor.fired(from + notice, to), 0u);
+    EXPECT_FALSE(rig_->monitor.stepped(from + to_rest, to));
+  }
+  /// A new program finishes what is left.
+  void go_on(std::uint32_t session_number) {
+    const wire::Status status = rig_->status();
+    ASSERT_EQ(status.first_unfired, rig_->shots().size());
+    link::SenderOptions options = session(session_number);
+    options.first_index = status.first_unfired;
+    ASSERT_EQ(run_job(*rig_, job_, options).end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(*rig_, job_, jitter_));
+  }
+
+  std::mt19937_64 random_;
+  job::Profile profile_;
+  job::Job job_;
+  std::unique_ptr<Rig> rig_;
+  std::unique_ptr<BoardCable> cable_;
+  std::unique_ptr<link::JobSender> sender_;
+  bool jitter_ = false;
+};
+
+TEST_F(Disturbed, HoldByFrame) {
+  for (int seed = 0; seed < scaled(60); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    sim::Picoseconds held_at = 0;
+    cable_->at(moment(), [&] { sender_->pause(); });
+    while (sender_->step() && rig_->state() != MachineState::hold) {
+    }
+    if (rig_->state() == MachineState::hold) {
+      held_at = rig_->board.now();
+      run_sender_until(held_at + 400 * ps_per_ms);
+      expect_quiet(held_at, rig_->board.now());
+      EXPECT_EQ(rig_->state(), MachineState::hold);
+      sender_->resume();
+    }
+    ASSERT_NO_FATAL_FAILURE(finish());
+  }
+}
+
+TEST_F(Disturbed, HoldsAndResumesInQuickSuccession) {
+  for (int seed = 0; seed < scaled(40); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    // Resumed before, while and after the machine has come to rest.
+    for (sim::Picoseconds at = moment(); at < 1000 * ps_per_ms; at += 5 * ps_per_ms) {
+      cable_->at(at, [&] { cable_->type("!"); });
+      cable_->at(at += up_to(60 * ps_per_ms), [&] { cable_->type("~"); });
+      at += up_to(60 * ps_per_ms);
+    }
+    ASSERT_NO_FATAL_FAILURE(finish());
+  }
+}
+
+TEST_F(Disturbed, HoldAndResumeInOneBreath) {
+  // Both before the shots that were handed out ahead have come: they must not be planned again.
+  for (int seed = 0; seed < scaled(25); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    // Rare enough to let the machine come to its points.
+    const auto pause = [this] { return 20 * ps_per_ms + up_to(60 * ps_per_ms); };
+    for (sim::Picoseconds at = moment(); at < 2000 * ps_per_ms; at += pause()) {
+      if (seed % 2 == 0) {
+        cable_->at(at, [&] { cable_->type("!~"); });
+      } else {
+        cable_->at(at, [&] { cable_->type("!"); });
+        cable_->at(at += up_to(3 * ps_per_ms), [&] { cable_->type("~"); });
+      }
+    }
+    ASSERT_NO_FATAL_FAILURE(finish());
+  }
+}
+
+TEST_F(Disturbed, HoldsInAJobLongerThanTheQueue) {
+  for (int seed = 0; seed < scaled(2); ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    set_up(seed);
+    job_ = job::make_job(histogram_walk(1600, static_cast<std::uint64_t>(seed)), profile_, {});
+    sender_ = std::make_unique<link::JobSender>(*cable_, job_, session(1));
+    for (sim::Picoseconds at = moment(); at < 20 * ps_per_s; at += up_to(40 * ps_per_ms)) {
+      cable_->at(at, [&] { cable_->type("!"); });
+      cable_->at(at += up_to(15 * ps_per_ms), [&] { cable_->type("~"); });
+    }
+    ASSERT_NO_FATAL_FAILURE(finish());
+  }
+}
+
+TEST_F(Disturbed, HoldByRealTimeByte) {
+  for (int seed = 0; seed < scaled(60); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const sim::Picoseconds at = moment();
+    // Without the sender, which would resume at once what it did not ask for.
+    run_sender_until(at);
+    const bool running = rig_->state() == MachineState::run;
+    const sim::Picoseconds held_at = rig_->board.now();
+    cable_->type(seed % 5 == 0 ? "\x18" : "!");
+    rig_->run(400 * ps_per_ms);
+    if (running) {
+      ASSERT_EQ(rig_->state(), MachineState::hold);
+      expect_quiet(held_at, rig_->board.now());
+    }
+    cable_->type("~");
+    ASSERT_NO_FATAL_FAILURE(finish());
+  }
+}
+
+TEST_F(Disturbed, DoorOpensAndCloses) {
+  for (int seed = 0; seed < scaled(60); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const sim::Picoseconds open = moment(), close = open + ps_per_ms + up_to(300 * ps_per_ms);
+    rig_->board.world().schedule(sim::Pin::door, true, open);
+    rig_->board.world().schedule(sim::Pin::door, false, close);
+    bool running = false;
+    cable_->at(open - 1, [&] { running = rig_->state() == MachineState::run; });
+    cable_->at(close - 1, [&] {
+      EXPECT_TRUE(!running || rig_->state() == MachineState::door);
+      cable_->type("~");  // an open door stays a reason to stand
+    });
+    run_sender_until(close - ps_per_us);
+    // A shot that has been decided is fired, at most a delay later; no other.
+    EXPECT_EQ(rig_->monitor.fired(open + 20 * ps_per_us, rig_->board.now()), 0u);
+    if (close - open > to_rest) {
+      EXPECT_FALSE(rig_->monitor.stepped(open + to_rest, rig_->board.now()));
+    }
+    run_sender_until(close + 50 * ps_per_ms);
+    if (seed % 2 == 0)
+      sender_->resume();
+    else
+      cable_->type("~");
+    ASSERT_NO_FATAL_FAILURE(finish());
+  }
+}
+
+TEST_F(Disturbed, StopAndGoOnAtTheFirstPointNotFired) {
+  for (int seed = 0; seed < scaled(80); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    cable_->at(moment(), [&] { sender_->stop(); });
+    const link::JobResult result = sender_->run();
+    if (result.end == link::JobEnd::done) continue;
+    ASSERT_EQ(result.end, link::JobEnd::stopped);
+    ASSERT_EQ(result.status.first_unfired, rig_->shots().size());
+    rig_->run(to_rest);
+    EXPECT_EQ(rig_->state(), MachineState::idle);
+    ASSERT_NO_FATAL_FAILURE(go_on(2));
+    expect_sound(*rig_, profile_.settings);
+  }
+}
+
+/// A dead stop at `at`: pins, laser, alarm; then unlock and finish the job.
+class DeadStop : public Disturbed {
+ protected:
+  void stop_and_go_on(sim::Pin pin, sim::Picoseconds at, bool at_once) {
+    constexpr sim::Picoseconds soon = 10 * ps_per_us;
+    rig_->board.world().schedule(pin, true, at);
+    rig_->board.world().schedule(pin, false, at + 300 * ps_per_ms);
+    bool running = false;
+    cable_->at(at - 1, [&] { running = rig_->state() == MachineState::run; });
+    const link::JobResult result = sender_->run();
+    if (!running) return;
+    ASSERT_EQ(result.end, link::JobEnd::alarm);
+    EXPECT_NE(result.status.alarm, 0);
+    ASSERT_EQ(result.status.first_unfired, rig_->shots().size());
+    rig_->board.run_until(at + 250 * ps_per_ms);
+    if (at_once) {
+      EXPECT_FALSE(rig_->monitor.stepped(at + soon, rig_->board.now()));
+      EXPECT_EQ(rig_->monitor.fired(at, rig_->board.now()), 0u);
+      EXPECT_FALSE(rig_->board.bus().level(sim::Pin::q_switch));
+      if (!rig_->monitor.fires().empty()) {
+        EXPECT_LE(rig_->monitor.fires().back().fall, at + soon);
+      }
+    }
+    // Locked: neither a new job nor a resume starts anything.
+    cable_->type("~");
+    EXPECT_THROW(run_job(*rig_, job_, session(3)), Error);
+    rig_->board.run_until(std::max(rig_->board.now(), at + 350 * ps_per_ms));
+    EXPECT_THROW(run_job(*rig_, job_, session(4)), Error);
+    EXPECT_EQ(rig_->state(), MachineState::alarm);
+    EXPECT_FALSE(rig_->monitor.stepped(at + soon, rig_->board.now()));
+    EXPECT_EQ(rig_->monitor.violation(profile_.settings, 0, at), "");
+    cable_->type("\n$X\n");
+    rig_->run(5 * ps_per_ms);
+    ASSERT_EQ(rig_->state(), MachineState::idle);
+    const sim::Picoseconds unlocked = rig_->board.now();
+    ASSERT_NO_FATAL_FAILURE(go_on(2));
+    EXPECT_EQ(rig_->monitor.violation(profile_.settings, unlocked), "");
+    EXPECT_EQ(rig_->board.world().drives().total_faults(), 0u);
+  }
+};
+
+TEST_F(DeadStop, EStop) {
+  for (int seed = 0; seed < scaled(60); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    ASSERT_NO_FATAL_FAILURE(stop_and_go_on(sim::Pin::estop, moment(), true));
+  }
+}
+
+TEST_F(DeadStop, LimitSwitch) {
+  for (int seed = 0; seed < scaled(60); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    ASSERT_NO_FATAL_FAILURE(stop_and_go_on(sim::limit_pin(seed % 3), moment(), true));
+  }
+}
+
+TEST_F(DeadStop, EStopInTheMiddleOfAShot) {
+  // Between the edge, the decision, the rise of the Q-switch and its fall: to the microsecond.
+  for (int us = 0; us < 12; ++us) {
+    set_up(4 * us + us % 2);  // a lamp without jitter: edges every 10 ms
+    SCOPED_TRACE(testing::Message() << us << " us after the edge");
+    const sim::Picoseconds at = (400 + 10 * us) * ps_per_ms + us * ps_per_us + 500 * sim::ps_per_ns;
+    ASSERT_NO_FATAL_FAILURE(stop_and_go_on(sim::Pin::estop, at, true));
+  }
+}
+
+TEST_F(Disturbed, SilentHostHoldsTheMachine) {
+  for (int seed = 0; seed < scaled(15); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    profile_.settings.set_milli(Id::dead_man, 300'000);
+    job_ = job::make_job(histogram_walk(200, static_cast<std::uint64_t>(seed)), profile_, {});
+    rig_ = std::make_unique<Rig>(profile_);
+    cable_ = std::make_unique<BoardCable>(*rig_);
+    sender_ = std::make_unique<link::JobSender>(*cable_, job_, session(1));
+    jitter_ = false;
+    run_sender_until(moment());
+    const sim::Picoseconds silent_from = rig_->board.now();
+    rig_->run(1500 * ps_per_ms);
+    EXPECT_EQ(rig_->state(), MachineState::hold);
+    EXPECT_EQ(rig_->status().hold_reason, wire::HoldReason::dead_man);
+    expect_quiet(silent_from + 305 * ps_per_ms, rig_->board.now());
+    // Not before its time either: the points went on being fired.
+    EXPECT_GT(rig_->monitor.fired(silent_from, silent_from + 300 * ps_per_ms), 0u);
+    ASSERT_NO_FATAL_FAILURE(finish());
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test

@@ -1,0 +1,200 @@
+// A second opinion on motion and firing: what the pins did, judged by the settings alone.
+//
+// In:  edges of STEP, DIR and Q-SWITCH with their times.
+// Out: the first broken rule as text, or nothing. Nothing of the firmware is used.
+//
+// What pins can tell. A board puts a step out at the start of the tick in which the position
+// crosses it, so at any time t the count of steps is the true position at most one tick later,
+// rounded down. Differences of counts are therefore within one step (second differences: within
+// two) and the way of one tick of the true ones. As slave a tick may be stretched or shrunk by the
+// slew limit against the lamp; between two neighbouring windows of h that is 2 slew h of time.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "shared/settings_table.hpp"
+#include "shared/work_space.hpp"
+#include "sim/world/lamp.hpp"
+#include "sim/world/pins.hpp"
+
+namespace lamplock::test {
+
+/// Listens from construction on; must outlive the bus's use.
+class PinMonitor final : public sim::PinListener {
+ public:
+  struct Step {
+    sim::Picoseconds at;
+    std::int32_t position;  ///< after it
+  };
+  struct Fire {
+    sim::Picoseconds rise;
+    sim::Picoseconds fall;
+    std::int64_t period;    ///< of the lamp, drop-outs counted too
+    sim::Picoseconds edge;  ///< latest LAMP SYNC
+  };
+
+  PinMonitor(sim::PinBus& bus, const sim::Lamp& lamp) : bus_(bus), lamp_(lamp) {
+    for (int axis = 0; axis < max_axes; ++axis) bus.listen(sim::step_pin(axis), *this);
+    for (int axis = 0; axis < max_axes; ++axis) bus.listen(sim::dir_pin(axis), *this);
+    bus.listen(sim::Pin::q_switch, *this);
+    bus.listen(sim::Pin::lamp_sync, *this);
+  }
+  PinMonitor(const PinMonitor&) = delete;
+  PinMonitor& operator=(const PinMonitor&) = delete;
+
+  void pin_changed(sim::Pin pin, bool level, sim::Picoseconds at) override {
+    if (pin == sim::Pin::lamp_sync) {
+      if (level) edges_.push_back(at);
+    } else if (pin == sim::Pin::q_switch) {
+      if (level)
+        fires_.push_back({at, sim::never, lamp_.periods(), edges_.empty() ? -1 : edges_.back()});
+      else if (!fires_.empty())
+        fires_.back().fall = at;
+    } else {
+      const auto axis = static_cast<std::size_t>(pin) / 2;
+      if (static_cast<std::size_t>(pin) % 2 == 0) {
+        if (!level) return;
+        position_[axis] += bus_.level(sim::dir_pin(static_cast<int>(axis))) ? -1 : 1;
+        steps_[axis].push_back({at, position_[axis]});
+      }
+    }
+  }
+
+  const std::vector<Step>& steps(int axis) const { return steps_[static_cast<std::size_t>(axis)]; }
+  const std::vector<Fire>& fires() const { return fires_; }
+  const std::vector<sim::Picoseconds>& edges() const { return edges_; }
+
+  bool nothing_happened() const {
+    return fires_.empty() && std::all_of(steps_.begin(), steps_.end(),
+                                         [](const auto& steps) { return steps.empty(); });
+  }
+  /// Time of the last step of any axis.
+  sim::Picoseconds last_step() const {
+    sim::Picoseconds last = 0;
+    for (const auto& steps : steps_)
+      if (!steps.empty()) last = std::max(last, steps.back().at);
+    return last;
+  }
+  /// True if any axis stepped in (from, to].
+  bool stepped(sim::Picoseconds from, sim::Picoseconds to) const {
+    return std::any_of(steps_.begin(), steps_.end(), [from, to](const auto& steps) {
+      const auto next =
+          std::upper_bound(steps.begin(), steps.end(), from,
+                           [](sim::Picoseconds t, const Step& s) { return t < s.at; });
+      return next != steps.end() && next->at <= to;
+    });
+  }
+  /// Shots that began in (from, to].
+  std::size_t fired(sim::Picoseconds from, sim::Picoseconds to) const {
+    return static_cast<std::size_t>(std::count_if(
+        fires_.begin(), fires_.end(),
+        [from, to](const Fire& fire) { return from < fire.rise && fire.rise <= to; }));
+  }
+
+  /// Speed, acceleration and work space between two times: the first violation, or an empty text.
+  /// The machine stands at `from`; what happens after `to` is not judged.
+  std::string violation(const settings::Values& values, sim::Picoseconds from = 0,
+                        sim::Picoseconds to = sim::never) const {
+    for (int axis = 0; axis < max_axes; ++axis) {
+      const auto& all = steps(axis);
+      const auto first = std::partition_point(all.begin(), all.end(),
+                                              [from](const Step& s) { return s.at < from; });
+      const auto last =
+          std::partition_point(first, all.end(), [to](const Step& s) { return s.at <= to; });
+      if (first == last) continue;
+      if (axis >= values.whole(settings::Id::axes))
+        return fmt::format("axis {} moves and does not exist", axis);
+      const std::int32_t before = first == all.begin() ? 0 : std::prev(first)->position;
+      const std::string text = judge(values, axis, before, {first, last}, to);
+      if (!text.empty()) return text;
+    }
+    return {};
+  }
+
+ private:
+  static constexpr double ps = 1e-12;
+  static constexpr std::array<double, 6> windows_s{0.0005, 0.001, 0.002, 0.005, 0.010, 0.020};
+
+  struct Rules {
+    double speed, accel, tick_s, slew;
+  };
+
+  static std::string judge(const settings::Values& values, int axis, std::int32_t before,
+                           const std::vector<Step>& steps, sim::Picoseconds to) {
+    using settings::Id;
+    const StepLimits space = work_space(values);
+    const double per_mm = values.milli(Id::steps_per_mm_x, axis) / 1000.0;
+    const double slew = values.whole(Id::lamp_mode) == 1 ? values.milli(Id::slew_limit) / 1e5 : 0;
+    // A tick lasts 1 us of the nominal beat; the lamp may be off by the lock range.
+    const double tick_s = 1e-6 * (1 + values.milli(Id::lock_range) / 1e5 + slew);
+    const Rules rules{values.milli(Id::max_rate_x, axis) / 6e4 * per_mm,
+                      values.milli(Id::acceleration_x, axis) / 1e3 * per_mm, tick_s, slew};
+    std::int32_t last = before;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      const Step& s = steps[i];
+      if (std::abs(s.position - last) != 1)
+        return fmt::format("axis {} jumps at {} s", axis, seconds(s.at));
+      last = s.position;
+      if (!space.contains(axis, s.position))
+        return fmt::format("axis {} leaves the work space at {} s: step {}", axis, seconds(s.at),
+                           s.position);
+      if (i == 0) continue;
+      // A step there and back may be as short as a tick: no way lies between.
+      const bool same_way = i < 2 || s.position != steps[i - 2].position;
+      const double interval = seconds(s.at - steps[i - 1].at);
+      if (same_way && (interval + rules.tick_s) * rules.speed < 1 - 1e-9)
+        return fmt::format("axis {} too fast at {} s: {} s between two steps", axis, seconds(s.at),
+                           interval);
+    }
+    for (const double h : windows_s) {
+      const std::string text = judge_window(rules, axis, before, steps, h, to);
+      if (!text.empty()) return text;
+    }
+    return {};
+  }
+
+  static double seconds(sim::Picoseconds t) { return static_cast<double>(t) * ps; }
+
+  static std::string judge_window(const Rules& rules, int axis, std::int32_t before,
+                                  const std::vector<Step>& steps, double h, sim::Picoseconds to) {
+    const auto h_ps = static_cast<sim::Picoseconds>(h / ps);
+    std::size_t ahead = 0, behind = 0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      const sim::Picoseconds t = steps[i].at;
+      if (t > to - h_ps) break;
+      while (ahead + 1 < steps.size() && steps[ahead + 1].at <= t + h_ps) ++ahead;
+      while (behind < steps.size() && steps[behind].at <= t - h_ps) ++behind;
+      const double x = steps[i].position;
+      const double later = steps[std::max(ahead, i)].position;
+      const double earlier = behind == 0 ? before : steps[behind - 1].position;
+      const double way = std::max(std::abs(later - x), std::abs(x - earlier));
+      if (way > rules.speed * (h + rules.tick_s) + 1)
+        return fmt::format("axis {} too fast at {} s: {} steps in {} s", axis, seconds(t), way, h);
+      const double bend = std::abs(later - 2 * x + earlier);
+      const double fastest = std::min(rules.speed, (way + 1) / h + rules.accel * h);
+      const double most =
+          rules.accel * h * h + 2 + fastest * (2 * rules.tick_s + 2 * rules.slew * h);
+      if (bend > most)
+        return fmt::format("axis {} accelerates too hard at {} s: {} > {} steps over +-{} s", axis,
+                           seconds(t), bend, most, h);
+    }
+    return {};
+  }
+
+  sim::PinBus& bus_;
+  const sim::Lamp& lamp_;
+  StepPosition position_{};
+  std::array<std::vector<Step>, max_axes> steps_;
+  std::vector<Fire> fires_;
+  std::vector<sim::Picoseconds> edges_;
+};
+
+}  // namespace lamplock::test

@@ -1,0 +1,175 @@
+// A machine on the table: board, world and monitor, jobs for it, and what has to hold afterwards.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host/job/job.hpp"
+#include "host/link/sender.hpp"
+#include "host/link/virtual_transport.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+#include "tests/board/pin_monitor.hpp"
+#include "tests/scale.hpp"
+#include "tests/step_histogram.hpp"
+
+namespace lamplock::test {
+
+using motion::JoinMode;
+using settings::Id;
+using sim::ps_per_ms;
+using sim::ps_per_s;
+using sim::ps_per_us;
+using wire::MachineState;
+
+inline constexpr JoinMode both_modes[] = {JoinMode::free, JoinMode::start_stop};
+
+/// The machine of the measured object: 100 Hz, 2 m/s2.
+inline job::Profile lamp_profile(double hz = 100,
+                                 settings::LampMode mode = settings::LampMode::slave,
+                                 double accel_m_s2 = 2) {
+  job::Profile profile = job::default_profile();
+  job::set_lamp_hz(profile, hz);
+  job::set_acceleration(profile, accel_m_s2);
+  profile.settings.set_milli(Id::lamp_mode, static_cast<int>(mode) * 1000);
+  return profile;
+}
+
+inline sim::WorldConfig world_for(const job::Profile& profile, sim::LampConfig lamp = {}) {
+  lamp.frequency_hz = profile.settings.milli(Id::lamp_frequency) / 1000.0;
+  lamp.triggered = profile.settings.whole(Id::lamp_mode) != 1;
+  sim::WorldConfig world;
+  world.lamp = lamp;
+  return world;
+}
+
+/// Points that ask a lot: long ways through the whole work space, its very corners, the same point
+/// again, single steps.
+inline points::PointCloud wild_points(std::size_t count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto pick = [&random](int from, int to) {
+    return std::uniform_int_distribution<>(from, to)(random);
+  };
+  points::PointCloud cloud{{0, 0, 0}};
+  while (cloud.size() < count) {
+    points::Point p = cloud.back();
+    const auto change = [&](double& v) {
+      switch (pick(0, 9)) {
+        case 0:
+          v = pick(-50'000, 50'000) / 1000.0;
+          break;
+        case 1:
+          v = pick(0, 1) == 0 ? -50 : 50;
+          break;
+        case 2:
+          break;
+        default:
+          v = std::clamp(v + pick(-200, 200) / 1000.0, -50.0, 50.0);
+      }
+    };
+    change(p.x), change(p.y), change(p.z);
+    cloud.push_back(p);
+  }
+  return cloud;
+}
+
+/// Board with its monitor.
+struct Rig {
+  explicit Rig(const job::Profile& profile, const sim::LampConfig& lamp = {})
+      : board(profile.settings, world_for(profile, lamp)),
+        monitor(board.bus(), board.world().lamp()) {}
+  Rig(const settings::Values& stored, const sim::WorldConfig& world)
+      : board(stored, world), monitor(board.bus(), board.world().lamp()) {}
+
+  sim::VirtualBoard board;
+  PinMonitor monitor;
+
+  MachineState state() const { return board.controller().state(); }
+  wire::Status status() const {
+    wire::Status status;
+    board.controller().fill_status(status);
+    return status;
+  }
+  const sim::Shots& shots() const { return board.world().laser().shots(); }
+  void run(sim::Picoseconds time) { board.run_until(board.now() + time); }
+};
+
+/// Runs a job over a good cable.
+inline link::JobResult run_job(Rig& rig, const job::Job& job, link::SenderOptions options = {}) {
+  if (options.session == 0) options.session = 0x5EED;
+  link::VirtualTransport transport(rig.board);
+  return link::JobSender(transport, job, options).run();
+}
+
+/// How far the counted steps may be from the wanted one at a shot: the true position is within the
+/// tolerance of the middle of the wanted step, the count is the true position rounded down.
+struct ShotReach {
+  std::int32_t low, high;
+};
+inline ShotReach shot_reach(const settings::Values& values, int axis) {
+  const double um = values.milli(Id::shot_tolerance) / 1000.0;
+  const double steps = (um != 0 ? um : 5.0) * values.milli(Id::steps_per_mm_x, axis) / 1e6;
+  const double tolerance = um != 0 ? steps : std::max(0.5, steps);
+  return {static_cast<std::int32_t>(std::floor(0.5 - tolerance)),
+          static_cast<std::int32_t>(std::ceil(0.5 + tolerance)) - 1};
+}
+
+/// Every point fired once, in order, at its place; nothing else fired. `jitter`: the lamp's edges
+/// move, so that shots may be off by the tolerance.
+inline void expect_each_once(const Rig& rig, const job::Job& job, bool jitter) {
+  const sim::Shots& shots = rig.shots();
+  ASSERT_EQ(shots.size(), job.targets.size());
+  ASSERT_EQ(rig.board.lattice_shots().size(), shots.size());
+  for (int axis = 0; axis < job.header.axes; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const ShotReach reach = jitter ? shot_reach(job.settings, axis) : ShotReach{0, 0};
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+      const std::int32_t wanted = job.targets[i].steps[a];
+      ASSERT_EQ(rig.board.lattice_shots()[i].steps[a], wanted)
+          << "point " << i << " axis " << axis << ", at the shot " << shots[i].steps[a] << ", "
+          << static_cast<double>(shots[i].at) * 1e-12 << " s";
+      const std::int32_t off = shots[i].steps[a] - wanted;
+      ASSERT_TRUE(reach.low <= off && off <= reach.high)
+          << "shot " << i << " axis " << axis << " off by " << off << " steps at "
+          << static_cast<double>(shots[i].at) * 1e-12 << " s";
+    }
+  }
+}
+
+/// What holds after every run, whatever happened: limits, and only good pulses in the lamp's light.
+inline void expect_sound(const Rig& rig, const settings::Values& values) {
+  EXPECT_EQ(rig.monitor.violation(values), "");
+  EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+  const sim::Laser& laser = rig.board.world().laser();
+  EXPECT_EQ(laser.narrow_pulses(), 0u);
+  EXPECT_EQ(laser.late_pulses(), 0u);
+  EXPECT_EQ(laser.unlit_pulses(), 0u);
+  EXPECT_EQ(rig.board.controller().shots().stray_shots(), 0u);
+  EXPECT_FALSE(rig.board.controller().runner().underrun());
+}
+
+/// The ledger against the lamp's own count of its periods.
+inline void expect_ledger(const Rig& rig, const wire::Status& status) {
+  const auto& fires = rig.monitor.fires();
+  ASSERT_FALSE(fires.empty());
+  const auto& reasons = status.beats_by_reason;
+  EXPECT_EQ(std::accumulate(reasons.begin(), reasons.end(), 0u), status.beats);
+  EXPECT_EQ(reasons[static_cast<std::size_t>(BeatReason::fired)], fires.size());
+  EXPECT_EQ(status.shots, fires.size());
+  const std::int64_t periods = fires.back().period - fires.front().period;
+  EXPECT_EQ(std::int64_t{status.beats}, periods + 1);
+  const std::int64_t flashes = rig.shots().back().beat - rig.shots().front().beat;
+  EXPECT_EQ(reasons[static_cast<std::size_t>(BeatReason::no_edge)], periods - flashes);
+}
+
+inline std::uint32_t beats_of(const wire::Status& status, BeatReason reason) {
+  return status.beats_by_reason[static_cast<std::size_t>(reason)];
+}
+
+}  // namespace lamplock::test

@@ -1,0 +1,189 @@
+// Nothing moves and nothing fires that should not.
+#include <gmock/gmock.h>
+
+#include "host/error.hpp"
+#include "tests/board/board_cable.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// Types bytes that no job is made of.
+void type_garbage(Rig& rig, std::uint64_t seed, int pieces, bool framed) {
+  std::mt19937_64 random(seed);
+  std::uniform_int_distribution<> byte(0, 255), length(1, 64);
+  for (int i = 0; i < pieces; ++i) {
+    std::vector<std::uint8_t> piece;
+    if (framed) piece = {0x02, static_cast<std::uint8_t>(0x40 + byte(random) % 5)};
+    for (int n = length(random); n > 0; --n)
+      piece.push_back(static_cast<std::uint8_t>(byte(random)));
+    if (framed) piece.push_back(0x03);
+    rig.board.write(piece);
+    rig.run(ps_per_ms);
+    std::array<std::uint8_t, 512> answer;
+    while (rig.board.read(answer) != 0) {
+    }
+  }
+}
+
+TEST(Safety, GarbageNeverMovesNorFires) {
+  const job::Profile profile = lamp_profile();
+  for (const bool framed : {false, true}) {
+    Rig rig(profile, {.jitter_us = 20, .runt = 0.1, .doubled = 0.05});
+    type_garbage(rig, framed ? 1 : 2, scaled(4000), framed);
+    EXPECT_TRUE(rig.monitor.nothing_happened());
+    EXPECT_EQ(rig.state(), MachineState::idle);
+    // And a job runs as if nothing had been.
+    rig.board.write(std::array<std::uint8_t, 1>{'\n'});
+    const job::Job job = job::make_job(histogram_walk(50, 1), profile, {});
+    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, true));
+  }
+}
+
+TEST(Safety, WithoutAJobNothingFires) {
+  for (const auto mode :
+       {settings::LampMode::slave, settings::LampMode::master, settings::LampMode::free_beat}) {
+    const job::Profile profile = lamp_profile(200, mode);
+    Rig rig(profile);
+    rig.run(20 * ps_per_s);
+    EXPECT_TRUE(rig.monitor.nothing_happened());
+    const job::Job job = job::make_job(histogram_walk(100, 1), profile, {});
+    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    const sim::Picoseconds end = rig.board.now();
+    rig.run(20 * ps_per_s);
+    EXPECT_EQ(rig.monitor.fired(end, rig.board.now()), 0u);
+    EXPECT_FALSE(rig.monitor.stepped(end, rig.board.now()));
+  }
+}
+
+TEST(Safety, ADryJobPassesEveryPointAndFiresNowhere) {
+  for (const JoinMode mode : both_modes) {
+    const job::Profile profile = lamp_profile();
+    job::JobOptions options;
+    options.mode = mode;
+    options.dry = true;
+    const job::Job job = job::make_job(wild_points(150, 3), profile, options);
+    Rig rig(profile);
+    const link::JobResult result = run_job(rig, job);
+    ASSERT_EQ(result.end, link::JobEnd::done);
+    EXPECT_EQ(result.status.first_unfired, job.targets.size());
+    EXPECT_TRUE(rig.monitor.fires().empty());
+    expect_sound(rig, profile.settings);
+    // The same way at the same beats as when it fires: compare with the wet job's steps.
+    job::JobOptions wet_options = options;
+    wet_options.dry = false;
+    Rig wet(profile);
+    ASSERT_EQ(run_job(wet, job::make_job(wild_points(150, 3), profile, wet_options)).end,
+              link::JobEnd::done);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto same = [](const PinMonitor::Step& a, const PinMonitor::Step& b) {
+        return a.at == b.at && a.position == b.position;
+      };
+      EXPECT_TRUE(std::ranges::equal(rig.monitor.steps(axis), wet.monitor.steps(axis), same));
+    }
+  }
+}
+
+/// What a machine answers to a job it must not run.
+std::string refusal(Rig& rig, const job::Job& job) {
+  std::string text = "taken";
+  try {
+    run_job(rig, job);
+  } catch (const Error& error) {
+    text = error.what();
+  }
+  EXPECT_TRUE(rig.monitor.nothing_happened());
+  return text;
+}
+
+TEST(Safety, SettingsBeyondTheMachineAreRefusedByNumber) {
+  const job::Profile machine = lamp_profile();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const Id id : {Id::max_rate_x, Id::acceleration_x, Id::travel_x}) {
+      job::Profile asked = machine;
+      const Id row = settings::for_axis(id, axis);
+      ASSERT_TRUE(asked.settings.set_milli(row, machine.settings.milli(row) + 1));
+      asked.stated.set(static_cast<std::size_t>(row));
+      Rig rig(machine);
+      EXPECT_THAT(refusal(rig, job::make_job(histogram_walk(20, 1), asked, {})),
+                  HasSubstr("$" + std::to_string(settings::row(row).number)));
+      EXPECT_EQ(rig.board.controller().values(), machine.settings) << "kept what it refused";
+    }
+  }
+}
+
+TEST(Safety, AJobMayAskForLessAndItEndsWithTheJob) {
+  const job::Profile machine = lamp_profile();
+  job::Profile slower = machine;
+  job::set_speed(slower, 0.005);
+  job::set_acceleration(slower, 0.2);
+  Rig rig(machine);
+  const job::Job slow = job::make_job(histogram_walk(60, 1), slower, {});
+  ASSERT_EQ(run_job(rig, slow).end, link::JobEnd::done);
+  EXPECT_EQ(rig.monitor.violation(slower.settings), "");
+  const sim::Picoseconds slow_time = rig.board.now();
+  job::Job plain = job::make_job(histogram_walk(60, 1), machine, {});
+  plain.header.override_count = 0;
+  link::SenderOptions options;
+  options.session = 2;
+  ASSERT_EQ(run_job(rig, plain, options).end, link::JobEnd::done);
+  EXPECT_LT(rig.board.now() - slow_time, slow_time / 2);
+}
+
+TEST(Safety, JobsForAnotherMachineAreRefused) {
+  const job::Profile machine = lamp_profile();
+  const points::PointCloud points = histogram_walk(20, 1);
+  {
+    job::Job job = job::make_job(points, machine, {});
+    job.header.override_count = 0;
+    job.header.axes = 2;
+    for (motion::Target& target : job.targets) target.steps[2] = 0;
+    Rig rig(machine);
+    EXPECT_THAT(refusal(rig, job), HasSubstr("$960"));
+  }
+  {
+    job::JobOptions options;
+    options.check_settings = true;
+    job::Job job = job::make_job(points, machine, options);
+    job.header.settings_hash ^= 1;
+    Rig rig(machine);
+    EXPECT_THAT(refusal(rig, job), HasSubstr("other settings"));
+  }
+  {
+    job::JobOptions options;
+    options.mode = JoinMode::path;
+    Rig rig(machine);
+    EXPECT_NE(refusal(rig, job::make_job(points, machine, options)), "taken");
+  }
+  {
+    job::Job job = job::make_job(points, machine, {});
+    job.header.overrides[job.header.override_count++] = {9999, 1};
+    Rig rig(machine);
+    EXPECT_THAT(refusal(rig, job), HasSubstr("machine: refuses"));
+  }
+}
+
+TEST(Safety, PointsOutsideTheWorkSpaceAreRefusedByTheFirmwareToo) {
+  const job::Profile machine = lamp_profile();
+  job::Profile larger = machine;
+  for (int axis = 0; axis < 3; ++axis) {
+    job::state_setting(larger, settings::for_axis(Id::travel_x, axis), 200, "test");
+    job::state_setting(larger, settings::for_axis(Id::min_corner_x, axis), -100, "test");
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-50.005, 50.005}) {
+      points::PointCloud points(10, {1, 1, 1});
+      double& v = axis == 0 ? points[7].x : axis == 1 ? points[7].y : points[7].z;
+      v = side;
+      job::Job job = job::make_job(points, larger, {});
+      job.header.override_count = 0;  // the machine's own space is what counts
+      Rig rig(machine);
+      EXPECT_THAT(refusal(rig, job), testing::StartsWith("error: point 7: is outside"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test

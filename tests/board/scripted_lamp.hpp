@@ -1,0 +1,44 @@
+// A lamp that flashes when a test says so: stops, jumps of the period.
+#pragma once
+
+#include <vector>
+
+#include "tests/board/rig.hpp"
+
+namespace lamplock::test {
+
+/// Edges of LAMP SYNC that a lamp gives which a test has written down.
+class LampScript {
+ public:
+  /// The lamp flashes with this period for that long.
+  LampScript& flash(sim::Picoseconds period, sim::Picoseconds time) {
+    for (const sim::Picoseconds end = now_ + time; now_ < end; now_ += period)
+      edges_.push_back(now_);
+    return *this;
+  }
+  LampScript& dark(sim::Picoseconds time) {
+    now_ += time;
+    return *this;
+  }
+  /// Connects it to a board whose own lamp does not flash.
+  void connect(sim::VirtualBoard& board) const {
+    constexpr sim::Picoseconds width = 20 * ps_per_us;
+    for (const sim::Picoseconds edge : edges_) {
+      board.world().schedule(sim::Pin::lamp_sync, true, edge);
+      board.world().schedule(sim::Pin::lamp_sync, false, edge + width);
+    }
+  }
+
+ private:
+  sim::Picoseconds now_ = ps_per_ms;
+  std::vector<sim::Picoseconds> edges_;
+};
+
+/// World whose lamp waits for a trigger that a slave never gives.
+inline sim::WorldConfig dark_world() {
+  sim::WorldConfig world;
+  world.lamp.triggered = true;
+  return world;
+}
+
+}  // namespace lamplock::test

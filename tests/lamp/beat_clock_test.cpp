@@ -1,0 +1,388 @@
+// The beat clock against simulated lamps.
+#include "firmware/lamp/beat_clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <optional>
+#include <random>
+
+#include "tests/lamp/lamp_model.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::lamp {
+namespace {
+
+using settings::Id;
+using test::ClockBench;
+using test::lamp_edges;
+using test::LampEdge;
+using test::LampSpec;
+
+constexpr std::uint64_t ever = ~std::uint64_t{0};
+
+settings::Values lamp_settings(double hz, settings::LampMode mode = settings::LampMode::slave) {
+  settings::Values values;
+  values.set_milli(Id::lamp_frequency, static_cast<std::int32_t>(std::lround(hz * 1000)));
+  values.set_milli(Id::lamp_mode, static_cast<std::int32_t>(mode) * 1000);
+  return values;
+}
+
+std::int64_t delay_clocks(const settings::Values& values) {
+  return std::int64_t{values.milli(Id::q_switch_delay)} * clocks_per_us / 1000;
+}
+
+std::uint64_t clocks(double seconds) { return static_cast<std::uint64_t>(seconds * clock_hz); }
+
+/// Every edge that got a beat, while the lattice had settled.
+struct Judged {
+  LampEdge edge;
+  EdgeInfo info;
+};
+
+/// rms and largest distance of lattice ticks from edge + delay, us.
+struct LatticeErrors {
+  double rms_us = 0, worst_us = 0;
+  std::size_t edges = 0;
+};
+
+LatticeErrors lattice_errors(const ClockBench& bench, const std::vector<Judged>& judged,
+                             std::int64_t delay) {
+  LatticeErrors e;
+  for (const Judged& j : judged) {
+    const std::uint64_t lattice = bench.time_of_beat(j.info.beat);
+    if (lattice == 0) continue;
+    const double off = static_cast<double>(static_cast<std::int64_t>(lattice) - delay -
+                                           static_cast<std::int64_t>(j.edge.clock)) /
+                       clocks_per_us;
+    e.rms_us += off * off;
+    e.worst_us = std::max(e.worst_us, std::fabs(off));
+    ++e.edges;
+  }
+  e.rms_us = std::sqrt(e.rms_us / static_cast<double>(std::max<std::size_t>(1, e.edges)));
+  return e;
+}
+
+TEST(BeatClock, FollowsAWanderingJitteringLamp) {
+  std::mt19937_64 random(71);
+  for (const double hz : {20.0, 50.0, 100.0, 200.0}) {
+    double worst = 0, rms = 0;
+    const int lamps = test::scaled(4);
+    for (int i = 0; i < lamps; ++i) {
+      const settings::Values values = lamp_settings(hz);
+      BeatClock clock;
+      clock.configure(values);
+      ClockBench bench(clock);
+      const LampSpec lamp{hz, 0.01, 10, 20, 0, 0};
+      std::vector<Judged> judged;
+      std::optional<double> settled_s;
+      bench.run(lamp_edges(lamp, 0.0123, 40, random), clocks(40),
+                [&](const LampEdge& edge, const EdgeInfo& info) {
+                  if (clock.settled() && !settled_s) {
+                    settled_s = static_cast<double>(edge.clock) / clock_hz;
+                    clock.set_motion_end(ever);  // from here on within the slew limit
+                  }
+                  if (!settled_s) return;
+                  EXPECT_TRUE(info.valid);
+                  if (info.valid) judged.push_back({edge, info});
+                });
+      ASSERT_TRUE(settled_s.has_value()) << hz << " Hz";
+      EXPECT_LT(*settled_s, 30 / hz) << "settled late at " << hz << " Hz";
+      EXPECT_TRUE(clock.locked());
+      EXPECT_EQ(clock.lock_losses(), 0u);
+      const LatticeErrors e = lattice_errors(bench, judged, delay_clocks(values));
+      ASSERT_GT(static_cast<double>(e.edges), 39 * hz - 40);
+      worst = std::max(worst, e.worst_us);
+      rms = std::max(rms, e.rms_us);
+    }
+    std::cout << "lamp " << hz
+              << " Hz, period wanders 1 % in 10 s, edges +-20 us: lattice off by rms " << rms
+              << " us, worst " << worst << " us\n";
+    RecordProperty("worst_us_at_" + std::to_string(static_cast<int>(hz)) + "_hz",
+                   std::to_string(worst));
+    EXPECT_LT(worst, 120) << hz << " Hz";
+    EXPECT_LT(rms, 40) << hz << " Hz";
+  }
+}
+
+TEST(BeatClock, PutsTheLatticeOnTheEdgesOfAnIdealLamp) {
+  std::mt19937_64 random(72);
+  for (const double hz : {1.0, 20.0, 97.3, 100.0, 1000.0, 4000.0}) {
+    const settings::Values values = lamp_settings(hz);
+    BeatClock clock;
+    clock.configure(values);
+    ClockBench bench(clock);
+    // 0.7 % off its nominal frequency; a period of whole clocks, so that the edges are exact.
+    const double period = std::round(clock_hz / (hz * 1.007));
+    const LampSpec lamp{clock_hz / period, 0, 10, 0, 0, 0};
+    const double seconds = std::max(2.0, 60 / hz);
+    std::vector<Judged> judged;
+    bench.run(lamp_edges(lamp, 0.01, seconds, random), clocks(seconds),
+              [&](const LampEdge& edge, const EdgeInfo& info) {
+                if (static_cast<double>(edge.clock) < 0.5 * seconds * clock_hz) return;
+                clock.set_motion_end(ever);
+                EXPECT_TRUE(info.valid);
+                judged.push_back({edge, info});
+              });
+    const LatticeErrors e = lattice_errors(bench, judged, delay_clocks(values));
+    EXPECT_GT(e.edges, 20u);
+    EXPECT_LE(e.worst_us * clocks_per_us, 2) << hz << " Hz";
+  }
+}
+
+TEST(BeatClock, NumbersBeatsWithoutSkippingOrRepeating) {
+  std::mt19937_64 random(73);
+  for (int i = 0; i < test::scaled(10); ++i) {
+    const double hz = i % 2 == 0 ? 100 : 50;
+    BeatClock clock;
+    clock.configure(lamp_settings(hz));
+    ClockBench bench(clock);
+    const LampSpec lamp{hz, 0.01, 10, 20, 0.05, 0.05};
+    const std::vector<LampEdge> edges = lamp_edges(lamp, 0.01, 20, random);
+    std::optional<Judged> last;
+    std::uint64_t missed = 0, drops = 0;
+    std::uint32_t doubles = 0, spurious_at_lock = 0;
+    bench.run(edges, clocks(20.1), [&](const LampEdge& edge, const EdgeInfo& info) {
+      if (!last && !info.valid) {
+        spurious_at_lock = clock.spurious();
+        return;
+      }
+      if (edge.extra) {
+        ++doubles;
+        EXPECT_FALSE(info.valid) << "a second edge taken for a beat";
+        return;
+      }
+      ASSERT_TRUE(info.valid) << "flash " << edge.flash;
+      if (last) {
+        const auto flashes = static_cast<std::uint64_t>(edge.flash - last->edge.flash);
+        ASSERT_EQ(info.beat - last->info.beat, flashes) << "flash " << edge.flash;
+        ASSERT_EQ(info.missed, flashes - 1) << "flash " << edge.flash;
+        missed += info.missed;
+        drops += flashes - 1;
+      }
+      last = Judged{edge, info};
+    });
+    EXPECT_EQ(missed, drops);
+    EXPECT_GT(drops, 10u);
+    EXPECT_GT(doubles, 10u);
+    EXPECT_EQ(clock.spurious() - spurious_at_lock, doubles);
+    EXPECT_EQ(clock.lock_losses(), 0u);
+    EXPECT_EQ(clock.edges(), edges.size());
+    EXPECT_TRUE(bench.gapless());
+  }
+}
+
+TEST(BeatClock, LosesTheLockOutsideItsRangeAndFindsItAgainInside) {
+  std::mt19937_64 random(74);
+  BeatClock clock;
+  clock.configure(lamp_settings(100));  // lock range 3 %
+  ClockBench bench(clock);
+  std::vector<LampEdge> edges = lamp_edges({100, 0, 10, 5, 0, 0}, 0.01, 3, random);
+  const auto follow = [&](double hz) {
+    const double start = static_cast<double>(edges.back().clock) / clock_hz + 1 / hz;
+    const auto more = lamp_edges({hz, 0, 10, 5, 0, 0}, start, 3, random, edges.back().flash + 1);
+    edges.insert(edges.end(), more.begin(), more.end());
+  };
+  follow(106);  // 6 % above nominal: outside
+  follow(98);   // inside
+  bool locked_far_out = false, locked_first = false;
+  std::vector<Judged> judged;
+  bench.run(edges, edges.back().clock, [&](const LampEdge& edge, const EdgeInfo& info) {
+    const double t = static_cast<double>(edge.clock) / clock_hz;
+    if (t > 2 && t < 3) locked_first = clock.locked();
+    if (t > 4 && t < 5.9) {
+      locked_far_out = locked_far_out || clock.locked() || info.valid;
+      EXPECT_FALSE(clock.settled());
+    }
+    if (t > 7.5) {
+      EXPECT_TRUE(info.valid);
+      judged.push_back({edge, info});
+    }
+  });
+  EXPECT_TRUE(locked_first);
+  EXPECT_FALSE(locked_far_out);
+  EXPECT_GE(clock.lock_losses(), 1u);
+  EXPECT_TRUE(clock.locked());
+  EXPECT_TRUE(bench.gapless());
+  EXPECT_LT(lattice_errors(bench, judged, 5 * clocks_per_us).worst_us, 25);
+  for (std::size_t i = 1; i < judged.size(); ++i)
+    ASSERT_EQ(judged[i].info.beat, judged[i - 1].info.beat + 1);
+}
+
+TEST(BeatClock, LosesTheLockOfALampThatGoesOut) {
+  std::mt19937_64 random(75);
+  BeatClock clock;
+  clock.configure(lamp_settings(100));
+  ClockBench bench(clock);
+  std::vector<LampEdge> edges = lamp_edges({100, 0, 10, 20, 0, 0}, 0.01, 1, random);
+  bench.run(edges, clocks(1.2), {});
+  EXPECT_TRUE(clock.locked());  // 20 beats of silence are bridged
+  bench.run({}, clocks(2), {});
+  EXPECT_FALSE(clock.locked());
+  EXPECT_EQ(clock.lock_losses(), 1u);
+  edges = lamp_edges({100.9, 0, 10, 20, 0, 0}, 2.003, 1, random);
+  bench.run(edges, clocks(3), {});
+  EXPECT_TRUE(clock.locked());
+  EXPECT_TRUE(clock.settled());
+}
+
+TEST(BeatClock, NeverPassesTheSlewLimitWhileMoving) {
+  // A lamp of exact period whose phase the lattice has not reached when motion begins.
+  std::mt19937_64 random(76);
+  for (int i = 0; i < test::scaled(20); ++i) {
+    settings::Values values = lamp_settings(100);
+    const std::int32_t slew_milli = 10 + static_cast<std::int32_t>(random() % 990);
+    ASSERT_TRUE(values.set_milli(Id::slew_limit, slew_milli));
+    const double slew = slew_milli / 1e5;
+    BeatClock clock;
+    clock.configure(values);
+    ClockBench bench(clock);
+    const double period = 1.25e6 + static_cast<double>(random() % 20'000);
+    const double tick = period / clock.beat_ticks();
+    const double start = static_cast<double>(random() % 10'000) * 1e-6;
+    bool at_the_limit = false;
+    std::uint64_t checked = 0;
+    bench.run(
+        lamp_edges({clock_hz / period, 0, 10, 0, 0, 0}, start, 5, random), clocks(5),
+        [&](const LampEdge&, const EdgeInfo&) {
+          if (clock.locked()) clock.set_motion_end(ever);
+        },
+        [&](const TickSpan& span) {
+          if (!clock.locked() || checked++ == 0) return;
+          const double even = tick * span.ticks;
+          EXPECT_LE(std::fabs(span.clocks - even), even * slew + 1.01);
+          if (std::fabs(span.clocks - even) > even * slew * 0.9 && even * slew > 20)
+            at_the_limit = true;
+          // What the planner was told: no tick is shorter.
+          EXPECT_GE(span.clocks + 1.01,
+                    span.ticks * double{clocks_per_tick} * clock.shortest_tick_q16() / 65536);
+        });
+    EXPECT_GT(checked, 100u);
+    if (slew > 0.005) {
+      EXPECT_TRUE(at_the_limit) << "the limit was never needed";
+    }
+  }
+}
+
+TEST(BeatClock, ShortestTickHoldsWhileTheLampWanders) {
+  std::mt19937_64 random(77);
+  BeatClock clock;
+  clock.configure(lamp_settings(50));
+  ClockBench bench(clock);
+  std::uint32_t promised = 65536;
+  bench.run(
+      lamp_edges({50, 0.01, 10, 20, 0.02, 0}, 0.01, 60, random), clocks(60),
+      [&](const LampEdge&, const EdgeInfo&) {
+        if (clock.settled()) clock.set_motion_end(ever);
+        promised = clock.shortest_tick_q16();
+      },
+      [&](const TickSpan& span) {
+        if (!clock.locked() || span.first_tick < 1'000'000) return;
+        EXPECT_GE(span.clocks + 1.01, span.ticks * double{clocks_per_tick} * promised / 65536);
+      });
+}
+
+TEST(BeatClock, TicksAreExactWithoutALampToFollow) {
+  for (const auto mode : {settings::LampMode::master, settings::LampMode::free_beat}) {
+    std::mt19937_64 random(78);
+    const settings::Values values = lamp_settings(100, mode);
+    BeatClock clock;
+    clock.configure(values);
+    EXPECT_TRUE(clock.locked());
+    EXPECT_TRUE(clock.settled());
+    EXPECT_EQ(clock.shortest_tick_q16(), 65536u);
+    ClockBench bench(clock);
+    // A lamp that answers our trigger: its edges come a delay before the lattice ticks.
+    const std::int64_t delay = delay_clocks(values);
+    std::vector<LampEdge> edges;
+    for (long k = 5; k < 300; ++k) {
+      if (k % 17 == 0) continue;  // did not flash
+      const std::int64_t lattice = k * std::int64_t{clock.beat_ticks()} * clocks_per_tick;
+      edges.push_back({static_cast<std::uint64_t>(lattice - delay), k, false});
+      if (k % 29 == 0) edges.push_back({edges.back().clock + 30 * clocks_per_us, k, true});
+    }
+    std::uint64_t first_beat = 0;
+    std::uint32_t extras = 0;
+    long last = 0;
+    bench.run(
+        edges, clocks(2.9),
+        [&](const LampEdge& edge, const EdgeInfo& info) {
+          if (edge.extra) {
+            ++extras;
+            EXPECT_FALSE(info.valid);
+            return;
+          }
+          ASSERT_TRUE(info.valid);
+          if (first_beat == 0) first_beat = info.beat - 5;
+          ASSERT_EQ(info.beat, first_beat + static_cast<std::uint64_t>(edge.flash));
+          ASSERT_EQ(info.missed,
+                    last == 0 ? 0u : static_cast<std::uint32_t>(edge.flash - last - 1));
+          last = edge.flash;
+        },
+        [&](const TickSpan& span) {
+          ASSERT_EQ(span.clocks, span.ticks * clocks_per_tick);
+          ASSERT_EQ(span.first_clock, span.first_tick * clocks_per_tick);
+        });
+    EXPECT_GT(last, 250);
+    EXPECT_EQ(clock.spurious(), extras);
+    EXPECT_TRUE(bench.gapless());
+  }
+}
+
+TEST(BeatClock, KeepsTheLampForMonthsOfUptime) {
+  // Times in Q16 clocks wrap after 26 days; nothing may happen then.
+  settings::Values values = lamp_settings(1);
+  BeatClock clock;
+  clock.configure(values);
+  const std::uint64_t period = clock_hz;
+  const auto delay = static_cast<std::uint64_t>(delay_clocks(values));
+  constexpr std::uint64_t days = 60;
+  std::uint64_t end_clock = 0, wrong = 0, edges = 0;
+  for (std::uint64_t flash = 1; flash < days * 24 * 3600; ++flash) {
+    const EdgeInfo info = clock.edge(flash * period);
+    while (end_clock < flash * period + period / 2) {
+      const TickSpan span = clock.next_span(1u << 20);
+      end_clock = span.first_clock + span.clocks;
+      if (flash < 20 || !info.valid || span.first_tick != clock.tick_of_beat(info.beat)) continue;
+      ++edges;
+      const std::uint64_t wanted = flash * period + delay;
+      if (span.first_clock + 2 < wanted || span.first_clock > wanted + 2) ++wrong;
+    }
+  }
+  EXPECT_TRUE(clock.locked());
+  EXPECT_EQ(clock.lock_losses(), 0u);
+  EXPECT_GT(edges, days * 24 * 3600 / 2);
+  EXPECT_EQ(wrong, 0u);
+}
+
+TEST(BeatClock, SpansAddUpThroughEverything) {
+  // Spans of every length, an awful lamp, settings changed on the way: no gap, nothing counted
+  // twice.
+  std::mt19937_64 random(79);
+  BeatClock clock;
+  clock.configure(lamp_settings(100));
+  std::uint64_t tick = 0, at = 0, last_beat = 0;
+  std::uint64_t next_edge = 1000;
+  for (int i = 0; i < test::scaled(200'000); ++i) {
+    const TickSpan span = clock.next_span(1 + static_cast<std::uint32_t>(random() % 500));
+    ASSERT_EQ(span.first_tick, tick);
+    ASSERT_EQ(span.first_clock, at);
+    ASSERT_GT(span.ticks, 0u);
+    ASSERT_GT(span.clocks, 0u);
+    tick += span.ticks;
+    at += span.clocks;
+    const std::uint64_t beat = clock.beat_at_or_after(tick);
+    ASSERT_GE(beat, last_beat);
+    last_beat = beat;
+    while (next_edge < at) {
+      clock.edge(next_edge);
+      next_edge += random() % 50 == 0 ? random() % 3'000'000 : 1'240'000 + random() % 20'000;
+    }
+    if (random() % 20'000 == 0) clock.configure(lamp_settings(random() % 2 == 0 ? 100 : 137));
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::lamp

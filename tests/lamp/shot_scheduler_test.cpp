@@ -1,0 +1,451 @@
+// The shot scheduler in a random world: edges that miss, come late or twice, tokens withdrawn,
+// holds. Whatever happens, every point is fired once, in order, and every beat is counted once.
+#include "firmware/lamp/shot_scheduler.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <random>
+#include <vector>
+
+#include "tests/scale.hpp"
+
+namespace lamplock::lamp {
+namespace {
+
+using motion::Segment;
+
+constexpr std::uint32_t lamp_hz = 1000;
+
+settings::Values free_beat() {
+  settings::Values values;
+  values.set_milli(settings::Id::lamp_frequency, lamp_hz * 1000);
+  values.set_milli(settings::Id::lamp_mode, 0);
+  return values;
+}
+
+Segment shot_segment(std::uint32_t point, std::uint32_t half_window, bool shot = true) {
+  Segment s;
+  s.ends_point = true;
+  s.point = point;
+  s.shot = {shot, point, half_window, 0, 0};
+  return s;
+}
+
+/// How unkind the world is: probabilities per beat.
+struct Trouble {
+  double drop = 0.1;       ///< no edge
+  double late = 0.1;       ///< edge outside the window of the shot
+  double stray = 0.05;     ///< an edge that the beat clock does not accept
+  double unjudged = 0.02;  ///< the true edge is not accepted by the beat clock
+  double hold = 0.01;      ///< firing forbidden for a while
+  double lazy = 0.3;       ///< the main loop does not come round
+};
+
+/// Machine, hardware and main loop round a scheduler, beat by beat, the way the board and the job
+/// runner do it.
+class World {
+ public:
+  World(std::uint64_t seed, const Trouble& trouble, std::uint32_t points)
+      : random_(seed), trouble_(trouble), total_(points), done_(points), passes_(points) {
+    clock_.configure(free_beat());
+    ticks_ = clock_.beat_ticks();
+    for (std::uint32_t i = 0; i < points; ++i) passes_[i] = chance(0.1);
+    fired_.resize(points);
+    scheduler_.begin_job();
+    scheduler_.permit(true, BeatReason::no_point_due);
+    beat_ = 10;
+    plan_beat_ = beat_ + 2;
+  }
+
+  bool finished() const { return first_open() == total_; }
+  std::uint32_t passed_points() const {
+    return static_cast<std::uint32_t>(std::count(passes_.begin(), passes_.end(), true));
+  }
+
+  void next_beat() {
+    const std::uint64_t lattice = clock_.tick_of_beat(beat_);
+    hold_or_resume();
+    advance_to(lattice - ticks_ / 2 + 1);
+    main_loop();
+    take_token();
+    struct Event {
+      std::uint64_t tick;
+      bool real;
+    };
+    std::vector<Event> events;
+    if (!chance(trouble_.drop)) {
+      const std::uint64_t off = chance(trouble_.late) ? ticks_ / 5 : random_() % (ticks_ / 16);
+      events.push_back({chance(0.5) ? lattice + off : lattice - off, true});
+    }
+    if (chance(trouble_.stray))
+      events.push_back({lattice - ticks_ / 3 + random_() % (2 * ticks_ / 3), false});
+    std::sort(events.begin(), events.end(),
+              [](const Event& a, const Event& b) { return a.tick < b.tick; });
+    for (const Event& e : events) {
+      expire_before(e.tick);
+      if (chance(0.3)) main_loop();
+      take_token();
+      edge(e.tick, e.real && !chance(trouble_.unjudged));
+    }
+    expire_before(lattice + ticks_ / 2);
+    read_outcomes();
+    take_token();
+    ++beat_;
+  }
+
+  /// What has to hold at any time.
+  void check() const {
+    const std::uint32_t open = first_open();
+    for (std::uint32_t i = 0; i < total_; ++i) {
+      ASSERT_LE(fired_[i], 1) << "point " << i << " fired twice";
+      if (done_[i] && !passes_[i]) {
+        ASSERT_EQ(fired_[i], 1) << "point " << i << " done without a shot";
+      }
+      if (i >= open) {
+        ASSERT_FALSE(passes_[i] && fired_[i] != 0);
+      }
+    }
+    ASSERT_TRUE(in_order_) << "points fired out of order";
+    ASSERT_EQ(scheduler_.stray_shots(), 0u);
+    ASSERT_TRUE(one_token_) << "two tokens at a time";
+    ASSERT_FALSE(token_while_blocked_) << "a token while a miss was not repaired";
+  }
+
+  /// Beats from the first shot to the last, by the world's own count, and the scheduler's.
+  void check_ledger() const {
+    const BeatLedger& ledger = scheduler_.ledger();
+    ASSERT_EQ(ledger.shots(), shots_);
+    ASSERT_EQ(ledger.beats(), last_shot_beat_ - first_shot_beat_ + 1);
+    std::uint64_t sum = 0;
+    for (const std::uint32_t beats : ledger.by_reason()) sum += beats;
+    ASSERT_EQ(sum, ledger.beats());
+    ASSERT_EQ(ledger.by_reason()[static_cast<std::size_t>(BeatReason::fired)], shots_);
+    ASSERT_EQ(ledger.beats_before(), first_shot_beat_ - first_judged_beat_);
+  }
+  std::uint32_t misses() const { return misses_; }
+  std::uint32_t shots() const { return shots_; }
+
+ private:
+  struct Run {
+    Segment segment;
+    std::uint64_t first_beat, last_beat;
+  };
+
+  bool chance(double p) { return std::uniform_real_distribution<double>(0, 1)(random_) < p; }
+
+  std::uint32_t first_open() const {
+    return static_cast<std::uint32_t>(std::find(done_.begin(), done_.end(), false) - done_.begin());
+  }
+
+  void advance_to(std::uint64_t tick) {
+    while (clock_.next_tick() < tick)
+      clock_.next_span(static_cast<std::uint32_t>(tick - clock_.next_tick()));
+  }
+
+  // Main loop.
+  void hold_or_resume() {
+    if (!held_ && chance(trouble_.hold)) {
+      held_ = true;
+      scheduler_.permit(false, BeatReason::hold);
+      withdraw();
+      machine_.clear();
+      scheduler_.cancel_after(beat_ - 1);
+      start_again();
+    } else if (held_ && chance(0.3)) {
+      held_ = false;
+      scheduler_.permit(true, BeatReason::no_point_due);
+    }
+  }
+
+  void start_again() {
+    next_ = first_open();
+    plan_beat_ = std::max(plan_beat_at_rest(), beat_ + 1);
+  }
+  std::uint64_t plan_beat_at_rest() const {
+    return machine_.empty() ? beat_ + 1 : machine_.back().last_beat;
+  }
+
+  void main_loop() {
+    if (chance(trouble_.lazy)) return;
+    read_outcomes();
+    if (held_) return;
+    while (next_ < total_ && machine_.size() < 8 && scheduler_.free() != 0) {
+      if (done_[next_]) {
+        ++next_;
+        continue;
+      }
+      plan_beat_ = std::max(plan_beat_, beat_ + 1);
+      const std::uint64_t beats = 1 + random_() % 3;
+      const Segment s = shot_segment(next_, ticks_ / 8, !passes_[next_]);
+      ASSERT_TRUE(scheduler_.commit(s, plan_beat_ + 1, plan_beat_ + beats));
+      machine_.push_back({s, plan_beat_ + 1, plan_beat_ + beats});
+      plan_beat_ += beats;
+      ++next_;
+    }
+  }
+
+  void read_outcomes() {
+    PointOutcome o;
+    bool missed = false;
+    while (scheduler_.outcome(o)) {
+      if (o.outcome == Outcome::missed) {
+        missed = true;
+        ++misses_;
+        continue;
+      }
+      ASSERT_LT(o.point, total_);
+      ASSERT_EQ(o.outcome == Outcome::passed, passes_[o.point]);
+      done_[o.point] = true;
+    }
+    if (missed) go_back();
+  }
+
+  void go_back() {
+    // What runs is carried to its end, what has not begun is taken back.
+    while (!machine_.empty() && machine_.back().first_beat > beat_ + 1) machine_.pop_back();
+    scheduler_.restart(BeatReason::returning);
+    if (!machine_.empty()) scheduler_.cancel_after(machine_.back().last_beat);
+    start_again();
+    blocked_ = false;
+  }
+
+  // Hardware.
+  void take_token() {
+    FireToken token;
+    if (!scheduler_.next_token(token, clock_)) return;
+    one_token_ = one_token_ && !token_held_;
+    token_while_blocked_ = token_while_blocked_ || blocked_;
+    token_ = token;
+    token_held_ = true;
+  }
+
+  void withdraw() {
+    if (!token_held_) return;
+    token_held_ = false;
+    scheduler_.token_expired();
+  }
+
+  void expire_before(std::uint64_t tick) {
+    advance_to(tick);
+    while (!machine_.empty() && clock_.tick_of_beat(machine_.front().last_beat) + ticks_ / 4 < tick)
+      machine_.pop_front();
+    if (token_held_ && token_.expires_tick <= tick) withdraw();
+  }
+
+  void edge(std::uint64_t tick, bool judged) {
+    const bool loaded =
+        token_held_ && !held_ && tick >= token_.not_before_tick && tick < token_.expires_tick;
+    const Run* armed = nullptr;
+    for (const Run& run : machine_) {
+      const std::uint64_t lattice = clock_.tick_of_beat(run.last_beat);
+      const std::uint32_t half = run.segment.shot.half_window_ticks;
+      if (run.segment.shot.present && lattice - half <= tick && tick < lattice + half) armed = &run;
+    }
+    const bool fired = loaded && armed != nullptr;
+    if (fired) shot(armed->segment.point);
+    if (loaded) token_held_ = false;
+    EdgeInfo info;
+    if (judged) {
+      info = {true, beat_, judged_any_ ? static_cast<std::uint32_t>(beat_ - next_judged_) : 0};
+      if (!judged_any_) first_judged_beat_ = beat_;
+      judged_any_ = true;
+      next_judged_ = beat_ + 1;
+    }
+    scheduler_.edge(info, fired, loaded);
+    blocked_ = blocked_ || (loaded && !fired && judged);
+  }
+
+  void shot(std::uint32_t point) {
+    ++fired_[point];
+    ++shots_;
+    in_order_ = in_order_ && point >= last_point_;
+    last_point_ = point + 1;
+    if (first_shot_beat_ == 0) first_shot_beat_ = beat_;
+    last_shot_beat_ = beat_;
+    if (!judged_any_) {
+      judged_any_ = true;
+      first_judged_beat_ = next_judged_ = beat_;
+    }
+  }
+
+  std::mt19937_64 random_;
+  Trouble trouble_;
+  BeatClock clock_;
+  ShotScheduler scheduler_;
+  std::uint32_t ticks_ = 0;
+  std::uint32_t total_, next_ = 0;
+  std::vector<bool> done_, passes_;
+  std::vector<int> fired_;
+  std::deque<Run> machine_;
+  std::uint64_t beat_ = 0, plan_beat_ = 0;
+  bool held_ = false, token_held_ = false, blocked_ = false;
+  FireToken token_;
+  std::uint64_t next_judged_ = 0, first_judged_beat_ = 0;
+  bool judged_any_ = false;
+  std::uint32_t misses_ = 0, shots_ = 0, last_point_ = 0;
+  std::uint64_t first_shot_beat_ = 0, last_shot_beat_ = 0;
+  bool in_order_ = true, one_token_ = true, token_while_blocked_ = false;
+};
+
+TEST(ShotScheduler, FiresEveryPointOnceInOrderWhateverHappens) {
+  std::uint32_t misses = 0;
+  for (int i = 0; i < test::scaled(400); ++i) {
+    SCOPED_TRACE(testing::Message() << "world " << i);
+    World world(static_cast<std::uint64_t>(i) + 8000, Trouble{}, 60);
+    for (int beats = 0; !world.finished(); ++beats) {
+      ASSERT_LT(beats, 10'000) << "the job does not end";
+      ASSERT_NO_FATAL_FAILURE(world.next_beat());
+      ASSERT_NO_FATAL_FAILURE(world.check());
+    }
+    ASSERT_NO_FATAL_FAILURE(world.check_ledger());
+    ASSERT_EQ(world.shots() + world.passed_points(), 60u);
+    misses += world.misses();
+  }
+  EXPECT_GT(misses, static_cast<std::uint32_t>(test::scaled(400)) * 5);  // it was a rough world
+}
+
+TEST(ShotScheduler, MissesNothingInAKindWorld) {
+  World world(1, {0, 0, 0, 0, 0, 0}, 500);
+  for (int beats = 0; !world.finished(); ++beats) {
+    ASSERT_LT(beats, 2'000);
+    ASSERT_NO_FATAL_FAILURE(world.next_beat());
+  }
+  ASSERT_NO_FATAL_FAILURE(world.check());
+  ASSERT_NO_FATAL_FAILURE(world.check_ledger());
+  EXPECT_EQ(world.misses(), 0u);
+}
+
+/// Scheduler and clock by hand, for single rules.
+class ByHand : public testing::Test {
+ protected:
+  ByHand() {
+    clock.configure(free_beat());
+    scheduler.begin_job();
+    scheduler.permit(true, BeatReason::no_point_due);
+  }
+  bool token(FireToken& out) { return scheduler.next_token(out, clock); }
+  std::vector<PointOutcome> outcomes() {
+    std::vector<PointOutcome> all;
+    PointOutcome o;
+    while (scheduler.outcome(o)) all.push_back(o);
+    return all;
+  }
+  BeatClock clock;
+  ShotScheduler scheduler;
+};
+
+TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
+  scheduler.commit(shot_segment(0, 50), 3, 4);
+  scheduler.commit(shot_segment(1, 50), 5, 5);
+  FireToken first, second;
+  ASSERT_TRUE(token(first));
+  EXPECT_EQ(first.beat, 4u);
+  EXPECT_EQ(first.expires_tick, clock.tick_of_beat(4) + 50);
+  EXPECT_EQ(first.not_before_tick, clock.tick_of_beat(4) - clock.beat_ticks() / 2);
+  EXPECT_FALSE(token(second));
+  scheduler.edge({true, 3, 0}, false, false);
+  EXPECT_FALSE(token(second)) << "the beat before the shot does not spend its token";
+  scheduler.edge({true, 4, 0}, true, true);
+  ASSERT_TRUE(token(second));
+  EXPECT_EQ(second.beat, 5u);
+  const auto done = outcomes();
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_EQ(done[0].outcome, Outcome::fired);
+}
+
+TEST_F(ByHand, AMissBlocksUntilTheRestart) {
+  for (std::uint32_t i = 0; i < 4; ++i) scheduler.commit(shot_segment(i, 50), 3 + i, 3 + i);
+  FireToken t;
+  ASSERT_TRUE(token(t));
+  scheduler.edge({true, 3, 0}, false, true);  // outside the window
+  EXPECT_FALSE(token(t));
+  scheduler.edge({true, 4, 0}, false, false);
+  EXPECT_FALSE(token(t));
+  ASSERT_FALSE(outcomes().empty());
+  scheduler.restart(BeatReason::returning);
+  scheduler.cancel_after(5);
+  EXPECT_FALSE(token(t)) << "what was planned before the restart never fires";
+  scheduler.commit(shot_segment(0, 50), 6, 8);
+  ASSERT_TRUE(token(t));
+  EXPECT_EQ(t.beat, 8u);
+}
+
+TEST_F(ByHand, NothingFiresWithoutPermission) {
+  scheduler.commit(shot_segment(0, 50), 3, 3);
+  scheduler.permit(false, BeatReason::door);
+  FireToken t;
+  EXPECT_FALSE(token(t));
+  EXPECT_FALSE(scheduler.permitted());
+  scheduler.edge({true, 3, 0}, false, false);
+  const auto done = outcomes();
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_EQ(done[0].outcome, Outcome::missed);
+}
+
+TEST_F(ByHand, ANewJobForgetsTheOldOne) {
+  scheduler.commit(shot_segment(7, 50), 3, 3);
+  scheduler.begin_job();
+  FireToken t;
+  EXPECT_FALSE(token(t));
+  scheduler.edge({true, 3, 0}, false, false);
+  EXPECT_TRUE(outcomes().empty());
+}
+
+TEST_F(ByHand, ATokenSpentOnAStrayEdgeComesBack) {
+  scheduler.commit(shot_segment(0, 50), 3, 3);
+  FireToken t;
+  ASSERT_TRUE(token(t));
+  scheduler.edge({}, false, true);  // a stray edge before the window took it
+  ASSERT_TRUE(token(t));
+  EXPECT_EQ(t.beat, 3u);
+  scheduler.edge({true, 3, 0}, true, true);
+  const auto done = outcomes();
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_EQ(done[0].outcome, Outcome::fired);
+}
+
+TEST_F(ByHand, EveryBeatHasItsReason) {
+  Segment s = shot_segment(0, 50);
+  scheduler.commit(s, 3, 4);
+  FireToken t;
+  ASSERT_TRUE(token(t));
+  scheduler.edge({true, 2, 0}, false, false);  // before the job's first shot: kept apart
+  scheduler.edge({true, 3, 0}, false, false);
+  scheduler.edge({true, 4, 0}, true, true);
+  EXPECT_EQ(scheduler.ledger().beats_before(), 2u);
+  scheduler.commit(shot_segment(1, 50, false), 5, 6);  // a pass
+  scheduler.commit(shot_segment(2, 50), 7, 9);
+  ASSERT_TRUE(token(t));
+  scheduler.edge({true, 6, 1}, false, false);  // no edge on beat 5
+  scheduler.permit(false, BeatReason::hold);
+  scheduler.edge({true, 7, 0}, false, false);
+  scheduler.permit(true, BeatReason::no_point_due);
+  scheduler.edge({true, 8, 0}, false, false);
+  EXPECT_EQ(scheduler.ledger().beats(), 1u) << "beats after the last shot wait for the next one";
+  scheduler.edge({true, 9, 0}, true, true);
+  const BeatsByReason& by = scheduler.ledger().by_reason();
+  const auto count = [&](BeatReason r) { return by[static_cast<std::size_t>(r)]; };
+  EXPECT_EQ(count(BeatReason::fired), 2u);
+  EXPECT_EQ(count(BeatReason::no_edge), 1u);
+  EXPECT_EQ(count(BeatReason::hold), 1u);
+  EXPECT_EQ(count(BeatReason::moving), 1u);
+  EXPECT_EQ(count(BeatReason::no_point_due), 1u);
+  EXPECT_EQ(scheduler.ledger().beats(), 6u);
+}
+
+TEST_F(ByHand, RefusesMoreThanItCanHold) {
+  for (std::uint32_t i = 0; i < ShotScheduler::capacity; ++i)
+    ASSERT_TRUE(scheduler.commit(shot_segment(i, 50), 3 + i, 3 + i));
+  EXPECT_EQ(scheduler.free(), 0u);
+  EXPECT_FALSE(scheduler.commit(shot_segment(0, 50), 900, 900));
+}
+
+TEST_F(ByHand, AShotThatNobodyPlannedIsCounted) {
+  scheduler.edge({true, 3, 0}, true, false);
+  EXPECT_EQ(scheduler.stray_shots(), 1u);
+}
+
+}  // namespace
+}  // namespace lamplock::lamp

@@ -1,0 +1,411 @@
+// The planner on random chains: what holds for every plan.
+#include "firmware/motion/planner.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "firmware/motion/profile.hpp"
+#include "tests/motion/chain.hpp"
+#include "tests/motion/tick_sum.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::motion {
+namespace {
+
+using test::Chain;
+using test::ChainPlan;
+using test::native;
+
+constexpr double unit_q64 = 18446744073709551616.0;  // 2^64
+
+std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
+
+/// Steps between an exact position and the middle of a step.
+double off_by(Int128 position_q64, std::int32_t step) {
+  return static_cast<double>(native(position_q64 - middle_of_step(step))) / unit_q64;
+}
+
+/// Work space at a position: the step that the axis shows there.
+bool in_work_space(const AxisLimits& axis, Int128 position_q64) {
+  return axis.min_steps <= position_q64.hi() && position_q64.hi() <= axis.max_steps;
+}
+
+/// Joins: a segment starts where and when the one before it ended, and as fast.
+void expect_joined(const Chain& chain, const MotionState& from, const Segment& s,
+                   std::int32_t beats) {
+  ASSERT_EQ(s.start_tick, from.tick);
+  ASSERT_GE(beats, 1);
+  ASSERT_EQ(s.ticks, static_cast<std::uint32_t>(beats) * chain.limits.beat_ticks);
+  ASSERT_EQ(s.end.tick, s.start_tick + s.ticks);
+  for (int a = 0; a < chain.limits.axes; ++a) {
+    const AxisProfile& p = s.axis[index(a)];
+    ASSERT_EQ(p.ticks(), s.ticks);
+    ASSERT_EQ(p.speed_q62, from.axis[index(a)].speed_q62);
+    ASSERT_EQ(native(s.end.axis[index(a)].position_q64),
+              native(from.axis[index(a)].position_q64 + (displacement_q62(p) << 2)));
+    ASSERT_LE(abs64(p.end_speed_q62() - s.end.axis[index(a)].speed_q62),
+              2 * static_cast<std::int64_t>(p.tail_ticks));
+  }
+}
+
+/// The point: in the middle of its step on every axis, the shot as ordered.
+void expect_at_point(const Chain& chain, const Segment& s, std::uint32_t point) {
+  const Target& target = chain.targets[point];
+  ASSERT_TRUE(s.ends_point);
+  ASSERT_EQ(s.point, point);
+  ASSERT_EQ(s.shot.present, target.shots != 0);
+  if (s.shot.present) {
+    ASSERT_EQ(s.shot.point, point);
+    ASSERT_GE(s.shot.half_window_ticks, 1u);
+    ASSERT_LE(s.shot.half_window_ticks, chain.limits.beat_ticks / 4);
+  }
+  for (int a = 0; a < chain.limits.axes; ++a) {
+    const Int128 at = s.end.axis[index(a)].position_q64;
+    ASSERT_EQ(at.hi(), target.steps[index(a)]);
+    // 1e-6 step, and what evenness of the accelerations costs over very long segments.
+    const double n = s.ticks;
+    ASSERT_LT(std::fabs(off_by(at, target.steps[index(a)])), 1e-6 + 2 * n * n / 4.6e18);
+  }
+}
+
+/// Limits by the ends of the phases and by excursions.
+void expect_limits(const Chain& chain, const MotionState& from, const Segment& s) {
+  for (int a = 0; a < chain.limits.axes; ++a) {
+    const AxisLimits& axis = chain.limits.axis[index(a)];
+    const AxisProfile& p = s.axis[index(a)];
+    for (const std::int64_t speed : {p.speed_q62, p.cruise_speed_q62(), p.end_speed_q62()})
+      ASSERT_LE(abs64(speed), axis.speed_q62);
+    ASSERT_LE(abs64(p.lead_accel_q62), axis.accel_q62);
+    ASSERT_LE(abs64(p.tail_accel_q62), axis.accel_q62);
+    const Excursion e = excursion(p);
+    const Int128 start = from.axis[index(a)].position_q64;
+    ASSERT_TRUE(in_work_space(axis, start + (e.low_q62 << 2)));
+    ASSERT_TRUE(in_work_space(axis, start + (e.high_q62 << 2)));
+  }
+}
+
+/// The same by looking at every tick.
+void expect_limits_tick_by_tick(const Chain& chain, const MotionState& from, const Segment& s) {
+  for (int a = 0; a < chain.limits.axes; ++a) {
+    const AxisLimits& axis = chain.limits.axis[index(a)];
+    const Int128 start = from.axis[index(a)].position_q64;
+    const test::TickSum sum = test::sum_ticks(s.axis[index(a)]);
+    ASSERT_LE(sum.largest_speed_q62, axis.speed_q62);
+    ASSERT_LE(sum.largest_accel_q62, axis.accel_q62);
+    ASSERT_TRUE(in_work_space(axis, start + (test::to_int128(sum.lowest_q62) << 2)));
+    ASSERT_TRUE(in_work_space(axis, start + (test::to_int128(sum.highest_q62) << 2)));
+    ASSERT_EQ(native(s.end.axis[index(a)].position_q64),
+              native(start + (test::to_int128(sum.end_q62) << 2)));
+  }
+}
+
+void expect_valid(const Chain& chain, const ChainPlan& plan, long& ticks_to_sum) {
+  ASSERT_EQ(plan.result, Result::ok);
+  ASSERT_EQ(plan.segments.size(), chain.targets.size());
+  MotionState from = test::rest_at_zero();
+  for (std::uint32_t i = 0; i < plan.segments.size(); ++i) {
+    const Segment& s = plan.segments[i];
+    SCOPED_TRACE(testing::Message() << "segment " << i);
+    ASSERT_NO_FATAL_FAILURE(expect_joined(chain, from, s, plan.beats[i]));
+    ASSERT_NO_FATAL_FAILURE(expect_at_point(chain, s, i));
+    ASSERT_NO_FATAL_FAILURE(expect_limits(chain, from, s));
+    if (ticks_to_sum > 0 && i % 5 == 0) {
+      ticks_to_sum -= s.ticks;
+      ASSERT_NO_FATAL_FAILURE(expect_limits_tick_by_tick(chain, from, s));
+    }
+    if (chain.targets[i].beats != 0) {
+      ASSERT_EQ(plan.beats[i], chain.targets[i].beats);
+    }
+    from = s.end;
+  }
+  ASSERT_TRUE(from.at_rest());
+}
+
+TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
+  Planner planner;
+  int given_up = 0;
+  for (int i = 0; i < test::scaled(150); ++i) {
+    SCOPED_TRACE(testing::Message() << "chain " << i);
+    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4100);
+    Chain chain = test::random_chain(random, 100);
+    const auto ends_at_rest = [](const Planner& p, const PlanRequest& request) {
+      ASSERT_TRUE(p.segment(request.count - 1).end.at_rest());
+    };
+    long free_beats = 0;
+    for (const JoinMode mode : {JoinMode::free, JoinMode::start_stop}) {
+      chain.mode = mode;
+      const ChainPlan plan = test::plan_chain(chain, planner, ends_at_rest);
+      if (mode == JoinMode::free && plan.result == Result::unreachable) {
+        // From speed, a soft limit can leave the planner no way it knows; then the machine brakes
+        // (proved below to stay inside) and goes on from rest. Rare.
+        ASSERT_FALSE(plan.segments.back().end.at_rest());
+        ++given_up;
+        continue;
+      }
+      long ticks_to_sum = 600'000;
+      ASSERT_NO_FATAL_FAILURE(expect_valid(chain, plan, ticks_to_sum));
+      if (mode == JoinMode::free) {
+        free_beats = plan.total_beats();
+      } else {
+        for (const Segment& s : plan.segments) ASSERT_TRUE(s.end.at_rest());
+        // Resting at every point is one of the ways to go; the online search may miss a little.
+        ASSERT_LE(static_cast<double>(free_beats),
+                  static_cast<double>(plan.total_beats()) * 1.03 + 1);
+      }
+    }
+  }
+  EXPECT_LE(given_up, test::scaled(150) / 500);
+}
+
+TEST(Planner, SoftLimitsBiteInTheseChains) {
+  // The work space of the chains above is the bounding box of their points. Planned without it,
+  // many would swing out of it: otherwise the test above would not test it.
+  Planner planner;
+  int outside = 0;
+  for (int i = 0; i < 20; ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4100);
+    Chain chain = test::random_chain(random, 100);
+    const Chain tight = chain;
+    for (AxisLimits& axis : chain.limits.axis) {
+      axis.min_steps = -2'000'000'000;
+      axis.max_steps = 2'000'000'000;
+    }
+    const ChainPlan plan = test::plan_chain(chain, planner);
+    MotionState from = test::rest_at_zero();
+    for (const Segment& s : plan.segments) {
+      for (int a = 0; a < chain.limits.axes; ++a) {
+        const Excursion e = excursion(s.axis[index(a)]);
+        const Int128 start = from.axis[index(a)].position_q64;
+        outside += in_work_space(tight.limits.axis[index(a)], start + (e.low_q62 << 2)) &&
+                           in_work_space(tight.limits.axis[index(a)], start + (e.high_q62 << 2))
+                       ? 0
+                       : 1;
+      }
+      from = s.end;
+    }
+  }
+  EXPECT_GT(outside, 20);
+}
+
+TEST(Planner, FixedBeatsAreKept) {
+  // Beats of a plan are possible beats: given as orders they must be kept, whatever was free
+  // before.
+  Planner planner;
+  for (int i = 0; i < test::scaled(40); ++i) {
+    SCOPED_TRACE(testing::Message() << "chain " << i);
+    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4200);
+    Chain chain = test::random_chain(random, 14);
+    for (AxisLimits& axis : chain.limits.axis) {  // orders leave no other way round a soft limit
+      axis.min_steps = -2'000'000'000;
+      axis.max_steps = 2'000'000'000;
+    }
+    const ChainPlan plan = test::plan_chain(chain, planner);
+    ASSERT_EQ(plan.result, Result::ok);
+    for (std::size_t k = 0; k < chain.targets.size(); ++k)
+      chain.targets[k].beats = static_cast<std::uint16_t>(plan.beats[k]);
+    const ChainPlan ordered = test::plan_chain(chain, planner);
+    long ticks_to_sum = 0;
+    ASSERT_NO_FATAL_FAILURE(expect_valid(chain, ordered, ticks_to_sum));
+  }
+}
+
+TEST(Planner, ImpossibleOrdersAreRefusedWithTheirPlace) {
+  Chain chain;
+  chain.limits = test::limits_of(test::machine_settings(100, 4, 0.1, 2, 200));
+  chain.limits.axis[0].min_steps = chain.limits.axis[1].min_steps = -1'000'000;
+  for (int i = 0; i < 5; ++i) {
+    Target t;
+    t.steps[0] = 20 * (i + 1);
+    chain.targets.push_back(t);
+  }
+  chain.targets[3].steps[0] = 100'000;  // 500 mm further
+  for (std::size_t i = 4; i < 5; ++i) chain.targets[i].steps[0] = 100'020;
+  chain.targets[3].beats = 2;  // at 0.1 m/s it takes 500
+  Planner planner;
+  PointQueue queue;
+  queue.reset(0);
+  for (const Target& t : chain.targets) queue.push(t);
+  PlanRequest request;
+  request.queue = &queue;
+  request.count = 5;
+  for (std::uint32_t i = 0; i < 5; ++i) request.points[i] = i;
+  request.limits = &chain.limits;
+  request.start = test::rest_at_zero();
+  std::uint32_t failed = 99;
+  EXPECT_EQ(planner.plan(request, failed), Result::unreachable);
+  EXPECT_EQ(failed, 3u);
+}
+
+TEST(Planner, NeverPromisesWhatItsNumbersCannotHold) {
+  // Slow machines, large spaces, fast lamps: refused or exact, never wrong.
+  std::mt19937_64 random(43);
+  Planner planner;
+  int refused = 0;
+  for (int i = 0; i < test::scaled(2'000); ++i) {
+    std::uniform_real_distribution<double> unit(0, 1);
+    const auto any = [&](double lo, double hi) { return lo * std::pow(hi / lo, unit(random)); };
+    const settings::Values values =
+        test::machine_settings(any(1, 5000), any(1e-3, 200), any(2e-5, 4), 1, any(0.5, 5000));
+    Limits limits;
+    std::uint16_t setting = 0;
+    if (make_limits(values, beat_ticks(values), full_tick_q16, limits, setting) != Result::ok)
+      continue;
+    Chain chain;
+    chain.limits = limits;
+    Target t;
+    t.steps[0] = static_cast<std::int32_t>(any(1, std::max(2, limits.axis[0].max_steps)));
+    chain.targets = {t};
+    const ChainPlan plan = test::plan_chain(chain, planner);
+    if (plan.result != Result::ok) {
+      ++refused;
+      continue;
+    }
+    long ticks_to_sum = 0;
+    ASSERT_NO_FATAL_FAILURE(expect_valid(chain, plan, ticks_to_sum)) << "machine " << i;
+  }
+  EXPECT_GT(refused, 0);
+}
+
+bool same_state(const MotionState& a, const MotionState& b) {
+  if (a.tick != b.tick) return false;
+  for (std::size_t i = 0; i < max_axes; ++i)
+    if (a.axis[i].position_q64 != b.axis[i].position_q64 ||
+        a.axis[i].speed_q62 != b.axis[i].speed_q62)
+      return false;
+  return true;
+}
+
+TEST(Planner, DependsOnThePointsAlone) {
+  for (int i = 0; i < test::scaled(20); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4400);
+    const Chain chain = test::random_chain(random, 120);
+    Planner fresh, used;
+    test::plan_chain(test::random_chain(random, 50), used);
+    const ChainPlan all_at_once = test::plan_chain(chain, fresh);
+    const ChainPlan little_by_little =
+        test::plan_chain(chain, used, {}, static_cast<std::uint32_t>(1 + random() % 40));
+    ASSERT_EQ(all_at_once.beats, little_by_little.beats);
+    for (std::size_t k = 0; k < all_at_once.segments.size(); ++k) {
+      const Segment &a = all_at_once.segments[k], &b = little_by_little.segments[k];
+      ASSERT_TRUE(same_state(a.end, b.end)) << "segment " << k;
+      for (std::size_t axis = 0; axis < max_axes; ++axis) {
+        ASSERT_EQ(a.axis[axis].lead_ticks, b.axis[axis].lead_ticks);
+        ASSERT_EQ(a.axis[axis].lead_accel_q62, b.axis[axis].lead_accel_q62);
+        ASSERT_EQ(a.axis[axis].tail_accel_q62, b.axis[axis].tail_accel_q62);
+      }
+      ASSERT_EQ(a.shot.half_window_ticks, b.shot.half_window_ticks);
+    }
+  }
+}
+
+/// State of an axis n ticks into a profile, position relative to its start.
+AxisState state_after(const AxisProfile& p, std::uint32_t n) {
+  const std::uint32_t lead = std::min(n, p.lead_ticks);
+  const std::uint32_t cruise = std::min(n - lead, p.cruise_ticks);
+  const std::uint32_t tail = n - lead - cruise;
+  const std::int64_t speed = p.speed_q62 + p.lead_accel_q62 * lead;
+  const Int128 way = displacement_q62(p.speed_q62, p.lead_accel_q62, lead) +
+                     displacement_q62(speed, 0, cruise) +
+                     displacement_q62(speed, p.tail_accel_q62, tail);
+  return {way, speed + p.tail_accel_q62 * tail};
+}
+
+/// Brakes an axis after each of some ticks of a profile.
+void expect_brake_inside(const AxisLimits& axis, Int128 start, const AxisProfile& p,
+                         std::mt19937_64& random) {
+  const std::uint32_t every = 1 + p.ticks() / 60;
+  for (auto n = static_cast<std::uint32_t>(random() % every); n < p.ticks(); n += every) {
+    const AxisState at = state_after(p, n);
+    const AxisProfile brake = make_brake(at.speed_q62, axis.plan_accel_q62,
+                                         braking_ticks(at.speed_q62, axis.plan_accel_q62));
+    const Int128 way = at.position_q64 + displacement_q62(brake);
+    ASSERT_TRUE(in_work_space(axis, start + (way << 2))) << "braking after " << n << " ticks";
+  }
+}
+
+TEST(Planner, BrakingFromAnyTickStaysInsideTheWorkSpace) {
+  Planner planner;
+  for (int i = 0; i < test::scaled(100); ++i) {
+    SCOPED_TRACE(testing::Message() << "chain " << i);
+    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4500);
+    const Chain chain = test::random_chain(random, 60);
+    test::plan_chain(chain, planner, [&](const Planner& p, const PlanRequest& request) {
+      MotionState from = request.start;
+      for (std::uint32_t k = 0; k < request.count; ++k) {
+        const Segment& s = p.segment(k);
+        for (int a = 0; a < chain.limits.axes; ++a) {
+          SCOPED_TRACE(testing::Message() << "point " << request.points[k] << " axis " << a);
+          ASSERT_NO_FATAL_FAILURE(expect_brake_inside(chain.limits.axis[index(a)],
+                                                      from.axis[index(a)].position_q64,
+                                                      s.axis[index(a)], random));
+        }
+        from = s.end;
+      }
+    });
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+TEST(Planner, StartStopTakesTheWholeBeatsOfTheClosedForm) {
+  Planner planner;
+  for (int i = 0; i < test::scaled(100); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4600);
+    Chain chain = test::random_chain(random, 60);
+    chain.mode = JoinMode::start_stop;
+    const ChainPlan plan = test::plan_chain(chain, planner);
+    ASSERT_EQ(plan.result, Result::ok);
+    StepPosition from{};
+    for (std::size_t k = 0; k < chain.targets.size(); ++k) {
+      // T with the true limits and with those that leave room for whole ticks: the beats lie
+      // between, and are the same but for ties.
+      double best = 0, planned = 0;
+      for (int a = 0; a < chain.limits.axes; ++a) {
+        const AxisLimits& axis = chain.limits.axis[index(a)];
+        const double way =
+            std::fabs(static_cast<double>(chain.targets[k].steps[index(a)]) - from[index(a)]);
+        const auto time = [&](std::int64_t accel_q62, std::int64_t speed_q62) {
+          const double accel = std::ldexp(static_cast<double>(accel_q62), -62);
+          const double speed = std::ldexp(static_cast<double>(speed_q62), -62);
+          return std::sqrt(way * accel) <= speed ? 2 * std::sqrt(way / accel)
+                                                 : way / speed + speed / accel;
+        };
+        best = std::max(best, time(axis.accel_q62, axis.speed_q62));
+        planned = std::max(planned, time(axis.plan_accel_q62, axis.plan_speed_q62));
+      }
+      const double beat = chain.limits.beat_ticks;
+      ASSERT_GE(plan.beats[k], std::max(1.0, std::ceil(best / beat * (1 - 1e-9)))) << k;
+      ASSERT_LE(plan.beats[k], std::max(1.0, std::ceil(planned / beat * (1 + 1e-6)))) << k;
+      from = chain.targets[k].steps;
+    }
+  }
+}
+
+TEST(Planner, LeastBeatsLimitTheRateOfShots) {
+  Chain chain;
+  chain.limits = test::limits_of(test::machine_settings(100, 4, 0.1, 1, 200));
+  for (int i = 0; i < 10; ++i) {
+    Target t;
+    t.steps[0] = i;
+    chain.targets.push_back(t);
+  }
+  tighten_work_space(chain);
+  PointQueue queue;
+  queue.reset(0);
+  PlanRequest request;
+  for (const Target& t : chain.targets) queue.push(t);
+  request.queue = &queue;
+  request.count = 10;
+  for (std::uint32_t i = 0; i < 10; ++i) request.points[i] = i;
+  request.limits = &chain.limits;
+  request.start = test::rest_at_zero();
+  request.least_beats = 3;
+  Planner planner;
+  std::uint32_t failed = 0;
+  ASSERT_EQ(planner.plan(request, failed), Result::ok);
+  for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(planner.beats(i), 3);
+}
+
+}  // namespace
+}  // namespace lamplock::motion

@@ -1,0 +1,406 @@
+// The tick generator: blocks against the segments they come from, tick by tick.
+#include "firmware/stepper/tick_generator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "firmware/motion/profile.hpp"
+#include "sim/virtual_board/step_edges.hpp"
+#include "tests/motion/chain.hpp"
+#include "tests/motion/tick_sum.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::stepper {
+namespace {
+
+using motion::JoinMode;
+using motion::MotionState;
+using motion::Segment;
+using motion::SegmentQueue;
+using test::native;
+
+std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
+
+/// A step: when, which axis, which way.
+struct Step {
+  std::uint64_t tick;
+  int axis, way;
+  friend bool operator==(const Step&, const Step&) = default;
+};
+/// A change of the lattice bits.
+struct BitsChange {
+  std::uint64_t tick;
+  std::uint8_t bits;
+  friend bool operator==(const BitsChange&, const BitsChange&) = default;
+};
+
+/// Expands blocks as the simplest board does: position += rate, rate += accel, a step where the
+/// integer part changes. Checks on the way that blocks follow each other and keep their promises.
+class NaiveBoard {
+ public:
+  NaiveBoard() {
+    for (auto& p : position_) p = native(motion::middle_of_step(0));
+  }
+
+  void play(const TickBlock& block) {
+    ASSERT_EQ(block.first_tick, tick_) << "a gap between blocks";
+    ASSERT_GT(block.ticks, 0u);
+    if (bits_.empty() || bits_.back().bits != block.bits) bits_.push_back({tick_, block.bits});
+    for (int a = 0; a < max_axes; ++a) ASSERT_NO_FATAL_FAILURE(play_axis(a, block));
+    tick_ += block.ticks;
+    ++blocks_;
+  }
+
+  std::uint64_t tick() const { return tick_; }
+  test::Native position(int a) const { return position_[index(a)]; }
+  const std::vector<Step>& steps() const { return steps_; }
+  /// Steps in the order of time, whatever the blocks were.
+  std::vector<Step> sorted_steps() const {
+    std::vector<Step> sorted = steps_;
+    std::sort(sorted.begin(), sorted.end(), [](const Step& a, const Step& b) {
+      return a.tick != b.tick ? a.tick < b.tick : a.axis < b.axis;
+    });
+    return sorted;
+  }
+  const std::vector<BitsChange>& bits() const { return bits_; }
+  long counted(int a) const { return counted_[index(a)]; }
+  long blocks() const { return blocks_; }
+
+ private:
+  void play_axis(int a, const TickBlock& block) {
+    const AxisRun& run = block.axis[index(a)];
+    test::Native& position = position_[index(a)];
+    ASSERT_EQ(native(run.position_q64), position) << "a remainder was lost at tick " << tick_;
+    std::int64_t rate = run.rate_q62;
+    bool up = false, down = false;
+    sim::StepCursor cursor(run, block.ticks);
+    for (std::uint32_t j = 0; j < block.ticks; ++j) {
+      const auto before = static_cast<std::int64_t>(position >> 64);
+      position += static_cast<test::Native>(rate) * 4;
+      up = up || rate > 0;
+      down = down || rate < 0;
+      rate += run.accel_q62;
+      const auto after = static_cast<std::int64_t>(position >> 64);
+      if (after == before) continue;
+      ASSERT_EQ(std::llabs(after - before), 1) << "two steps in tick " << tick_ + j;
+      const int way = after > before ? 1 : -1;
+      steps_.push_back({tick_ + j, a, way});
+      counted_[index(a)] += way;
+      ASSERT_EQ(cursor.tick(), j) << "block at " << tick_;
+      ASSERT_EQ(cursor.backwards(), way < 0);
+      cursor.next();
+    }
+    ASSERT_EQ(cursor.tick(), sim::StepCursor::none);
+    ASSERT_FALSE(up && down) << "a block changes its direction at tick " << tick_;
+    ASSERT_EQ(native(run.position_after(block.ticks)), position);
+  }
+
+  std::uint64_t tick_ = 0;
+  PerAxis<test::Native> position_{};
+  PerAxis<long> counted_{};
+  std::vector<Step> steps_;
+  std::vector<BitsChange> bits_;
+  long blocks_ = 0;
+};
+
+/// Moves a plan to a later start.
+std::vector<Segment> shifted(std::vector<Segment> segments, std::uint64_t ticks) {
+  for (Segment& s : segments) {
+    s.start_tick += ticks;
+    s.end.tick += ticks;
+  }
+  return segments;
+}
+
+/// A fast lamp, so that many segments take few ticks.
+test::Chain fast_chain(std::mt19937_64& random, std::size_t points, int axes = 4) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  test::Chain chain;
+  chain.limits =
+      test::limits_of(test::machine_settings(2000 + 3000 * unit(random), 30, 0.9, axes, 900));
+  std::array<double, max_axes> at{};
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < points; ++i) {
+    motion::Target t;
+    const double length = std::pow(10.0, -1 + 3 * unit(random));
+    for (std::size_t a = 0; a < static_cast<std::size_t>(axes); ++a) {
+      at[a] += length * normal(random);
+      t.steps[a] = static_cast<std::int32_t>(std::lround(at[a]));
+    }
+    if (random() % 4 == 0) t.shots = 0;
+    chain.targets.push_back(t);
+  }
+  for (motion::AxisLimits& axis : chain.limits.axis) {
+    axis.min_steps = -1'000'000'000;
+    axis.max_steps = 1'000'000'000;
+  }
+  return chain;
+}
+
+std::vector<Segment> plan(const test::Chain& chain) {
+  static motion::Planner planner;
+  test::ChainPlan plan = test::plan_chain(chain, planner);
+  EXPECT_EQ(plan.result, Result::ok);
+  return plan.segments;
+}
+
+/// Feeds segments as the queue has room and plays every block until the board has reached `tick`.
+void run(TickGenerator& generator, const std::vector<Segment>& segments, std::size_t& fed,
+         SegmentQueue& queue, NaiveBoard& board, std::uint64_t tick, std::uint32_t max_ticks,
+         const std::function<void()>& after_block = {}) {
+  TickBlock block;
+  while (board.tick() < tick) {
+    while (fed < segments.size() && queue.free() != 0) queue.push(segments[fed++]);
+    const auto most =
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(max_ticks, tick - board.tick()));
+    generator.fill(queue, block, most);
+    ASSERT_LE(block.ticks, most);
+    ASSERT_NO_FATAL_FAILURE(board.play(block));
+    if (after_block) after_block();
+  }
+}
+
+TEST(TickGenerator, EndsEverySegmentExactlyWhereItWasPlanned) {
+  std::mt19937_64 random(61);
+  for (int i = 0; i < test::scaled(10); ++i) {
+    const std::vector<Segment> segments = shifted(plan(fast_chain(random, 100)), 1000);
+    TickGenerator generator;
+    SegmentQueue queue;
+    NaiveBoard board;
+    std::size_t fed = 0;
+    for (const Segment& s : segments) {
+      ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, s.end.tick, 5000));
+      for (int a = 0; a < max_axes; ++a) {
+        ASSERT_EQ(board.position(a), native(s.end.axis[index(a)].position_q64));
+        ASSERT_EQ(board.counted(a), s.end.axis[index(a)].step());
+      }
+      const MotionState state = generator.state();
+      ASSERT_EQ(state.tick, s.end.tick);
+      for (int a = 0; a < max_axes; ++a)
+        ASSERT_EQ(state.axis[index(a)].speed_q62, s.end.axis[index(a)].speed_q62);
+    }
+    ASSERT_NO_FATAL_FAILURE(
+        run(generator, segments, fed, queue, board, segments.back().end.tick + 500, 100));
+    EXPECT_FALSE(generator.underrun());
+    EXPECT_FALSE(generator.running());
+  }
+}
+
+TEST(TickGenerator, CarriesRemaindersThroughTenThousandSegments) {
+  std::mt19937_64 random(62);
+  const auto points = static_cast<std::size_t>(test::scaled(10'000));
+  const test::Chain chain = fast_chain(random, points, 2);
+  const std::vector<Segment> segments = plan(chain);
+  TickGenerator generator;
+  SegmentQueue queue;
+  NaiveBoard board;
+  std::size_t fed = 0;
+  int off_the_middle = 0;
+  for (const Segment& s : segments) {
+    ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, s.end.tick, 1u << 14));
+    for (int a = 0; a < 2; ++a) {
+      const std::int32_t step = chain.targets[s.point].steps[index(a)];
+      ASSERT_EQ(board.position(a), native(s.end.axis[index(a)].position_q64)) << s.point;
+      ASSERT_EQ(board.counted(a), step) << s.point;
+      // The remainder of the rounding is there, and stays below 1e-6 step for ever.
+      const test::Native off = board.position(a) - native(motion::middle_of_step(step));
+      ASSERT_LT(std::fabs(static_cast<double>(off)) / 18446744073709551616.0, 1e-6) << s.point;
+      off_the_middle += off != 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(off_the_middle, static_cast<int>(points) / 2);
+  EXPECT_FALSE(generator.underrun());
+}
+
+TEST(TickGenerator, GivesTheSameStepsAndBitsHoweverItIsAsked) {
+  std::mt19937_64 random(63);
+  for (int i = 0; i < test::scaled(3); ++i) {
+    const std::vector<Segment> segments = shifted(plan(fast_chain(random, 60)), 700);
+    std::vector<Step> steps;
+    std::vector<BitsChange> bits;
+    for (const std::uint32_t max_ticks : {16384u, 1u, 7u, 16u, 1000u}) {
+      TickGenerator generator;
+      generator.set_arm_lead(5);
+      generator.set_trigger({400, 5, 20, 130});
+      SegmentQueue queue;
+      NaiveBoard board;
+      std::size_t fed = 0;
+      ASSERT_NO_FATAL_FAILURE(
+          run(generator, segments, fed, queue, board, segments.back().end.tick + 2000, max_ticks));
+      if (steps.empty()) {
+        steps = board.sorted_steps();
+        bits = board.bits();
+        ASSERT_GT(steps.size(), 100u);
+        ASSERT_GT(bits.size(), 40u);
+      }
+      ASSERT_EQ(board.sorted_steps(), steps) << max_ticks << " ticks at most";
+      ASSERT_EQ(board.bits(), bits) << max_ticks << " ticks at most";
+    }
+  }
+}
+
+TEST(TickGenerator, ArmsAndTriggersAtTheExactTicks) {
+  std::mt19937_64 random(64);
+  for (int i = 0; i < test::scaled(5); ++i) {
+    const std::vector<Segment> segments = shifted(plan(fast_chain(random, 50)), 900);
+    const std::uint32_t lead = static_cast<std::uint32_t>(random() % 30);
+    const TriggerPattern trigger{300, 5, 40, 77};
+    TickGenerator generator;
+    generator.set_arm_lead(lead);
+    generator.set_trigger(trigger);
+    SegmentQueue queue;
+    NaiveBoard board;
+    std::size_t fed = 0;
+    const std::uint64_t end = segments.back().end.tick + 1000;
+    ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, end, 1000));
+    std::vector<std::uint8_t> want(end, 0);
+    for (const Segment& s : segments) {
+      if (!s.shot.present) continue;
+      const std::uint64_t centre = s.end_tick() - lead;
+      for (std::uint64_t t = centre - s.shot.half_window_ticks;
+           t < centre + s.shot.half_window_ticks; ++t)
+        want[t] |= arm_bit;
+    }
+    for (std::uint64_t on = trigger.first_tick; on < end; on += trigger.period_ticks)
+      for (std::uint64_t t = on; t < std::min(on + trigger.width_ticks, end); ++t)
+        want[t] |= trigger_bit;
+    std::size_t change = 0;
+    std::uint8_t now = 0;
+    for (std::uint64_t t = 0; t < end; ++t) {
+      if (change < board.bits().size() && board.bits()[change].tick == t)
+        now = board.bits()[change++].bits;
+      ASSERT_EQ(now, want[t]) << "tick " << t;
+    }
+  }
+}
+
+/// The segment that brakes every axis at its limit, as the job runner makes it.
+Segment brake_from(const MotionState& from, const motion::Limits& limits) {
+  Segment s;
+  s.start_tick = from.tick;
+  s.ticks = 1;
+  for (int a = 0; a < limits.axes; ++a)
+    s.ticks = std::max(s.ticks, motion::braking_ticks(from.axis[index(a)].speed_q62,
+                                                      limits.axis[index(a)].plan_accel_q62));
+  s.end.tick = s.end_tick();
+  for (int a = 0; a < max_axes; ++a) {
+    const motion::AxisState& axis = from.axis[index(a)];
+    if (a < limits.axes)
+      s.axis[index(a)] =
+          motion::make_brake(axis.speed_q62, limits.axis[index(a)].plan_accel_q62, s.ticks);
+    s.end.axis[index(a)].position_q64 =
+        axis.position_q64 + (motion::displacement_q62(s.axis[index(a)]) << 2);
+  }
+  return s;
+}
+
+TEST(TickGenerator, BrakesFromAnyTickWithoutAJump) {
+  std::mt19937_64 random(65);
+  for (int i = 0; i < test::scaled(100); ++i) {
+    const test::Chain chain = fast_chain(random, 24);
+    const std::vector<Segment> segments = plan(chain);
+    TickGenerator generator;
+    SegmentQueue queue;
+    NaiveBoard board;
+    std::size_t fed = 0;
+    const std::uint64_t at = random() % segments.back().end.tick;
+    ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, at, 333));
+    const MotionState before = generator.state();
+    ASSERT_EQ(before.tick, at);
+    const Segment brake = brake_from(before, chain.limits);
+    queue.clear();
+    generator.replace(brake);
+    fed = segments.size();
+    TickBlock block;
+    generator.fill(queue, block, 1);
+    for (int a = 0; a < chain.limits.axes; ++a) {
+      // First rate of the brake: the speed at that tick, half a tick of braking later.
+      ASSERT_EQ(native(block.axis[index(a)].position_q64),
+                native(before.axis[index(a)].position_q64));
+      ASSERT_LE(abs64(block.axis[index(a)].rate_q62 - before.axis[index(a)].speed_q62),
+                chain.limits.axis[index(a)].accel_q62);
+    }
+    ASSERT_NO_FATAL_FAILURE(board.play(block));
+    ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, brake.end.tick + 300, 333));
+    for (int a = 0; a < max_axes; ++a)
+      ASSERT_EQ(board.position(a), native(brake.end.axis[index(a)].position_q64));
+    EXPECT_FALSE(generator.running());
+    EXPECT_FALSE(generator.underrun());
+  }
+}
+
+TEST(TickGenerator, AShotThatWasTakenBackIsNotArmed) {
+  std::mt19937_64 random(66);
+  test::Chain chain = fast_chain(random, 4, 1);
+  for (motion::Target& t : chain.targets) t.shots = 1;
+  const std::vector<Segment> segments = plan(chain);
+  TickGenerator generator;
+  SegmentQueue queue;
+  NaiveBoard board;
+  std::size_t fed = 0;
+  // In the middle of an open window: braking or halting closes it.
+  const std::uint64_t in_window = segments[0].end_tick() - 1;
+  ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, in_window, 1000));
+  ASSERT_EQ(board.bits().back().bits, arm_bit);
+  queue.clear();
+  fed = segments.size();
+  generator.replace(brake_from(generator.state(), chain.limits));
+  ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, in_window + 1, 1000));
+  EXPECT_EQ(board.bits().back().bits, 0);
+}
+
+TEST(TickGenerator, ReportsMotionThatEndsWithSpeed) {
+  std::mt19937_64 random(67);
+  const std::vector<Segment> segments = plan(fast_chain(random, 30));
+  std::size_t moving_end = 0;
+  while (segments[moving_end].end.at_rest()) ++moving_end;
+  const std::vector<Segment> cut(segments.begin(),
+                                 segments.begin() + static_cast<std::ptrdiff_t>(moving_end) + 1);
+  TickGenerator generator;
+  SegmentQueue queue;
+  NaiveBoard board;
+  std::size_t fed = 0;
+  ASSERT_NO_FATAL_FAILURE(run(generator, cut, fed, queue, board, cut.back().end.tick, 100));
+  EXPECT_FALSE(generator.underrun());
+  ASSERT_NO_FATAL_FAILURE(run(generator, cut, fed, queue, board, cut.back().end.tick + 10, 100));
+  EXPECT_TRUE(generator.underrun());
+}
+
+TEST(TickGenerator, HaltsDeadAndKeepsThePosition) {
+  std::mt19937_64 random(68);
+  const std::vector<Segment> segments = plan(fast_chain(random, 30));
+  TickGenerator generator;
+  SegmentQueue queue;
+  NaiveBoard board;
+  std::size_t fed = 0;
+  const std::uint64_t at = segments.back().end.tick / 2;
+  ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, at, 100));
+  generator.halt();
+  queue.clear();
+  fed = segments.size();
+  const std::size_t steps = board.steps().size();
+  ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, at + 5000, 100));
+  EXPECT_EQ(board.steps().size(), steps);
+  EXPECT_TRUE(generator.state().at_rest());
+  EXPECT_FALSE(generator.running());
+}
+
+TEST(TickGenerator, StandsUntilASegmentStarts) {
+  std::mt19937_64 random(69);
+  const std::vector<Segment> segments = shifted(plan(fast_chain(random, 5)), 12'345);
+  TickGenerator generator;
+  SegmentQueue queue;
+  NaiveBoard board;
+  std::size_t fed = 0;
+  ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, 12'345, 1000));
+  EXPECT_FALSE(generator.running());
+  EXPECT_TRUE(board.steps().empty());
+  ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, 12'346, 1000));
+  EXPECT_TRUE(generator.running());
+}
+
+}  // namespace
+}  // namespace lamplock::stepper
