@@ -1,6 +1,6 @@
 #include "firmware/lamp/beat_clock.hpp"
 
-#include "firmware/motion/limits.hpp"
+#include "shared/beat.hpp"
 #include "shared/fixed_point.hpp"
 
 namespace lamplock::lamp {
@@ -32,7 +32,7 @@ std::int64_t us_to_clocks_q16(std::int32_t milli_us) {
 
 void BeatClock::configure(const settings::Values& values) {
   mode_ = static_cast<LampMode>(values.whole(Id::lamp_mode));
-  beat_ticks_ = motion::beat_ticks(values);
+  beat_ticks_ = lamplock::beat_ticks(values);
   // The frequency is in mHz: clocks per beat = clock_hz * 1000 / mHz.
   nominal_q16_ = mul_div(std::int64_t{clock_hz} << 16, 1000,
                          static_cast<std::uint32_t>(values.milli(Id::lamp_frequency)));
@@ -210,7 +210,7 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
 }
 
 std::uint32_t BeatClock::shortest_tick_q16() const {
-  if (mode_ != LampMode::slave) return motion::full_tick_q16;
+  if (mode_ != LampMode::slave) return full_tick_q16;
   const std::int64_t tick = tick_q32_ < nominal_tick_q32 ? tick_q32_ : nominal_tick_q32;
   const std::int64_t shortest = tick - mul_q32(tick, 2 * slew_q32_);
   return static_cast<std::uint32_t>((shortest >> 16) / clocks_per_tick);

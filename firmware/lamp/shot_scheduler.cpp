@@ -33,7 +33,7 @@ void ShotScheduler::begin_job() {
   ledger_.reset();
 }
 
-bool ShotScheduler::commit(const motion::Segment& s, std::uint64_t first_beat,
+bool ShotScheduler::commit(const stepper::Segment& s, std::uint64_t first_beat,
                            std::uint64_t last_beat) {
   if (free() == 0) return false;
   Plan& p = at(end_);

@@ -20,7 +20,7 @@
 #include <cstdint>
 
 #include "firmware/lamp/beat_clock.hpp"
-#include "firmware/motion/segment.hpp"
+#include "firmware/stepper/segment.hpp"
 #include "shared/beat_reason.hpp"
 
 namespace lamplock::lamp {
@@ -66,7 +66,7 @@ class ShotScheduler {
   /// Forgets everything planned and counted; no shot of an earlier job can follow.
   void begin_job();
   /// A segment was committed that covers beats first..last (the last one may carry its shot).
-  bool commit(const motion::Segment& segment, std::uint64_t first_beat, std::uint64_t last_beat);
+  bool commit(const stepper::Segment& segment, std::uint64_t first_beat, std::uint64_t last_beat);
   std::uint32_t free() const { return capacity - (end_ - begin_); }
   /// Forgets what is planned after `beat`.
   void cancel_after(std::uint64_t beat);

@@ -233,8 +233,7 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
   }
   motion::Limits limits;
   std::uint16_t setting = 0;
-  const Result r = motion::make_limits(values, motion::beat_ticks(values), motion::full_tick_q16,
-                                       limits, setting);
+  const Result r = motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting);
   refused_value_ = setting;
   return r;
 }
@@ -353,7 +352,7 @@ void Controller::send_banner() { link_.send_text("\r\nGrbl 1.1h ['$' for help]\r
 void Controller::send_status_line() {
   TextLine line;
   line.add("<").add(state_names[static_cast<std::size_t>(state_)]).add("|MPos:");
-  const motion::MotionState position = runner_.generator().state();
+  const stepper::MotionState position = runner_.generator().state();
   for (int a = 0; a < values_.whole(Id::axes); ++a) {
     const std::int64_t steps = position.axis[static_cast<std::size_t>(a)].step();
     if (a != 0) line.add(",");

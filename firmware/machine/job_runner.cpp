@@ -14,7 +14,7 @@ constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 
 /// Points committed of a full window.
 constexpr std::uint32_t commit_points = motion::window_points / 2;
 /// Limits are made anew when the shortest tick has moved by more than this: 1/512.
-constexpr std::uint32_t limits_step_q16 = motion::full_tick_q16 / 512;
+constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
 std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
 
@@ -92,7 +92,7 @@ bool JobRunner::prepare_start() {
   const std::uint64_t earliest = plan_state_.tick > head ? plan_state_.tick : head;
   plan_beat_ = clock_.beat_at_or_after(earliest);
   plan_state_.tick = clock_.tick_of_beat(plan_beat_);
-  for (motion::AxisState& axis : plan_state_.axis) axis.speed_q62 = 0;
+  for (stepper::AxisState& axis : plan_state_.axis) axis.speed_q62 = 0;
   return true;
 }
 
@@ -172,7 +172,7 @@ void JobRunner::commit(const motion::PlanRequest& request) {
   const bool half = request.count == motion::window_points;
   const std::uint32_t count = half ? commit_points : request.count;
   for (std::uint32_t i = 0; i < count; ++i) {
-    motion::Segment segment = planner_.segment(i);
+    stepper::Segment segment = planner_.segment(i);
     segment.reason = returning_ && i == 0 ? BeatReason::returning
                      : options_.dry       ? BeatReason::dry
                                           : BeatReason::moving;
@@ -189,7 +189,7 @@ void JobRunner::commit(const motion::PlanRequest& request) {
   clock_.set_motion_end(plan_state_.tick);
 }
 
-std::uint32_t JobRunner::brake_ticks(const motion::MotionState& from) const {
+std::uint32_t JobRunner::brake_ticks(const stepper::MotionState& from) const {
   std::uint32_t ticks = 1;
   for (int a = 0; a < limits_.axes; ++a) {
     const std::uint32_t n =
@@ -199,24 +199,24 @@ std::uint32_t JobRunner::brake_ticks(const motion::MotionState& from) const {
   return ticks;
 }
 
-motion::Segment JobRunner::make_brake(const motion::MotionState& from) const {
-  motion::Segment s;
+stepper::Segment JobRunner::make_brake(const stepper::MotionState& from) const {
+  stepper::Segment s;
   s.start_tick = from.tick;
   s.ticks = brake_ticks(from);
   s.end.tick = s.end_tick();
   for (int a = 0; a < max_axes; ++a) {
-    const motion::AxisState& axis = from.axis[index(a)];
+    const stepper::AxisState& axis = from.axis[index(a)];
     if (a < limits_.axes)
       s.axis[index(a)] =
           motion::make_brake(axis.speed_q62, limits_.axis[index(a)].plan_accel_q62, s.ticks);
     s.end.axis[index(a)].position_q64 =
-        axis.position_q64 + (motion::displacement_q62(s.axis[index(a)]) << 2);
+        axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2);
   }
   return s;
 }
 
 void JobRunner::commit_brake() {
-  const motion::Segment s = make_brake(plan_state_);
+  const stepper::Segment s = make_brake(plan_state_);
   segments_.push(s);
   plan_state_ = s.end;
   from_rest_ = true;
@@ -225,12 +225,12 @@ void JobRunner::commit_brake() {
 
 void JobRunner::brake() {
   segments_.clear();
-  const motion::MotionState head = generator_.state();
+  const stepper::MotionState head = generator_.state();
   // What lies before the head has been handed to the board and is judged by its edges.
   shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
   // Also where the speed is zero for a moment, at the start of a segment or at a turn.
   if (generator_.running()) {
-    const motion::Segment s = make_brake(head);
+    const stepper::Segment s = make_brake(head);
     generator_.replace(s);
     plan_state_ = s.end;
     clock_.set_motion_end(plan_state_.tick);

@@ -24,7 +24,7 @@
 #include "firmware/lamp/shot_scheduler.hpp"
 #include "firmware/motion/planner.hpp"
 #include "firmware/motion/point_queue.hpp"
-#include "firmware/motion/segment_queue.hpp"
+#include "firmware/stepper/segment_queue.hpp"
 #include "firmware/stepper/tick_generator.hpp"
 
 namespace lamplock::machine {
@@ -85,14 +85,14 @@ class JobRunner {
   void make_limits(const settings::Values& values, std::uint32_t tick_q16, motion::Limits& limits);
   void commit(const motion::PlanRequest& request);
   void commit_brake();
-  std::uint32_t brake_ticks(const motion::MotionState& from) const;
-  motion::Segment make_brake(const motion::MotionState& from) const;
+  std::uint32_t brake_ticks(const stepper::MotionState& from) const;
+  stepper::Segment make_brake(const stepper::MotionState& from) const;
   bool running_out() const;
 
   lamp::BeatClock& clock_;
   lamp::ShotScheduler& shots_;
   motion::PointQueue queue_;
-  motion::SegmentQueue segments_;
+  stepper::SegmentQueue segments_;
   motion::Planner planner_;
   motion::Limits limits_, new_limits_;
   stepper::TickGenerator generator_;
@@ -106,8 +106,8 @@ class JobRunner {
   bool returning_ = false;
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet
   bool starving_ = false;
-  motion::MotionState plan_state_;  ///< where committed motion ends
-  std::uint64_t plan_beat_ = 0;     ///< on which beat
+  stepper::MotionState plan_state_;  ///< where committed motion ends
+  std::uint64_t plan_beat_ = 0;      ///< on which beat
   std::uint32_t starvations_ = 0;
   std::uint32_t misses_ = 0;
   std::uint32_t failed_point_ = 0;

@@ -74,12 +74,6 @@ std::int64_t shot_tolerance_q32(const settings::Values& values, int a) {
 
 }  // namespace
 
-std::uint32_t beat_ticks(const settings::Values& values) {
-  const auto milli_hz = static_cast<std::uint64_t>(values.milli(Id::lamp_frequency));
-  const std::uint64_t milli_ticks = std::uint64_t{ticks_per_second} * 1000;
-  return static_cast<std::uint32_t>((milli_ticks + milli_hz / 2) / milli_hz);
-}
-
 Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint32_t tick_q16,
                    Limits& out, std::uint16_t& setting) {
   out.axes = values.whole(Id::axes);

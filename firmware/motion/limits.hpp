@@ -7,6 +7,7 @@
 
 #include <cstdint>
 
+#include "shared/beat.hpp"
 #include "shared/fixed_point.hpp"
 #include "shared/result.hpp"
 #include "shared/settings_table.hpp"
@@ -52,16 +53,10 @@ struct Limits {
   }
 };
 
-/// Shrinking of the tick that limits have to allow for, Q16: 65536 = none.
-inline constexpr std::uint32_t full_tick_q16 = 65536;
-
 /// Fills `out`. `tick_q16` is the shortest real tick to expect over the nominal one: a shorter tick
 /// makes real speed and acceleration larger, so the limits in ticks fall with its first and second
 /// power. Error: bad_value, with the number of the offending setting in `setting`.
 Result make_limits(const settings::Values& values, std::uint32_t beat_ticks, std::uint32_t tick_q16,
                    Limits& out, std::uint16_t& setting);
-
-/// Ticks in a beat of the nominal lamp frequency, rounded.
-std::uint32_t beat_ticks(const settings::Values& values);
 
 }  // namespace lamplock::motion

@@ -27,7 +27,7 @@ bool covers(const PerAxis<SpeedInterval>& outer, const PerAxis<SpeedInterval>& i
 
 /// Displacement in steps, Q32, from an exact position to the middle of a step.
 std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {
-  return ((middle_of_step(to_step) - from_q64) >> 32).to_int64();
+  return ((stepper::middle_of_step(to_step) - from_q64) >> 32).to_int64();
 }
 
 }  // namespace
@@ -66,8 +66,9 @@ Result Planner::set_up(const PlanRequest& request, std::uint32_t& failed) {
     stage.rest = request.mode == JoinMode::start_stop || i + 1 == request.count;
     for (int a = 0; a < limits_->axes; ++a) {
       const Int128 from =
-          i == 0 ? request.start.axis[index(a)].position_q64
-                 : middle_of_step(request.queue->at(request.points[i - 1]).steps[index(a)]);
+          i == 0
+              ? request.start.axis[index(a)].position_q64
+              : stepper::middle_of_step(request.queue->at(request.points[i - 1]).steps[index(a)]);
       const std::int64_t way = way_q32(from, target.steps[index(a)]);
       const std::int64_t q = limits_->axis[index(a)].displacement_q32(way);
       if (abs64(q) > max_displacement_q32) {
@@ -242,11 +243,11 @@ void Planner::make_segment(const PlanRequest& request, std::uint32_t i, const Mo
   s.end.tick = s.end_tick();
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisState& axis = from.axis[index(a)];
-    const Int128 way = (middle_of_step(target.steps[index(a)]) - axis.position_q64) >> 2;
+    const Int128 way = (stepper::middle_of_step(target.steps[index(a)]) - axis.position_q64) >> 2;
     const std::int64_t end_speed = limits_->speed_q62(a, speed_q32_[i][index(a)]);
     s.axis[index(a)] = make_profile(way, axis.speed_q62, end_speed, s.ticks,
                                     limits_->axis[index(a)].plan_speed_q62);
-    s.end.axis[index(a)] = {axis.position_q64 + (displacement_q62(s.axis[index(a)]) << 2),
+    s.end.axis[index(a)] = {axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2),
                             end_speed};
   }
   if (target.shots != 0)

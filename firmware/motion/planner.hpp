@@ -26,9 +26,14 @@
 #include "firmware/motion/limits.hpp"
 #include "firmware/motion/point_queue.hpp"
 #include "firmware/motion/reach.hpp"
-#include "firmware/motion/segment.hpp"
+#include "firmware/stepper/segment.hpp"
 
 namespace lamplock::motion {
+
+using stepper::AxisProfile;
+using stepper::AxisState;
+using stepper::MotionState;
+using stepper::Segment;
 
 inline constexpr std::uint32_t window_points = 16;
 /// Labels kept per point; two are within 0.02 % of the exact optimum on walks.

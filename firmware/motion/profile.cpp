@@ -129,11 +129,11 @@ Int128 widen_by_phase(Excursion& e, Int128 way, std::int64_t speed, std::int64_t
   if (speed != 0 && accel != 0 && (speed < 0) != (accel < 0)) {
     const std::int64_t turn = abs64(speed) / abs64(accel);
     if (turn < static_cast<std::int64_t>(ticks)) {
-      widen(e, way + displacement_q62(speed, accel, static_cast<std::uint32_t>(turn)));
-      widen(e, way + displacement_q62(speed, accel, static_cast<std::uint32_t>(turn) + 1));
+      widen(e, way + stepper::displacement_q62(speed, accel, static_cast<std::uint32_t>(turn)));
+      widen(e, way + stepper::displacement_q62(speed, accel, static_cast<std::uint32_t>(turn) + 1));
     }
   }
-  const Int128 end = way + displacement_q62(speed, accel, ticks);
+  const Int128 end = way + stepper::displacement_q62(speed, accel, ticks);
   widen(e, end);
   return end;
 }

@@ -12,9 +12,11 @@
 
 #include <cstdint>
 
-#include "firmware/motion/segment.hpp"
+#include "firmware/stepper/segment.hpp"
 
 namespace lamplock::motion {
+
+using stepper::AxisProfile;
 
 /// Profile over `ticks` >= 2 covering `distance_q62` from `v0_q62` to `v1_q62` (steps per tick),
 /// cruising at no more than `speed_q62`. Does not judge limits: see within_limits().

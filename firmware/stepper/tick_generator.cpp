@@ -11,14 +11,14 @@ TickGenerator::TickGenerator() { set_position({}); }
 void TickGenerator::set_position(const StepPosition& steps) {
   for (int a = 0; a < max_axes; ++a) {
     runs_[index(a)] = Run{};
-    runs_[index(a)].run.position_q64 = motion::middle_of_step(steps[index(a)]);
+    runs_[index(a)].run.position_q64 = middle_of_step(steps[index(a)]);
     runs_[index(a)].left = forever;
   }
 }
 
-motion::MotionState TickGenerator::state() const {
+MotionState TickGenerator::state() const {
   if (running_ && left_ == 0) return segment_.end;  // between two segments
-  motion::MotionState state;
+  MotionState state;
   state.tick = tick_;
   for (int a = 0; a < max_axes; ++a) {
     const AxisRun& run = runs_[index(a)].run;
@@ -28,7 +28,7 @@ motion::MotionState TickGenerator::state() const {
   return state;
 }
 
-void TickGenerator::load(const motion::Segment& segment) {
+void TickGenerator::load(const Segment& segment) {
   segment_ = segment;
   running_ = true;
   left_ = segment.ticks;
@@ -44,7 +44,7 @@ void TickGenerator::load(const motion::Segment& segment) {
   }
 }
 
-void TickGenerator::replace(const motion::Segment& segment) {
+void TickGenerator::replace(const Segment& segment) {
   window_ = Window{};
   load(segment);
   old_window_ = Window{};
@@ -65,7 +65,7 @@ void TickGenerator::stand() {
 
 void TickGenerator::next_piece(int a) {
   Run& r = runs_[index(a)];
-  const motion::AxisProfile& p = segment_.axis[index(a)];
+  const AxisProfile& p = segment_.axis[index(a)];
   // Pieces: lead up to its turn, rest of the lead, cruise, tail up to its turn, rest of the tail.
   r.left = 0;
   while (r.left == 0 && r.piece < 5) {
@@ -134,7 +134,7 @@ void TickGenerator::advance(std::uint32_t ticks) {
     while (trigger_on_ + trigger_.width_ticks <= tick_) trigger_on_ += trigger_.period_ticks;
 }
 
-void TickGenerator::fill(motion::SegmentQueue& queue, TickBlock& block, std::uint32_t max_ticks) {
+void TickGenerator::fill(SegmentQueue& queue, TickBlock& block, std::uint32_t max_ticks) {
   if (running_ && left_ == 0) {
     const bool follows = !queue.empty() && queue.front().start_tick == tick_;
     if (!follows) {

@@ -12,7 +12,7 @@
 
 #include <cstdint>
 
-#include "firmware/motion/segment_queue.hpp"
+#include "firmware/stepper/segment_queue.hpp"
 #include "firmware/stepper/tick_block.hpp"
 
 namespace lamplock::stepper {
@@ -38,19 +38,19 @@ class TickGenerator {
   }
 
   /// Next block, at most `max_ticks` long.
-  void fill(motion::SegmentQueue& queue, TickBlock& block, std::uint32_t max_ticks);
+  void fill(SegmentQueue& queue, TickBlock& block, std::uint32_t max_ticks);
 
   /// State at the next tick to be filled.
-  motion::MotionState state() const;
+  MotionState state() const;
   /// True if a segment is being run.
   bool running() const { return running_; }
   /// True once motion has ended with speed because no segment followed in time: a fault.
   bool underrun() const { return underrun_; }
   /// The segment being run; valid while running().
-  const motion::Segment& segment() const { return segment_; }
+  const Segment& segment() const { return segment_; }
 
   /// Replaces what is being run (brake). The segment starts at state(). Fill interrupt masked.
-  void replace(const motion::Segment& segment);
+  void replace(const Segment& segment);
   /// Stops dead where the machine is (e-stop): speed is lost, position kept.
   void halt();
   /// Sets the position of an axis at rest (homing, power-up).
@@ -67,7 +67,7 @@ class TickGenerator {
   };
 
   void stand();
-  void load(const motion::Segment& segment);
+  void load(const Segment& segment);
   void next_piece(int axis);
   std::uint32_t limit_to(std::uint64_t change_tick, std::uint32_t ticks) const;
   std::uint32_t limit_by_bits(std::uint32_t ticks) const;
@@ -78,7 +78,7 @@ class TickGenerator {
   bool running_ = false;
   bool underrun_ = false;
   std::uint32_t left_ = 0;  ///< ticks left in the segment
-  motion::Segment segment_;
+  Segment segment_;
   PerAxis<Run> runs_{};
   Window window_, old_window_;
   std::uint32_t arm_lead_ticks_ = 0;

@@ -80,8 +80,7 @@ report::JobRun run_of(const Work& work, const BoardOptions& options,
   run.beats_before = result.status.beats_before;
   run.time_s = static_cast<double>(run.beats) / lamp_hz(run.settings);
   for (std::size_t i = 0; i < beat_reason_count; ++i)
-    if (static_cast<BeatReason>(i) != BeatReason::fired)
-      run.beats_by_reason[std::string(beat_reason_names[i])] = result.status.beats_by_reason[i];
+    run.beats_by_reason[std::string(beat_reason_names[i])] = result.status.beats_by_reason[i];
   run.link = {result.resent, result.bad_frames + result.status.link.bad_frames, result.reconnects};
   return run;
 }

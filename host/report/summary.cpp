@@ -97,7 +97,7 @@ std::string summary(const Report& report) {
   std::vector<Row> rows = result_rows(reports);
   rows.push_back({"beats before the first shot", grouped(report.beats_before)});
   for (const auto& [reason, beats] : report.beats_by_reason)
-    if (beats > 0) rows.push_back({"beats without shot: " + reason, grouped(beats)});
+    if (beats > 0) rows.push_back({"beats: " + reason, grouped(beats)});
   rows.push_back({"link: frames resent", grouped(report.link.resent)});
   rows.push_back({"link: bad frames", grouped(report.link.bad)});
   rows.push_back({"link: reconnects", grouped(report.link.reconnects)});

@@ -263,7 +263,7 @@ void VirtualBoard::stop_dead() {
     block.bits = 0;
     for (int a = 0; a < max_axes; ++a) {
       block.axis[index(a)] = stepper::AxisRun{};
-      block.axis[index(a)].position_q64 = motion::middle_of_step(steps[index(a)]);
+      block.axis[index(a)].position_q64 = stepper::middle_of_step(steps[index(a)]);
     }
   }
   apply_bits(0, now_);

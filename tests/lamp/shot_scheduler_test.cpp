@@ -14,7 +14,7 @@
 namespace lamplock::lamp {
 namespace {
 
-using motion::Segment;
+using stepper::Segment;
 
 constexpr std::uint32_t lamp_hz = 1000;
 

@@ -96,8 +96,10 @@ TEST(PtyEndpoint, ReplacesAnOldLinkButNoFile) {
 }
 
 TEST(SerialTransport, NoticesThatTheOtherEndIsGone) {
-  auto endpoint = std::make_unique<PtyEndpoint>();
-  SerialTransport transport(endpoint->address());
+  // By a link of its own: the number of a pseudo-terminal is soon somebody else's.
+  const auto path = link_path("lamplock-gone-");
+  auto endpoint = std::make_unique<PtyEndpoint>(path);
+  SerialTransport transport(path.string());
   EXPECT_TRUE(transport.connected());
   endpoint.reset();
   std::array<std::uint8_t, 10> bytes{};

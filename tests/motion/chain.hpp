@@ -28,7 +28,7 @@ struct Chain {
 /// Every segment of a chain, and the beats of each.
 struct ChainPlan {
   Result result = Result::ok;
-  std::vector<motion::Segment> segments;
+  std::vector<stepper::Segment> segments;
   std::vector<std::int32_t> beats;
 
   long total_beats() const {
@@ -62,11 +62,10 @@ inline settings::Values machine_settings(double lamp_hz, double accel_m_s2, doub
 
 /// Limits of such a machine on its nominal beat.
 inline motion::Limits limits_of(const settings::Values& values,
-                                std::uint32_t tick_q16 = motion::full_tick_q16) {
+                                std::uint32_t tick_q16 = full_tick_q16) {
   motion::Limits limits;
   std::uint16_t setting = 0;
-  if (motion::make_limits(values, motion::beat_ticks(values), tick_q16, limits, setting) !=
-      Result::ok)
+  if (motion::make_limits(values, beat_ticks(values), tick_q16, limits, setting) != Result::ok)
     throw std::runtime_error("setting " + std::to_string(setting) + " refused");
   return limits;
 }
@@ -125,9 +124,9 @@ inline Chain random_chain(std::mt19937_64& random, std::size_t points) {
 }
 
 /// Rest at the machine's zero, on lattice tick 0.
-inline motion::MotionState rest_at_zero() {
-  motion::MotionState state;
-  for (motion::AxisState& axis : state.axis) axis.position_q64 = motion::middle_of_step(0);
+inline stepper::MotionState rest_at_zero() {
+  stepper::MotionState state;
+  for (stepper::AxisState& axis : state.axis) axis.position_q64 = stepper::middle_of_step(0);
   return state;
 }
 

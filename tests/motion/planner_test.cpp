@@ -24,7 +24,7 @@ std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
 
 /// Steps between an exact position and the middle of a step.
 double off_by(Int128 position_q64, std::int32_t step) {
-  return static_cast<double>(native(position_q64 - middle_of_step(step))) / unit_q64;
+  return static_cast<double>(native(position_q64 - stepper::middle_of_step(step))) / unit_q64;
 }
 
 /// Work space at a position: the step that the axis shows there.
@@ -44,7 +44,7 @@ void expect_joined(const Chain& chain, const MotionState& from, const Segment& s
     ASSERT_EQ(p.ticks(), s.ticks);
     ASSERT_EQ(p.speed_q62, from.axis[index(a)].speed_q62);
     ASSERT_EQ(native(s.end.axis[index(a)].position_q64),
-              native(from.axis[index(a)].position_q64 + (displacement_q62(p) << 2)));
+              native(from.axis[index(a)].position_q64 + (stepper::displacement_q62(p) << 2)));
     ASSERT_LE(abs64(p.end_speed_q62() - s.end.axis[index(a)].speed_q62),
               2 * static_cast<std::int64_t>(p.tail_ticks));
   }
@@ -306,9 +306,9 @@ AxisState state_after(const AxisProfile& p, std::uint32_t n) {
   const std::uint32_t cruise = std::min(n - lead, p.cruise_ticks);
   const std::uint32_t tail = n - lead - cruise;
   const std::int64_t speed = p.speed_q62 + p.lead_accel_q62 * lead;
-  const Int128 way = displacement_q62(p.speed_q62, p.lead_accel_q62, lead) +
-                     displacement_q62(speed, 0, cruise) +
-                     displacement_q62(speed, p.tail_accel_q62, tail);
+  const Int128 way = stepper::displacement_q62(p.speed_q62, p.lead_accel_q62, lead) +
+                     stepper::displacement_q62(speed, 0, cruise) +
+                     stepper::displacement_q62(speed, p.tail_accel_q62, tail);
   return {way, speed + p.tail_accel_q62 * tail};
 }
 
@@ -320,7 +320,7 @@ void expect_brake_inside(const AxisLimits& axis, Int128 start, const AxisProfile
     const AxisState at = state_after(p, n);
     const AxisProfile brake = make_brake(at.speed_q62, axis.plan_accel_q62,
                                          braking_ticks(at.speed_q62, axis.plan_accel_q62));
-    const Int128 way = at.position_q64 + displacement_q62(brake);
+    const Int128 way = at.position_q64 + stepper::displacement_q62(brake);
     ASSERT_TRUE(in_work_space(axis, start + (way << 2))) << "braking after " << n << " ticks";
   }
 }

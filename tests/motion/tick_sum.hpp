@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "firmware/motion/segment.hpp"
+#include "firmware/stepper/segment.hpp"
 
 namespace lamplock::test {
 
@@ -30,7 +30,7 @@ struct TickSum {
 
 /// Calls `at(position_q62, speed_q62)` after every tick, position relative to the start.
 template <class Visit>
-void for_each_tick(const motion::AxisProfile& p, Visit at) {
+void for_each_tick(const stepper::AxisProfile& p, Visit at) {
   struct Phase {
     std::int64_t accel;
     std::uint32_t ticks, turn;
@@ -51,7 +51,7 @@ void for_each_tick(const motion::AxisProfile& p, Visit at) {
   }
 }
 
-inline TickSum sum_ticks(const motion::AxisProfile& p) {
+inline TickSum sum_ticks(const stepper::AxisProfile& p) {
   TickSum sum;
   sum.largest_speed_q62 = abs64(p.speed_q62);
   sum.largest_accel_q62 = std::max(p.lead_ticks != 0 ? abs64(p.lead_accel_q62) : 0,

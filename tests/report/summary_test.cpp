@@ -32,7 +32,7 @@ TEST(Summary, OneReport) {
   EXPECT_THAT(text, ContainsRegex("utilisation +16\\.2 %\n"));
   EXPECT_THAT(text, ContainsRegex("machine time +2 min 03 s\n"));
   EXPECT_THAT(text, ContainsRegex("missed points +0\n"));
-  EXPECT_THAT(text, ContainsRegex("without shot: travel +10 345\n"));
+  EXPECT_THAT(text, ContainsRegex("beats: travel +10 345\n"));
   EXPECT_THAT(text, ContainsRegex("frames resent +4\n"));
   EXPECT_THAT(text, Not(HasSubstr("dropout")));
 }

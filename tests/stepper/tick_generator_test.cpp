@@ -17,9 +17,9 @@ namespace lamplock::stepper {
 namespace {
 
 using motion::JoinMode;
-using motion::MotionState;
-using motion::Segment;
-using motion::SegmentQueue;
+using stepper::MotionState;
+using stepper::Segment;
+using stepper::SegmentQueue;
 using test::native;
 
 std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
@@ -42,7 +42,7 @@ struct BitsChange {
 class NaiveBoard {
  public:
   NaiveBoard() {
-    for (auto& p : position_) p = native(motion::middle_of_step(0));
+    for (auto& p : position_) p = native(stepper::middle_of_step(0));
   }
 
   void play(const TickBlock& block) {
@@ -206,7 +206,7 @@ TEST(TickGenerator, CarriesRemaindersThroughTenThousandSegments) {
       ASSERT_EQ(board.position(a), native(s.end.axis[index(a)].position_q64)) << s.point;
       ASSERT_EQ(board.counted(a), step) << s.point;
       // The remainder of the rounding is there, and stays below 1e-6 step for ever.
-      const test::Native off = board.position(a) - native(motion::middle_of_step(step));
+      const test::Native off = board.position(a) - native(stepper::middle_of_step(step));
       ASSERT_LT(std::fabs(static_cast<double>(off)) / 18446744073709551616.0, 1e-6) << s.point;
       off_the_middle += off != 0 ? 1 : 0;
     }
@@ -287,12 +287,12 @@ Segment brake_from(const MotionState& from, const motion::Limits& limits) {
                                                       limits.axis[index(a)].plan_accel_q62));
   s.end.tick = s.end_tick();
   for (int a = 0; a < max_axes; ++a) {
-    const motion::AxisState& axis = from.axis[index(a)];
+    const stepper::AxisState& axis = from.axis[index(a)];
     if (a < limits.axes)
       s.axis[index(a)] =
           motion::make_brake(axis.speed_q62, limits.axis[index(a)].plan_accel_q62, s.ticks);
     s.end.axis[index(a)].position_q64 =
-        axis.position_q64 + (motion::displacement_q62(s.axis[index(a)]) << 2);
+        axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2);
   }
   return s;
 }

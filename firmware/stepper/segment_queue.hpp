@@ -8,9 +8,9 @@
 #include <array>
 #include <cstdint>
 
-#include "firmware/motion/segment.hpp"
+#include "firmware/stepper/segment.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::stepper {
 
 /// Fixed ring of segments.
 class SegmentQueue {
@@ -34,4 +34,4 @@ class SegmentQueue {
   std::uint32_t end_ = 0;
 };
 
-}  // namespace lamplock::motion
+}  // namespace lamplock::stepper

@@ -11,12 +11,11 @@
 
 #include <cstdint>
 
-#include "firmware/motion/target.hpp"
 #include "shared/beat_reason.hpp"
 #include "shared/fixed_point.hpp"
 #include "shared/units.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::stepper {
 
 /// Motion of one axis during a segment.
 struct AxisProfile {
@@ -100,4 +99,4 @@ struct Segment {
   std::uint64_t end_tick() const { return start_tick + ticks; }
 };
 
-}  // namespace lamplock::motion
+}  // namespace lamplock::stepper
