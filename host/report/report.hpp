@@ -57,7 +57,8 @@ struct JobRun {
   std::uint64_t beats = 0;         ///< lamp periods from the first shot to the last, both included
   std::uint64_t beats_before = 0;  ///< lamp periods before the first shot
   double time_s = 0;               ///< machine time of `beats`
-  std::map<std::string, std::uint64_t> beats_by_reason;  ///< every beat by its reason; their sum is `beats`
+  std::map<std::string, std::uint64_t>
+      beats_by_reason;  ///< every beat by its reason; their sum is `beats`
   LinkCounts link;
   settings::Values settings;
 };
