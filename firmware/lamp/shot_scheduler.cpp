@@ -35,6 +35,8 @@ void ShotScheduler::begin_job() {
 
 bool ShotScheduler::commit(const stepper::Segment& s, std::uint64_t first_beat,
                            std::uint64_t last_beat) {
+  // A plan that was kept for its token alone, now spent or withdrawn, gives way.
+  while (end_ != begin_ && at(end_ - 1).last_beat >= first_beat) end_ = end_ - 1;
   if (free() == 0) return false;
   Plan& p = at(end_);
   p = Plan{};
@@ -52,7 +54,13 @@ bool ShotScheduler::commit(const stepper::Segment& s, std::uint64_t first_beat,
 }
 
 void ShotScheduler::cancel_after(std::uint64_t beat) {
-  while (end_ != begin_ && at(end_ - 1).last_beat > beat) end_ = end_ - 1;
+  // A token that the board holds may still fire on an early edge: its plan stays until it is spent
+  // or withdrawn, else that shot would be nobody's and its point fired again.
+  while (end_ != begin_ && at(end_ - 1).last_beat > beat) {
+    const Plan& last = at(end_ - 1);
+    if (token_out_ && last.issued && last.last_beat == token_beat_) break;
+    end_ = end_ - 1;
+  }
 }
 
 void ShotScheduler::restart(BeatReason reason) {

@@ -68,7 +68,7 @@ class ShotScheduler {
   /// A segment was committed that covers beats first..last (the last one may carry its shot).
   bool commit(const stepper::Segment& segment, std::uint64_t first_beat, std::uint64_t last_beat);
   std::uint32_t free() const { return capacity - (end_ - begin_); }
-  /// Forgets what is planned after `beat`.
+  /// Forgets what is planned after `beat`, but not a shot whose token is out.
   void cancel_after(std::uint64_t beat);
   /// After a miss: what is still planned moves on without shots, `reason` for its beats; shots
   /// are allowed again from the next commit on.

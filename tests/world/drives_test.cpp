@@ -18,7 +18,7 @@ class Train {
     const int fault = fault_wanted();
     const bool turn = fault == 3 || pick(4) == 0;
     Picoseconds rise = last_rise_ + 900'000 + static_cast<Picoseconds>(pick(2'000'000));
-    if (fault == 2 && !turn) {
+    if (fault == 2 && !turn && !steps.empty()) {  // the first step follows nothing
       rise = last_rise_ + width_ + 1 + static_cast<Picoseconds>(pick(899'998 - 700'000));
       ++expected.fast_steps;
     }
