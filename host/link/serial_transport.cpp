@@ -66,7 +66,7 @@ bool SerialTransport::open() {
     port.set_option(asio::serial_port::flow_control(asio::serial_port::flow_control::none), error);
   if (error) {
     port_->failure = error.message();
-    close();
+    SerialTransport::close();
     return false;
   }
   const int fd = port.native_handle();

@@ -1,9 +1,9 @@
 #include "sim/endpoint/pty_endpoint.hpp"
 
 #include <fcntl.h>
-#include <stdlib.h>
 #include <termios.h>
 #include <unistd.h>
+#include <cstdlib>
 
 #include <array>
 #include <cerrno>
