@@ -10,6 +10,8 @@ constexpr int candidates_per_label = 5;
 constexpr std::int32_t candidate_spacing = 4;
 /// Beats searched beyond the least possible before a label is given up.
 constexpr std::int32_t max_extra_beats = 64;
+/// Ticks of a segment are kept in 31 bits.
+constexpr std::uint32_t longest_segment_ticks = 0x7fffffff;
 
 std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
 
@@ -35,6 +37,8 @@ std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {
 Result Planner::plan(const PlanRequest& request, std::uint32_t& failed) {
   limits_ = request.limits;
   least_beats_ = request.least_beats;
+  const std::uint32_t most = longest_segment_ticks / limits_->beat_ticks;
+  most_beats_ = most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
   if (const Result r = set_up(request, failed); r != Result::ok) return r;
   // Every round that fails turns at least one more point into a rest: at most `count` rounds.
   for (std::uint32_t round = 0; round <= request.count; ++round) {
@@ -126,6 +130,7 @@ bool Planner::extend(const PlanRequest& request, std::uint32_t i) {
 }
 
 bool Planner::step(const Label& from, const Stage& to, std::int32_t beats, Label& result) const {
+  if (beats > most_beats_) return false;
   for (int a = 0; a < limits_->axes; ++a) {
     SpeedInterval& side = result.box[index(a)];
     if (!reach(from.box[index(a)], to.displacement_q32[index(a)], beats,
@@ -146,13 +151,13 @@ std::int32_t Planner::fewest_beats(const Label& from, const Stage& to) const {
   for (int a = 0; a < limits_->axes; ++a) {
     const std::int64_t limit = limits_->axis[index(a)].speed_q32;
     const std::int64_t beats = (abs64(to.displacement_q32[index(a)]) + limit - 1) / limit;
-    if (beats > max_beats_per_point) return 0;
+    if (beats > most_beats_) return 0;
     if (beats > first) first = static_cast<std::int32_t>(beats);
   }
   // From any start speed, 2 V/A beats more than at full speed are enough to brake and come back.
   std::int64_t last = first + max_extra_beats;
   for (int a = 0; a < limits_->axes; ++a) last += 2 * (limits_->axis[index(a)].speed_q32 >> 32);
-  if (last > max_beats_per_point) last = max_beats_per_point;
+  if (last > most_beats_) last = most_beats_;
   Label probe;
   for (std::int32_t beats = first; beats <= last; ++beats)
     if (step(from, to, beats, probe)) return beats;

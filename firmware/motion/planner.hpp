@@ -91,6 +91,7 @@ class Planner {
 
   const Limits* limits_ = nullptr;
   std::int32_t least_beats_ = 1;
+  std::int32_t most_beats_ = 1;  ///< so that the ticks of a segment stay in 31 bits
   Label start_;
   std::array<Stage, window_points> stages_{};
   std::array<std::int32_t, window_points> beats_{};

@@ -407,5 +407,30 @@ TEST(Planner, LeastBeatsLimitTheRateOfShots) {
   for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(planner.beats(i), 3);
 }
 
+TEST(Planner, RefusesBeatsWhoseTicksNoSegmentHolds) {
+  // At 1 Hz 2^31 ticks are 2147 beats: one more is refused, not wrapped.
+  const Limits limits = test::limits_of(test::machine_settings(1, 4, 0.1, 1, 200));
+  for (const std::uint16_t beats : std::array<std::uint16_t, 4>{2147, 2148, 4295, 8192}) {
+    PointQueue queue;
+    queue.reset(0);
+    Target t;
+    t.steps[0] = 100;
+    t.beats = beats;
+    queue.push(t);
+    PlanRequest request;
+    request.queue = &queue;
+    request.count = 1;
+    request.limits = &limits;
+    request.start = test::rest_at_zero();
+    Planner planner;
+    std::uint32_t failed = 0;
+    const Result result = planner.plan(request, failed);
+    EXPECT_EQ(result, beats == 2147 ? Result::ok : Result::unreachable) << beats;
+    if (result == Result::ok) {
+      EXPECT_EQ(planner.segment(0).ticks, 2147u * limits.beat_ticks);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lamplock::motion
