@@ -34,7 +34,7 @@ class BadCable : public link::Transport {
 
   BadCable(Faults faults, std::uint64_t seed) : faults_(faults), random_(seed) {
     std::uniform_int_distribution<Time::rep> when(0, faults.cut_span.count());
-    for (int i = 0; i < faults.cuts; ++i) cuts_.push_back(Time(when(random_)));
+    for (int i = 0; i < faults.cuts; ++i) cuts_.emplace_back(when(random_));
     std::sort(cuts_.begin(), cuts_.end());
   }
 

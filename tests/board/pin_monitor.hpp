@@ -113,7 +113,7 @@ class PinMonitor final : public sim::PinListener {
       if (axis >= values.whole(settings::Id::axes))
         return fmt::format("axis {} moves and does not exist", axis);
       const std::int32_t before = first == all.begin() ? 0 : std::prev(first)->position;
-      const std::string text = judge(values, axis, before, {first, last}, to);
+      std::string text = judge(values, axis, before, {first, last}, to);
       if (!text.empty()) return text;
     }
     return {};
@@ -155,7 +155,7 @@ class PinMonitor final : public sim::PinListener {
                            interval);
     }
     for (const double h : windows_s) {
-      const std::string text = judge_window(rules, axis, before, steps, h, to);
+      std::string text = judge_window(rules, axis, before, steps, h, to);
       if (!text.empty()) return text;
     }
     return {};
