@@ -39,7 +39,7 @@ std::string error_of(const std::string& text) {
     read(text);
   } catch (const Error& error) {
     EXPECT_EQ(error.exit(), Exit::bad_input);
-    const std::string what = error.what();
+    std::string what = error.what();
     EXPECT_EQ(what.find('\n'), std::string::npos);
     EXPECT_EQ(what.rfind("error: ", 0), 0u);
     return what;
