@@ -54,7 +54,7 @@ std::string error_of(Call&& call) {
     call();
   } catch (const Error& error) {
     EXPECT_EQ(error.exit(), Exit::bad_input);
-    const std::string text = error.what();
+    std::string text = error.what();
     EXPECT_EQ(text.find('\n'), std::string::npos) << text;
     EXPECT_TRUE(text.starts_with("error: ")) << text;
     return text;
@@ -63,16 +63,16 @@ std::string error_of(Call&& call) {
   return "";
 }
 
-/// A torus round z, major radius R, minor radius r, closed, outward normals. The offset turns the
-/// mesh a little so that no vertex lies on a special line by accident.
-inline model::Mesh torus(double R, double r, std::uint32_t around, std::uint32_t along,
+/// A torus round z, major radius `ring`, minor radius r, closed, outward normals. The offset turns
+/// the mesh a little so that no vertex lies on a special line by accident.
+inline model::Mesh torus(double ring, double r, std::uint32_t around, std::uint32_t along,
                          double offset = 0) {
   using std::numbers::pi;
   model::Mesh mesh;
   for (std::uint32_t i = 0; i < around; ++i) {
     for (std::uint32_t j = 0; j < along; ++j) {
       const double a = 2 * pi * i / around + offset, b = 2 * pi * j / along + offset;
-      const double d = R + r * std::cos(b);
+      const double d = ring + r * std::cos(b);
       mesh.vertices.push_back({d * std::cos(a), d * std::sin(a), r * std::sin(b)});
     }
   }
