@@ -1,7 +1,7 @@
 // Fixed-point helpers of the firmware: products, quotients and roots that say how they round.
 //
 // The Q format is part of every name: speed_q62 is a speed with 62 fractional bits. Planner
-// intervals are rounded inwards, therefore every root exists rounded down and rounded up.
+// intervals are rounded inwards.
 #pragma once
 
 #include <array>
@@ -66,15 +66,6 @@ constexpr std::int64_t sqrt_down_q32(std::int64_t x_q32) {
   const std::int64_t root = isqrt(x << shift);
   const int back = 16 - shift / 2;  // sqrt(x 2^32) 2^16, undoing half of the shift
   return back >= 0 ? root << back : root >> -back;
-}
-
-/// Root of a Q32 number, never below the true root.
-constexpr std::int64_t sqrt_up_q32(std::int64_t x_q32) {
-  if (x_q32 <= 0) return 0;
-  const std::int64_t down = sqrt_down_q32(x_q32);
-  const int shift = std::countl_zero(static_cast<std::uint64_t>(x_q32)) & ~1;
-  const int back = 16 - shift / 2;
-  return down + (back > 0 ? std::int64_t{1} << back : 1);
 }
 
 constexpr std::int64_t abs64(std::int64_t x) { return x < 0 ? -x : x; }

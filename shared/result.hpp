@@ -9,7 +9,6 @@ namespace lamplock {
 enum class Result : std::uint8_t {
   ok = 0,
   bad_frame = 1,           ///< malformed payload (length, unknown record or frame type)
-  bad_sequence = 2,        ///< frame is not the next one expected
   no_space = 3,            ///< the point buffer cannot take the whole frame
   no_job = 4,              ///< data or command outside a job
   busy = 5,                ///< not possible in this state (job running, not idle)

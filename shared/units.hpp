@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace lamplock {
@@ -24,6 +25,8 @@ inline constexpr std::uint32_t clocks_per_us = clock_hz / 1'000'000;
 /// One value per axis.
 template <class T>
 using PerAxis = std::array<T, max_axes>;
+/// Index of an axis in it.
+constexpr std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
 
 /// Position of the machine in steps from machine zero.
 using StepPosition = PerAxis<std::int32_t>;

@@ -28,6 +28,30 @@ constexpr std::uint32_t trigger_ticks = 20;
 constexpr std::string_view version_line = "[VER:1.1h.20261121:lamplock]\r\n";
 constexpr std::string_view state_names[] = {"Idle", "Run", "Hold:0", "Alarm", "Door:1", "Alarm"};
 
+/// The firmware's settings are the truth for limits and protections: true if a job asks for more
+/// than the machine's own setting allows.
+bool loosens(Id id, std::int32_t asked, std::int32_t own) {
+  switch (id) {
+    case Id::soft_limits:
+    case Id::hard_limits:
+    case Id::lamp_warm_up:
+      return asked < own;
+    case Id::dead_man:
+      return own != 0 && (asked == 0 || asked > own);
+    case Id::max_shot_rate:
+      return asked > own;
+    default:
+      return id >= Id::max_rate_x && id <= Id::travel_a && asked > own;
+  }
+}
+
+/// The work space of a job lies inside the machine's own.
+bool inside_work_space(const settings::Values& job, const settings::Values& own, int axis) {
+  const auto low = [axis](const settings::Values& v) { return v.milli(Id::min_corner_x, axis); };
+  const auto high = [&](const settings::Values& v) { return low(v) + v.milli(Id::travel_x, axis); };
+  return low(job) >= low(own) && high(job) <= high(own);
+}
+
 }  // namespace
 
 Controller::Controller(const settings::Values& stored)
@@ -60,10 +84,11 @@ void Controller::set_trigger() {
   stepper::TriggerPattern trigger;
   if (clock_.mode() != settings::LampMode::slave) {
     trigger.period_ticks = clock_.beat_ticks();
-    trigger.lead_ticks = (timing.delay_clocks + clocks_per_tick / 2) / clocks_per_tick;
+    const std::uint32_t trigger_lead =
+        (timing.delay_clocks + clocks_per_tick / 2) / clocks_per_tick;
     trigger.width_ticks = trigger_ticks;
-    const std::uint64_t head = runner_.generator().state().tick + trigger.lead_ticks;
-    trigger.first_tick = clock_.tick_of_beat(clock_.beat_at_or_after(head)) - trigger.lead_ticks;
+    const std::uint64_t head = runner_.generator().state().tick + trigger_lead;
+    trigger.first_tick = clock_.tick_of_beat(clock_.beat_at_or_after(head)) - trigger_lead;
   }
   runner_.generator().set_trigger(trigger);
 }
@@ -73,23 +98,34 @@ void Controller::receive(std::span<const std::uint8_t> bytes) {
   link_.receive(bytes, *this);
 }
 
-void Controller::poll(std::uint64_t clock) {
+bool Controller::prepare(std::uint64_t clock) {
   now_ = clock;
   if (byte_seen_) {
     byte_seen_ = false;
     last_byte_ = clock;
   }
   check_dead_man();
-  if (runner_.underrun() && state_ != MachineState::alarm)
-    raise_alarm(alarm_reset_in_motion, MachineState::alarm);
+  if (runner_.underrun()) raise_alarm(alarm_reset_in_motion);
   const bool go = ready_to_move();
   if (moving_ && !go) runner_.brake();
   moving_ = go;
   shots_.permit(go && !dry_, idle_reason());
-  if (job_ && runner_.poll(values_, go) != Result::ok) {
+  if (!job_) runner_.read_outcomes();
+  planning_ = job_ && runner_.prepare(go);
+  return planning_;
+}
+
+void Controller::commit() {
+  // A hold or an alarm since prepare() has made the plan worthless.
+  if (planning_ && moving_ && !runner_.underrun() && runner_.commit() != Result::ok) {
     link_.refuse_point(Result::unreachable, runner_.failed_point());
     stop();
   }
+  planning_ = false;
+  // A stop is over when the last shot that was decided has been counted.
+  const bool stopping = !job_ && (state_ == MachineState::run || state_ == MachineState::hold ||
+                                  state_ == MachineState::door);
+  if (stopping && !shots_.token_out()) state_ = MachineState::idle;
   if (state_ == MachineState::run && job_ && runner_.complete() && runner_.at_rest())
     state_ = MachineState::idle;
   link_.poll(*this);
@@ -132,7 +168,7 @@ void Controller::input_changed(Input input, bool active) {
     case Input::estop:
       estop_ = active;
       if (active)
-        raise_alarm(alarm_estop, MachineState::estop);
+        raise_alarm(alarm_estop);
       else if (state_ == MachineState::estop)
         state_ = MachineState::alarm;
       break;
@@ -150,8 +186,7 @@ void Controller::input_changed(Input input, bool active) {
       }
       break;
     default:
-      if (active && values_.whole(Id::hard_limits) != 0)
-        raise_alarm(alarm_hard_limit, MachineState::alarm);
+      if (active && values_.whole(Id::hard_limits) != 0) raise_alarm(alarm_hard_limit);
       break;
   }
 }
@@ -161,15 +196,16 @@ void Controller::stopped_at(const StepPosition& steps) {
   runner_.generator().set_position(steps);
 }
 
-void Controller::raise_alarm(std::uint8_t number, MachineState state) {
+void Controller::raise_alarm(std::uint8_t number) {
   shots_.permit(false, BeatReason::alarm);
   runner_.halt();
   moving_ = false;
-  state_ = state;
-  alarm_ = number;
+  // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.
+  state_ = estop_ ? MachineState::estop : MachineState::alarm;
+  alarm_ = estop_ ? alarm_estop : number;
   hold_reason_ = HoldReason::none;
   TextLine line;
-  line.add("ALARM:").add(std::int64_t{number}).add("\r\n");
+  line.add("ALARM:").add(std::int64_t{alarm_}).add("\r\n");
   link_.send_text(line.view());
 }
 
@@ -187,7 +223,7 @@ void Controller::hold(HoldReason reason) {
   if (state_ == MachineState::hold && reason == HoldReason::host) hold_reason_ = reason;
   if (state_ != MachineState::run) return;
   shots_.permit(false, BeatReason::hold);
-  runner_.poll(values_, false);  // who asks now, where to go on, shall not be told too low a number
+  runner_.read_outcomes();  // who asks now, where to go on, shall not be told too low a number
   if (moving_) runner_.brake();
   moving_ = false;
   state_ = MachineState::hold;
@@ -204,12 +240,10 @@ void Controller::resume() {
 void Controller::stop() {
   shots_.permit(false, BeatReason::no_point_due);
   // Shots fired since the last poll count: the next job goes on behind them.
-  if (job_) runner_.poll(values_, false);
+  if (job_) runner_.read_outcomes();
   if (moving_) runner_.brake();
   moving_ = false;
   job_ = false;
-  if (state_ == MachineState::run || state_ == MachineState::hold || state_ == MachineState::door)
-    state_ = MachineState::idle;
   hold_reason_ = HoldReason::none;
 }
 
@@ -219,10 +253,12 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
     refused_value_ = item.number;
     const Id id = settings::find_number(item.number);
     if (id == Id::count) return Result::bad_value;
-    // The firmware's settings are the truth for limits: a job may only ask for less.
-    const bool limit = id >= Id::max_rate_x && id <= Id::travel_a;
-    if (limit && item.value_milli > stored_.milli(id)) return Result::bad_value;
+    if (loosens(id, item.value_milli, stored_.milli(id))) return Result::bad_value;
     if (!values.set_milli(id, item.value_milli)) return Result::bad_value;
+  }
+  for (int axis = 0; axis < max_axes; ++axis) {
+    refused_value_ = settings::row(settings::for_axis(Id::min_corner_x, axis)).number;
+    if (!inside_work_space(values, stored_, axis)) return Result::bad_value;
   }
   refused_value_ = 0;
   if (header.settings_hash != 0 && header.settings_hash != values.hash())
@@ -312,9 +348,9 @@ void Controller::on_realtime(std::uint8_t byte) {
       break;
     case byte_reset:
       // In a job it may be one flipped bit: nothing is lost but time. Else it is a reset.
-      if (job_ && state_ == MachineState::run)
+      if (state_ == MachineState::run)
         hold(HoldReason::reset);
-      else if (!job_)
+      else if (state_ != MachineState::hold && state_ != MachineState::door)
         send_banner();
       break;
     default:

@@ -5,14 +5,20 @@
 //
 //   function            called from           at least every    what for
 //   receive, transmit   main loop             1 ms              bytes of the host
-//   poll                main loop             1 ms              state, planning
-//   input_changed       main loop             on change         e-stop, door, limit switches
+//   prepare             main loop             1 ms              state; true: something to plan
+//   plan                main loop             when so told      planning, long
+//   commit              main loop             after prepare     motion handed out, answers
+//   input_changed       main loop             on change         e-stop, door, limit switches; at
+//                                                               power-up for each active one
 //   fill                fill interrupt        2 ms ahead        steps and lattice bits
 //   next_span           timing interrupt      0.1-0.5 ms ahead  lengths of ticks
 //   lamp_edge           beat interrupt        on LAMP SYNC      edge and whether it fired
 //   next_token          beat interrupt        after each edge   the right to the next shot
 //   token_expired       beat interrupt        at its tick       the token was withdrawn
 //   outputs             anywhere              after each call   what may be on
+//
+// The main loop calls everything but plan() with its beat and fill interrupts masked: they share
+// data. plan() works on data of its own and may be interrupted for as long as it takes.
 //
 // Safety: outputs().fire_enable is false whenever there is any doubt; a board must take firing away
 // within one call of seeing it, and the hardware on e-stop by itself.
@@ -67,7 +73,14 @@ class Controller {
   // Main loop.
   void receive(std::span<const std::uint8_t> bytes);
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
-  void poll(std::uint64_t clock);
+  bool prepare(std::uint64_t clock);
+  void plan() { runner_.plan(values_); }
+  void commit();
+  /// The three in a row, for boards without interrupts.
+  void poll(std::uint64_t clock) {
+    if (prepare(clock)) plan();
+    commit();
+  }
   void input_changed(Input input, bool active);
   /// The board has thrown away what it was given ahead (e-stop): where the axes really stand.
   void stopped_at(const StepPosition& steps);
@@ -108,7 +121,7 @@ class Controller {
   void hold(wire::HoldReason reason);
   void resume();
   void stop();
-  void raise_alarm(std::uint8_t number, wire::MachineState state);
+  void raise_alarm(std::uint8_t number);
   void unlock();
   bool ready_to_move() const;
   BeatReason idle_reason() const;
@@ -130,13 +143,14 @@ class Controller {
   std::uint8_t alarm_ = 0;
   bool job_ = false;  ///< a job has begun and was not ended
   bool dry_ = false;
-  bool moving_ = false;  ///< motion was permitted at the last poll
+  bool moving_ = false;    ///< motion was permitted at the last prepare()
+  bool planning_ = false;  ///< between prepare() and commit() there is a plan to hand out
   bool door_open_ = false;
   bool estop_ = false;
   std::uint32_t points_total_ = 0;
   std::uint32_t refused_value_ = 0;
-  std::uint64_t now_ = 0;        ///< clock of the last poll
-  std::uint64_t last_byte_ = 0;  ///< clock of the last poll that saw a byte
+  std::uint64_t now_ = 0;        ///< clock of the last prepare()
+  std::uint64_t last_byte_ = 0;  ///< clock of the last prepare() that saw a byte
   bool byte_seen_ = false;
 };
 

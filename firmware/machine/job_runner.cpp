@@ -16,8 +16,6 @@ constexpr std::uint32_t commit_points = motion::window_points / 2;
 /// Limits are made anew when the shortest tick has moved by more than this: 1/512.
 constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
-std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
-
 }  // namespace
 
 void JobRunner::begin(const RunOptions& options, const settings::Values& values,
@@ -83,14 +81,17 @@ void JobRunner::go_back() {
   returning_ = true;
 }
 
+std::uint64_t JobRunner::start_beat() const {
+  const std::uint64_t head = generator_.state().tick + start_margin_ticks;
+  return clock_.beat_at_or_after(plan_state_.tick > head ? plan_state_.tick : head);
+}
+
 bool JobRunner::prepare_start() {
   if (!from_rest_) return true;
   if (!clock_.settled()) return false;
   // Motion that is committed and ends at rest may still be running.
   if (at_rest()) plan_state_ = generator_.state();
-  const std::uint64_t head = generator_.state().tick + start_margin_ticks;
-  const std::uint64_t earliest = plan_state_.tick > head ? plan_state_.tick : head;
-  plan_beat_ = clock_.beat_at_or_after(earliest);
+  plan_beat_ = start_beat();
   plan_state_.tick = clock_.tick_of_beat(plan_beat_);
   for (stepper::AxisState& axis : plan_state_.axis) axis.speed_q62 = 0;
   return true;
@@ -100,22 +101,22 @@ bool JobRunner::running_out() const {
   return plan_state_.tick < generator_.state().tick + starvation_ticks;
 }
 
-bool JobRunner::window_ready(motion::PlanRequest& request) const {
-  request.count = 0;
-  for (std::uint32_t i = next_; i != queue_.end() && request.count < motion::window_points; ++i)
-    if (!queue_.done(i)) request.points[request.count++] = i;
-  return request.count == motion::window_points ||
-         (request.count != 0 && queue_.end() == options_.points_total);
+bool JobRunner::window_ready() {
+  request_.count = 0;
+  for (std::uint32_t i = next_; i != queue_.end() && request_.count < motion::window_points; ++i)
+    if (!queue_.done(i)) request_.points[request_.count++] = i;
+  return request_.count == motion::window_points ||
+         (request_.count != 0 && queue_.end() == options_.points_total);
 }
 
-bool JobRunner::may_plan(motion::PlanRequest& request) {
+bool JobRunner::may_plan() {
   if (segments_.free() < motion::window_points + 1 || shots_.free() < motion::window_points)
     return false;
   if (received_ != queue_.end()) {
     received_ = queue_.end();
     receive_tick_ = generator_.state().tick;
   }
-  if (window_ready(request)) {
+  if (window_ready()) {
     starving_ = false;
     return true;
   }
@@ -124,55 +125,71 @@ bool JobRunner::may_plan(motion::PlanRequest& request) {
   if (from_rest_ ? at_rest() && next_ == first_ && patient : !running_out()) return false;
   if (!starving_ && next_ != first_) ++starvations_;
   starving_ = true;
-  return request.count != 0 && !(from_rest_ && patient);
+  return request_.count != 0 && !(from_rest_ && patient);
 }
 
-Result JobRunner::poll(const settings::Values& values, bool go) {
+bool JobRunner::prepare(bool go) {
   // In this order: an edge may come in between.
   if (!shots_.shot_pending()) braked_ = false;
   read_outcomes();
-  motion::PlanRequest request;
-  if (!go || braked_ || !may_plan(request) || !prepare_start()) return Result::ok;
-  request.queue = &queue_;
-  request.mode = options_.mode;
-  request.least_beats = options_.least_beats;
-  request.start = plan_state_;
-  std::uint32_t failed = 0;
-  if (plan(request, values, failed)) {
-    commit(request);
+  if (!go || braked_ || !may_plan() || !prepare_start()) return false;
+  request_.queue = &queue_;
+  request_.mode = options_.mode;
+  request_.least_beats = options_.least_beats;
+  request_.start = plan_state_;
+  shortest_tick_q16_ = shortest_tick_q16();
+  return true;
+}
+
+void JobRunner::plan(const settings::Values& values) {
+  planned_ = shortest_tick_q16_ != limits_tick_q16_ && plan_with_new_limits(values);
+  if (planned_) return;
+  request_.limits = &limits_;
+  planned_ = planner_.plan(request_, failed_) == Result::ok;
+}
+
+bool JobRunner::plan_with_new_limits(const settings::Values& values) {
+  // The lamp has become faster or slower. Speeds planned under the old limits may not fit into
+  // new, smaller ones at once: then the old ones serve once more.
+  const std::uint32_t old_tick_q16 = limits_tick_q16_;
+  make_limits(values, shortest_tick_q16_, new_limits_);
+  request_.limits = &new_limits_;
+  if (planner_.plan(request_, failed_) == Result::ok) {
+    limits_ = new_limits_;
+    return true;
+  }
+  limits_tick_q16_ = old_tick_q16;
+  return false;
+}
+
+Result JobRunner::commit() {
+  if (planned_) {
+    commit_plan();
   } else if (!plan_state_.at_rest()) {
     commit_brake();
   } else {
-    failed_point_ = request.points[failed];
+    failed_point_ = request_.points[failed_];
     return Result::unreachable;
   }
   return Result::ok;
 }
 
-bool JobRunner::plan(motion::PlanRequest& request, const settings::Values& values,
-                     std::uint32_t& failed) {
-  const std::uint32_t shortest = shortest_tick_q16();
-  if (shortest != limits_tick_q16_) {
-    // The lamp has become faster or slower. Speeds planned under the old limits may not fit into
-    // new, smaller ones at once: then the old ones serve once more.
-    const std::uint32_t old_tick_q16 = limits_tick_q16_;
-    make_limits(values, shortest, new_limits_);
-    request.limits = &new_limits_;
-    if (planner_.plan(request, failed) == Result::ok) {
-      limits_ = new_limits_;
-      return true;
-    }
-    limits_tick_q16_ = old_tick_q16;
-  }
-  request.limits = &limits_;
-  return planner_.plan(request, failed) == Result::ok;
+void JobRunner::start_later() {
+  const std::uint64_t beat = start_beat();
+  if (!from_rest_ || beat == plan_beat_) return;
+  plan_beat_ = beat;
+  plan_state_.tick = clock_.tick_of_beat(beat);
 }
 
-void JobRunner::commit(const motion::PlanRequest& request) {
-  const bool half = request.count == motion::window_points;
-  const std::uint32_t count = half ? commit_points : request.count;
+void JobRunner::commit_plan() {
+  const bool half = request_.count == motion::window_points;
+  const std::uint32_t count = half ? commit_points : request_.count;
+  start_later();
+  const std::uint64_t late_ticks = plan_state_.tick - request_.start.tick;
   for (std::uint32_t i = 0; i < count; ++i) {
     stepper::Segment segment = planner_.segment(i);
+    segment.start_tick += late_ticks;
+    segment.end.tick += late_ticks;
     segment.reason = returning_ && i == 0 ? BeatReason::returning
                      : options_.dry       ? BeatReason::dry
                                           : BeatReason::moving;
@@ -183,7 +200,7 @@ void JobRunner::commit(const motion::PlanRequest& request) {
     plan_beat_ += beats;
     plan_state_ = segment.end;
   }
-  next_ = request.points[count - 1] + 1;
+  next_ = request_.points[count - 1] + 1;
   returning_ = false;
   from_rest_ = plan_state_.at_rest();
   clock_.set_motion_end(plan_state_.tick);

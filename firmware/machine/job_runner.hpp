@@ -3,10 +3,15 @@
 // In:  targets (decoder), outcomes of shots (scheduler), the lamp (beat clock), orders: hold,
 //      resume, stop.
 // Out: segments for the tick generator, plans of beats for the shot scheduler.
-// Called from the main loop only (Controller::poll). One window is planned per call, so that the
-// loop comes round often: about 0.1 ms on a PC, not yet measured on the Cortex-M0+. A board with
-// real interrupts masks beat and fill interrupts where a function here takes back what it has
-// handed out (go_back, brake, halt, commit); the virtual board has none.
+// Called from the main loop only. One window is planned at a time, in three steps, so that a board
+// with real interrupts masks beat and fill interrupts for the short ones alone:
+//
+//   prepare()  masked     reads outcomes, takes back what was missed, decides whether to plan
+//   plan()     unmasked   long, on data that no interrupt touches
+//   commit()   masked     hands the plan out; a start from rest moves on by whole beats if planning
+//                         has outlasted its margin
+//
+// Everything else here (brake, halt, begin, ...) is called masked.
 //
 // One primitive serves start, resume, a missed flash, starvation and re-lock: plan from the state
 // where committed motion ends to the points that are not done yet, in order.
@@ -51,8 +56,14 @@ class JobRunner {
   motion::PointQueue& queue() { return queue_; }
   const motion::PointQueue& queue() const { return queue_; }
 
-  /// Reads outcomes; if `go`, plans and commits what can be. Error: unreachable (failed_point()).
-  Result poll(const settings::Values& values, bool go);
+  /// Reads outcomes; true if `go` and there is something to plan now.
+  bool prepare(bool go);
+  /// Plans what prepare() has found.
+  void plan(const settings::Values& values);
+  /// Hands out what was planned. Error: unreachable (failed_point()).
+  Result commit();
+  /// What the hardware has done so far, nothing else.
+  void read_outcomes();
   /// Brakes every axis at its limit, from the next tick to be filled.
   void brake();
   /// Stops dead (e-stop): the position in steps is kept, whether the motors kept it is unknown.
@@ -74,18 +85,18 @@ class JobRunner {
     generator_.fill(segments_, block, max_ticks);
   }
   stepper::TickGenerator& generator() { return generator_; }
-  const stepper::TickGenerator& generator() const { return generator_; }
 
  private:
-  void read_outcomes();
   void go_back();
-  bool may_plan(motion::PlanRequest& request);
-  bool window_ready(motion::PlanRequest& request) const;
+  bool may_plan();
+  bool window_ready();
   bool prepare_start();
-  bool plan(motion::PlanRequest& request, const settings::Values& values, std::uint32_t& failed);
+  std::uint64_t start_beat() const;
+  void start_later();
+  bool plan_with_new_limits(const settings::Values& values);
   std::uint32_t shortest_tick_q16() const;
   void make_limits(const settings::Values& values, std::uint32_t tick_q16, motion::Limits& limits);
-  void commit(const motion::PlanRequest& request);
+  void commit_plan();
   void commit_brake();
   std::uint32_t brake_ticks(const stepper::MotionState& from) const;
   stepper::Segment make_brake(const stepper::MotionState& from) const;
@@ -96,6 +107,9 @@ class JobRunner {
   motion::PointQueue queue_;
   stepper::SegmentQueue segments_;
   motion::Planner planner_;
+  motion::PlanRequest request_;          ///< being planned, from prepare() to commit()
+  bool planned_ = false;                 ///< the planner has found a way
+  std::uint32_t shortest_tick_q16_ = 0;  ///< at prepare()
   motion::Limits limits_, new_limits_;
   stepper::TickGenerator generator_;
   RunOptions options_;
@@ -112,6 +126,7 @@ class JobRunner {
   std::uint64_t plan_beat_ = 0;      ///< on which beat
   std::uint32_t starvations_ = 0;
   std::uint32_t misses_ = 0;
+  std::uint32_t failed_ = 0;  ///< place in the request that cannot be reached
   std::uint32_t failed_point_ = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "firmware/motion/limits.hpp"
 
+#include <limits>
+
 #include "firmware/motion/reach.hpp"
 #include "shared/work_space.hpp"
 
@@ -21,7 +23,10 @@ constexpr std::int32_t default_tolerance_milli_um = 5000;
 /// mm/min times step/mm, both in thousandths, to steps per tick: / 10^6 / 60 / 10^6.
 std::int64_t speed_per_tick_q62(std::int32_t rate_milli, std::int32_t steps_milli) {
   // 6 * 10^13 = 2^14 * 3662109375
-  return (Int128::product(rate_milli, steps_milli) << (62 - 14)).divided_by(3662109375u).to_int64();
+  const Int128 speed =
+      (Int128::product(rate_milli, steps_milli) << (62 - 14)).divided_by(3662109375u);
+  constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();  // 2 steps per tick
+  return speed > Int128(most) ? most : speed.to_int64();
 }
 
 /// mm/s2 times step/mm, both in thousandths, to steps per tick squared: / 10^6 / 10^12.

@@ -13,8 +13,6 @@ constexpr std::int32_t max_extra_beats = 64;
 /// Ticks of a segment are kept in 31 bits.
 constexpr std::uint32_t longest_segment_ticks = 0x7fffffff;
 
-std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
-
 std::int64_t width_q32(const PerAxis<SpeedInterval>& box) {
   std::int64_t sum = 0;
   for (const SpeedInterval& side : box) sum += side.hi_q32 - side.lo_q32;
@@ -106,7 +104,8 @@ Result Planner::search(const PlanRequest& request, std::uint32_t& failed) {
 bool Planner::extend(const PlanRequest& request, std::uint32_t i) {
   Stage& stage = stages_[i];
   const Stage* next = i + 1 < request.count ? &stages_[i + 1] : nullptr;
-  const std::int32_t fixed = request.queue->at(request.points[i]).beats;
+  const Target& target = request.queue->at(request.points[i]);
+  const std::int32_t fixed = target.beats;
   const std::size_t parents = i == 0 ? 1 : stages_[i - 1].count;
   stage.count = 0;
   for (std::size_t p = 0; p < parents; ++p) {
@@ -114,7 +113,8 @@ bool Planner::extend(const PlanRequest& request, std::uint32_t i) {
     Label label;
     label.parent = static_cast<std::uint8_t>(p);
     if (fixed != 0) {
-      if (step(from, stage, fixed, label)) keep(stage, label, next);
+      const bool slow_enough = target.shots == 0 || fixed >= least_beats_;
+      if (slow_enough && step(from, stage, fixed, label)) keep(stage, label, next);
       continue;
     }
     std::int32_t beats = fewest_beats(from, stage);

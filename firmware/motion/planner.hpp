@@ -2,7 +2,7 @@
 //
 // In:  a window of targets (up to `window_points`) and the state the machine starts from.
 // Out: segments of whole beats that end exactly on the targets, the last one at rest.
-// Called from the main loop by the executor; nothing here runs in an interrupt.
+// Called from the main loop by the job runner; nothing here runs in an interrupt.
 //
 // free mode: a beam search over beats. A label is a number of beats and, per axis, the interval of
 // speeds the machine can have at the point (reach.hpp); the axes couple only through the common

@@ -3,7 +3,7 @@
 // In:  the decoder pushes targets in job order (main loop).
 // Out: the planner reads ahead of the machine; a target leaves only when it is done, so that a
 //      missed flash, a hold or a lost link can always go back to it.
-// Level: main loop only; the shot scheduler reports through the controller. No allocation.
+// Level: main loop only; the outcomes of shots reach it through the job runner. No allocation.
 #pragma once
 
 #include <array>

@@ -7,7 +7,7 @@
 //
 // Units are normalised per axis: time in beats, acceleration limit = 1. A speed is v/A in beats, a
 // displacement d/A in beats squared; both Q32. With u = v1 - v0 and q the displacement, the pairs
-// (v0, v1) that can be joined in t form a convex set (design, "free"); projecting it is exact.
+// (v0, v1) that can be joined in t form a convex set; projecting it is exact.
 // Every bound is rounded inwards, so that what this file calls possible is possible.
 //
 // The set is symmetric in v0 and v1 (run the motion backwards and mirror it), so the same function

@@ -7,7 +7,7 @@
 
 namespace lamplock::motion {
 
-/// How the planner joins points (design: start-stop, path, free).
+/// How the planner joins points; the values are those of the wire format.
 enum class JoinMode : std::uint8_t { start_stop = 0, path = 1, free = 2 };
 
 /// One target: where to be on a beat, and what to fire there.

@@ -1,8 +1,8 @@
 // The ring of segments between planner and tick generator.
 //
-// One writer (main loop) and one reader (fill interrupt); indices only ever grow and are single
-// words, so neither side needs a lock. The writer may take back what the reader has not begun; it
-// must do so with the fill interrupt masked (a few instructions).
+// One writer (main loop) and one reader (fill interrupt); indices only ever grow, but for clear(),
+// and are single words, so neither side needs a lock. The writer may take back what the reader has
+// not begun; it must do so with the fill interrupt masked (a few instructions).
 #pragma once
 
 #include <array>
@@ -23,7 +23,6 @@ class SegmentQueue {
 
   void push(const Segment& s) { slots_[end_ % capacity] = s, end_ = end_ + 1; }
   const Segment& front() const { return slots_[begin_ % capacity]; }
-  const Segment& back() const { return slots_[(end_ - 1) % capacity]; }
   void pop() { begin_ = begin_ + 1; }
   /// Takes back every segment.
   void clear() { end_ = begin_; }

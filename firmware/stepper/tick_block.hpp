@@ -29,8 +29,7 @@ struct AxisRun {
   constexpr Int128 position_after(std::uint32_t n) const {
     const auto triangle = static_cast<std::int64_t>(std::uint64_t{n} * (std::uint64_t{n} - 1) / 2);
     return position_q64 +
-           ((Int128::product(rate_q62, n) + Int128::product(accel_q62, n == 0 ? 0 : triangle))
-            << 2);
+           ((Int128::product(rate_q62, n) + Int128::product(accel_q62, triangle)) << 2);
   }
 };
 

@@ -3,7 +3,6 @@
 namespace lamplock::stepper {
 namespace {
 constexpr std::uint32_t forever = 0xffffffffu;
-std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
 }  // namespace
 
 TickGenerator::TickGenerator() { set_position({}); }
@@ -51,7 +50,7 @@ void TickGenerator::replace(const Segment& segment) {
 }
 
 void TickGenerator::halt() {
-  running_ = false;
+  running_ = underrun_ = false;
   window_ = old_window_ = Window{};
   stand();
 }
@@ -144,8 +143,13 @@ void TickGenerator::fill(SegmentQueue& queue, TickBlock& block, std::uint32_t ma
     running_ = false;
   }
   if (!running_ && !queue.empty() && queue.front().start_tick <= tick_) {
-    load(queue.front());
-    queue.pop();
+    // Run late, it would arm its shots where the machine is not.
+    if (queue.front().start_tick < tick_) {
+      underrun_ = true;
+    } else {
+      load(queue.front());
+      queue.pop();
+    }
   }
   std::uint32_t ticks = max_ticks;
   if (running_ && left_ < ticks) ticks = left_;

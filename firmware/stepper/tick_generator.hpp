@@ -20,7 +20,6 @@ namespace lamplock::stepper {
 /// Lattice pulses of the lamp trigger; period 0 = none.
 struct TriggerPattern {
   std::uint32_t period_ticks = 0;  ///< a beat
-  std::uint32_t lead_ticks = 0;    ///< ticks before the lattice tick of the beat
   std::uint32_t width_ticks = 0;
   std::uint64_t first_tick = 0;  ///< where the first pulse starts
 };
@@ -44,7 +43,7 @@ class TickGenerator {
   MotionState state() const;
   /// True if a segment is being run.
   bool running() const { return running_; }
-  /// True once motion has ended with speed because no segment followed in time: a fault.
+  /// Motion has ended with speed, or a segment came after its time: a fault, until halt().
   bool underrun() const { return underrun_; }
   /// The segment being run; valid while running().
   const Segment& segment() const { return segment_; }
@@ -53,7 +52,7 @@ class TickGenerator {
   void replace(const Segment& segment);
   /// Stops dead where the machine is (e-stop): speed is lost, position kept.
   void halt();
-  /// Sets the position of an axis at rest (homing, power-up).
+  /// Sets the position of every axis; at rest only (power-up, after a dead stop).
   void set_position(const StepPosition& steps);
 
  private:

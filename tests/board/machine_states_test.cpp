@@ -60,6 +60,17 @@ class Disturbed : public testing::Test {
     EXPECT_EQ(rig_->monitor.fired(from + notice, to), 0u);
     EXPECT_FALSE(rig_->monitor.stepped(from + to_rest, to));
   }
+  /// The STOP of the running session, at this very moment.
+  void send_stop() {
+    constexpr std::uint32_t later_than_all = 1'000'000;
+    std::array<std::uint8_t, wire::frame_header_size + 1> content;
+    wire::ByteWriter out(content);
+    wire::write_header(out, {wire::FrameType::command, 1, later_than_all});
+    out.put(static_cast<std::uint8_t>(wire::Command::stop));
+    std::array<std::uint8_t, wire::max_frame> frame;
+    const std::size_t size = wire::encode_frame(out.written(), frame);
+    rig_->board.write(std::span<const std::uint8_t>(frame).first(size));
+  }
   /// A new program finishes what is left.
   void go_on(std::uint32_t session_number) {
     const wire::Status status = rig_->status();
@@ -80,6 +91,7 @@ class Disturbed : public testing::Test {
 };
 
 TEST_F(Disturbed, HoldByFrame) {
+  int held = 0;
   for (int seed = 0; seed < scaled(60); ++seed) {
     set_up(seed);
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -88,6 +100,7 @@ TEST_F(Disturbed, HoldByFrame) {
     while (sender_->step() && rig_->state() != MachineState::hold) {
     }
     if (rig_->state() == MachineState::hold) {
+      ++held;
       held_at = rig_->board.now();
       run_sender_until(held_at + 400 * ps_per_ms);
       expect_quiet(held_at, rig_->board.now());
@@ -96,6 +109,7 @@ TEST_F(Disturbed, HoldByFrame) {
     }
     ASSERT_NO_FATAL_FAILURE(finish());
   }
+  EXPECT_GT(held, scaled(60) / 2);
 }
 
 TEST_F(Disturbed, HoldsAndResumesInQuickSuccession) {
@@ -194,6 +208,7 @@ TEST_F(Disturbed, DoorOpensAndCloses) {
 }
 
 TEST_F(Disturbed, StopAndGoOnAtTheFirstPointNotFired) {
+  int stopped = 0;
   for (int seed = 0; seed < scaled(80); ++seed) {
     set_up(seed);
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -206,7 +221,37 @@ TEST_F(Disturbed, StopAndGoOnAtTheFirstPointNotFired) {
     EXPECT_EQ(rig_->state(), MachineState::idle);
     ASSERT_NO_FATAL_FAILURE(go_on(2));
     expect_sound(*rig_, profile_.settings);
+    ++stopped;
   }
+  EXPECT_GT(stopped, scaled(80) / 2);
+}
+
+/// Stopped between the decision to fire and the pulse, which counts nevertheless.
+TEST_F(Disturbed, StopWhileAShotIsDecidedButNotBegun) {
+  int late = 0;
+  for (int seed = 0; seed < scaled(20); ++seed) {
+    set_up(4 * seed);  // a lamp without jitter: edges every 10 ms
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    profile_.settings.set_milli(Id::q_switch_delay, 500'000);
+    const auto number = static_cast<std::uint64_t>(seed);
+    job_ = job::make_job(histogram_walk(job_points, number), profile_, {});
+    rig_ = std::make_unique<Rig>(profile_);
+    cable_ = std::make_unique<BoardCable>(*rig_);
+    sender_ = std::make_unique<link::JobSender>(*cable_, job_, session(1));
+    const sim::Picoseconds edge = (400 + 10 * seed) * ps_per_ms;
+    run_sender_until(edge - 2 * ps_per_ms);
+    rig_->board.run_until(edge + 100 * ps_per_us);
+    const std::size_t before = rig_->shots().size();
+    send_stop();
+    while (rig_->state() != MachineState::idle) rig_->run(50 * ps_per_us);
+    const std::size_t after = rig_->shots().size();
+    EXPECT_EQ(rig_->status().first_unfired, after) << "idle before the shot was counted";
+    if (after == before + 1) ++late;
+    rig_->run(to_rest);
+    EXPECT_EQ(rig_->shots().size(), after);
+    ASSERT_NO_FATAL_FAILURE(go_on(2));
+  }
+  EXPECT_GT(late, 0);
 }
 
 /// A dead stop at `at`: pins, laser, alarm; then unlock and finish the job.
@@ -266,14 +311,37 @@ TEST_F(DeadStop, LimitSwitch) {
   }
 }
 
+/// Nothing frees a machine whose e-stop is pressed.
+TEST_F(DeadStop, AnotherAlarmDoesNotHideTheEStop) {
+  set_up(0);
+  sim::World& world = rig_->board.world();
+  world.schedule(sim::Pin::estop, true, 300 * ps_per_ms);
+  world.schedule(sim::Pin::limit_x, true, 310 * ps_per_ms);
+  world.schedule(sim::Pin::limit_x, false, 320 * ps_per_ms);
+  ASSERT_EQ(sender_->run().end, link::JobEnd::alarm);
+  rig_->board.run_until(330 * ps_per_ms);
+  const std::size_t shots = rig_->shots().size();
+  cable_->type("\n$X\n");
+  rig_->run(5 * ps_per_ms);
+  EXPECT_EQ(rig_->state(), MachineState::estop);
+  EXPECT_THROW(run_job(*rig_, job_, session(3)), Error);
+  EXPECT_FALSE(rig_->board.bus().level(sim::Pin::enable));
+  EXPECT_EQ(rig_->shots().size(), shots);
+}
+
 TEST_F(DeadStop, EStopInTheMiddleOfAShot) {
+  int cut_short = 0;
   // Between the edge, the decision, the rise of the Q-switch and its fall: to the microsecond.
   for (int us = 0; us < 12; ++us) {
     set_up(4 * us + us % 2);  // a lamp without jitter: edges every 10 ms
     SCOPED_TRACE(testing::Message() << us << " us after the edge");
     const sim::Picoseconds at = (400 + 10 * us) * ps_per_ms + us * ps_per_us + 500 * sim::ps_per_ns;
     ASSERT_NO_FATAL_FAILURE(stop_and_go_on(sim::Pin::estop, at, true));
+    const sim::Picoseconds width = profile_.settings.milli(Id::q_switch_width) * sim::ps_per_ns;
+    for (const PinMonitor::Fire& fire : rig_->monitor.fires())
+      cut_short += fire.fall - fire.rise < width ? 1 : 0;
   }
+  EXPECT_GT(cut_short, 0);
 }
 
 TEST_F(Disturbed, SilentHostHoldsTheMachine) {

@@ -14,7 +14,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -75,13 +74,6 @@ class PinMonitor final : public sim::PinListener {
   bool nothing_happened() const {
     return fires_.empty() && std::all_of(steps_.begin(), steps_.end(),
                                          [](const auto& steps) { return steps.empty(); });
-  }
-  /// Time of the last step of any axis.
-  sim::Picoseconds last_step() const {
-    sim::Picoseconds last = 0;
-    for (const auto& steps : steps_)
-      if (!steps.empty()) last = std::max(last, steps.back().at);
-    return last;
   }
   /// True if any axis stepped in (from, to].
   bool stepped(sim::Picoseconds from, sim::Picoseconds to) const {

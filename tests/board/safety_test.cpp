@@ -9,16 +9,30 @@ namespace {
 
 using testing::HasSubstr;
 
+/// A frame whose check sum is right and whose content is random.
+std::vector<std::uint8_t> random_frame(std::mt19937_64& random) {
+  std::uniform_int_distribution<> byte(0, 255), length(0, 60);
+  std::vector<std::uint8_t> content(static_cast<std::size_t>(length(random)));
+  for (std::uint8_t& b : content) b = static_cast<std::uint8_t>(byte(random));
+  // Types that exist, most of the time, so that what they carry is looked at.
+  if (!content.empty()) content[0] = static_cast<std::uint8_t>(0x40 + byte(random) % 5);
+  std::vector<std::uint8_t> frame(2 * (content.size() + wire::crc_size) + 2);
+  frame.resize(wire::encode_frame(content, frame));
+  return frame;
+}
+
 /// Types bytes that no job is made of.
 void type_garbage(Rig& rig, std::uint64_t seed, int pieces, bool framed) {
   std::mt19937_64 random(seed);
   std::uniform_int_distribution<> byte(0, 255), length(1, 64);
   for (int i = 0; i < pieces; ++i) {
     std::vector<std::uint8_t> piece;
-    if (framed) piece = {0x02, static_cast<std::uint8_t>(0x40 + byte(random) % 5)};
-    for (int n = length(random); n > 0; --n)
-      piece.push_back(static_cast<std::uint8_t>(byte(random)));
-    if (framed) piece.push_back(0x03);
+    if (framed) {
+      piece = random_frame(random);
+    } else {
+      for (int n = length(random); n > 0; --n)
+        piece.push_back(static_cast<std::uint8_t>(byte(random)));
+    }
     rig.board.write(piece);
     rig.run(ps_per_ms);
     std::array<std::uint8_t, 512> answer;
@@ -111,6 +125,26 @@ TEST(Safety, SettingsBeyondTheMachineAreRefusedByNumber) {
                   HasSubstr("$" + std::to_string(settings::row(row).number)));
       EXPECT_EQ(rig.board.controller().values(), machine.settings) << "kept what it refused";
     }
+  }
+}
+
+TEST(Safety, ProtectionsCannotBeLoosenedByAJob) {
+  job::Profile machine = lamp_profile();
+  machine.settings.set_milli(Id::lamp_warm_up, 5'000);
+  machine.settings.set_milli(Id::max_shot_rate, 150'000);
+  machine.settings.set_milli(Id::travel_y, 80'000);
+  const std::pair<Id, std::int32_t> loose[] = {
+      {Id::soft_limits, 0},        {Id::hard_limits, 0},         {Id::dead_man, 0},
+      {Id::dead_man, 2'000'001},   {Id::max_shot_rate, 160'000}, {Id::lamp_warm_up, 4'000},
+      {Id::min_corner_x, -50'001}, {Id::min_corner_y, -29'999}};
+  for (const auto& [id, value] : loose) {
+    job::Profile asked = machine;
+    ASSERT_TRUE(asked.settings.set_milli(id, value));
+    asked.stated.set(static_cast<std::size_t>(id));
+    Rig rig(machine);
+    EXPECT_THAT(refusal(rig, job::make_job(histogram_walk(20, 1), asked, {})),
+                HasSubstr("$" + std::to_string(settings::row(id).number)));
+    EXPECT_TRUE(rig.monitor.nothing_happened());
   }
 }
 

@@ -4,10 +4,8 @@
 
 #include <array>
 #include <random>
-#include <set>
 #include <vector>
 
-#include "shared/beat_reason.hpp"
 #include "shared/wire/job_header.hpp"
 #include "shared/wire/status.hpp"
 
@@ -129,13 +127,6 @@ TEST(Status, OfAnotherVersionTellsItsVersion) {
   Status status;
   ASSERT_TRUE(read_status({}, bytes, status));
   EXPECT_EQ(status.version, 9);
-}
-
-TEST(BeatReasons, HaveDistinctNames) {
-  const std::set<std::string_view> names(beat_reason_names.begin(), beat_reason_names.end());
-  EXPECT_EQ(names.size(), beat_reason_count);
-  EXPECT_EQ(name(BeatReason::fired), "fired");
-  EXPECT_EQ(name(BeatReason::dry), "dry");
 }
 
 }  // namespace

@@ -20,8 +20,6 @@ using test::native;
 
 constexpr double unit_q64 = 18446744073709551616.0;  // 2^64
 
-std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
-
 /// Steps between an exact position and the middle of a step.
 double off_by(Int128 position_q64, std::int32_t step) {
   return static_cast<double>(native(position_q64 - stepper::middle_of_step(step))) / unit_q64;
@@ -405,6 +403,14 @@ TEST(Planner, LeastBeatsLimitTheRateOfShots) {
   std::uint32_t failed = 0;
   ASSERT_EQ(planner.plan(request, failed), Result::ok);
   for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(planner.beats(i), 3);
+  // Beats that the host fixes do not outrun it either; a move without a shot may.
+  chain.targets[4].beats = 2;
+  for (const std::uint8_t shots : std::array<std::uint8_t, 2>{1, 0}) {
+    chain.targets[4].shots = shots;
+    queue.reset(0);
+    for (const Target& t : chain.targets) queue.push(t);
+    EXPECT_EQ(planner.plan(request, failed), shots == 1 ? Result::unreachable : Result::ok);
+  }
 }
 
 TEST(Planner, RefusesBeatsWhoseTicksNoSegmentHolds) {

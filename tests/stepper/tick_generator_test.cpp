@@ -22,8 +22,6 @@ using stepper::Segment;
 using stepper::SegmentQueue;
 using test::native;
 
-std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
-
 /// A step: when, which axis, which way.
 struct Step {
   std::uint64_t tick;
@@ -224,7 +222,7 @@ TEST(TickGenerator, GivesTheSameStepsAndBitsHoweverItIsAsked) {
     for (const std::uint32_t max_ticks : {16384u, 1u, 7u, 16u, 1000u}) {
       TickGenerator generator;
       generator.set_arm_lead(5);
-      generator.set_trigger({400, 5, 20, 130});
+      generator.set_trigger({400, 20, 130});
       SegmentQueue queue;
       NaiveBoard board;
       std::size_t fed = 0;
@@ -247,7 +245,7 @@ TEST(TickGenerator, ArmsAndTriggersAtTheExactTicks) {
   for (int i = 0; i < test::scaled(5); ++i) {
     const std::vector<Segment> segments = shifted(plan(fast_chain(random, 50)), 900);
     const std::uint32_t lead = static_cast<std::uint32_t>(random() % 30);
-    const TriggerPattern trigger{300, 5, 40, 77};
+    const TriggerPattern trigger{300, 40, 77};
     TickGenerator generator;
     generator.set_arm_lead(lead);
     generator.set_trigger(trigger);
