@@ -1,4 +1,5 @@
-// Walks through space whose steps are as long as those of a real engraved object.
+// Walks through space whose steps are as long as those of a real engraved object
+// (data/glass_tables.hpp).
 #pragma once
 
 #include <array>
@@ -8,38 +9,22 @@
 #include <random>
 
 #include "host/points/point.hpp"
+#include "tests/data/glass_tables.hpp"
 
 namespace lamplock::test {
-
-/// Points of the object.
-inline constexpr std::size_t histogram_object_points = 16'179;
-
-/// Length of a step and the share of steps that have it. Fitted to the measured times of the
-/// object of 16 179 points in "Mechatroniczne pozycjonowanie wiazki lasera impulsowego w
-/// urzadzeniach do formowania obiektow trojwymiarowych w szkle".
-struct StepShare {
-  double um;
-  double share;
-};
-inline constexpr std::array<StepShare, 24> step_histogram{{
-    {45, .4228},  {56, .0840},  {70, .0416},  {80, .0538},   {94, .0353},   {106, .0377},
-    {119, .0306}, {131, .0463}, {144, .0119}, {156, .0278},  {169, .0278},  {181, .0340},
-    {194, .0362}, {206, .0143}, {231, .0147}, {275, .0161},  {325, .0166},  {375, .0139},
-    {425, .0077}, {475, .0087}, {600, .0066}, {1000, .0102}, {5000, .0007}, {20000, .0005},
-}};
 
 /// `count` points from the origin on, steps in random directions, inside +-`half_size_mm`.
 inline points::PointCloud histogram_walk(std::size_t count, std::uint64_t seed,
                                          double half_size_mm = 45) {
   std::mt19937_64 random(seed);
   std::normal_distribution<> normal;
-  std::array<double, step_histogram.size()> shares{};
-  for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = step_histogram[i].share;
+  std::array<double, glass_step_lengths.size()> shares{};
+  for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = glass_step_lengths[i].fraction;
   std::discrete_distribution<std::size_t> pick(shares.begin(), shares.end());
   points::PointCloud cloud;
   std::array<double, 3> at{};
   for (std::size_t i = 0; i < count; ++i) {
-    const double length_mm = step_histogram[pick(random)].um / 1000;
+    const double length_mm = glass_step_lengths[pick(random)].step_um / 1000;
     std::array<double, 3> way{normal(random), normal(random), normal(random)};
     const double norm = std::hypot(way[0], way[1], way[2]);
     for (std::size_t a = 0; a < 3; ++a) {

@@ -1,6 +1,7 @@
 // `lamplock sim`: a virtual board at the end of a real port, at the pace of the wall clock.
 #include <array>
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -91,9 +92,8 @@ void run_at_wall_pace(sim::VirtualBoard& board, Ports& ports, const Options& opt
                       Console& console) {
   const Interrupt interrupt;
   auto start = Clock::now();
-  const auto limit =
-      static_cast<Picoseconds>(options.seconds.value_or(0) * static_cast<double>(sim::ps_per_s));
-  while (interrupt.count() == 0 && (!options.seconds || board.now() < limit)) {
+  const double limit_s = options.seconds.value_or(std::numeric_limits<double>::infinity());
+  while (interrupt.count() == 0 && sim::seconds(board.now()) < limit_s) {
     ports.exchange(board);
     const auto wall = std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start);
     const Picoseconds due = wall.count() * sim::ps_per_ns;
@@ -124,8 +124,7 @@ Exit simulate(const Options& options) {
   run_at_wall_pace(board, ports, options, console);
   const auto shots = board.world().laser().shots().size();
   const auto flashes = board.world().lamp().flashes();
-  console.say("{} shots, {} lamp flashes in {:.1f} s", shots, flashes,
-              static_cast<double>(board.now()) / static_cast<double>(sim::ps_per_s));
+  console.say("{} shots, {} lamp flashes in {:.1f} s", shots, flashes, sim::seconds(board.now()));
   if (trace) trace->finish();
   if (!options.shots.empty()) write_shots(options.shots, board, values);
   console.document({{"shots", shots}, {"flashes", flashes}});

@@ -122,6 +122,13 @@ double way_mm(const PointCloud& cloud) {
   return way;
 }
 
+void require_points(const PointCloud& cloud, InputKind kind, const fs::path& input) {
+  if (!cloud.empty()) return;
+  throw Error(Exit::bad_input, input.string(), "gives no points",
+              kind == InputKind::bitmap ? "try --threshold or --invert"
+                                        : "use a smaller --spacing or a greater --size");
+}
+
 }  // namespace
 
 Bounds work_space_mm(const settings::Values& values) {
@@ -148,10 +155,7 @@ Cloud make_cloud(const fs::path& input, const PointsOptions& options, const Boun
     cloud.welded = welded.removed;
     move_by(cloud.points, work_space.centre());
   }
-  if (cloud.points.empty())
-    throw Error(Exit::bad_input, input.string(), "gives no points",
-                cloud.kind == InputKind::bitmap ? "try --threshold or --invert"
-                                                : "use a smaller --spacing or a greater --size");
+  require_points(cloud.points, cloud.kind, input);
   points::check_bounds(cloud.points, widened(work_space, rounding_mm), input.string());
   std::string what =
       fmt::format("{} in {}", cloud.points.size(), bounds_text(points::bounds(cloud.points)));
@@ -165,6 +169,7 @@ Bounds input_bounds(const fs::path& input, const PointsOptions& options, const B
   PointCloud cloud = kind == InputKind::mesh     ? read_sized_mesh(input, options).vertices
                      : kind == InputKind::bitmap ? picture_points(input, options)
                                                  : model::read_point_list(input);
+  require_points(cloud, kind, input);
   if (kind == InputKind::mesh) check_size(input, points::bounds(cloud), work_space);
   if (kind != InputKind::points) move_by(cloud, work_space.centre());
   points::check_bounds(cloud, widened(work_space, rounding_mm), input.string());

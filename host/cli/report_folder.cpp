@@ -89,6 +89,8 @@ void check_report_folder(const fs::path& folder) {
   while (!fs::exists(there, ignored) && there.has_relative_path()) there = there.parent_path();
   if (!fs::is_directory(there, ignored)) refuse_folder(folder, "is not a folder");
   if (::access(there.c_str(), W_OK) != 0) refuse_folder(folder, "the folder cannot be written in");
+  for (const char* name : report_files)
+    if (fs::is_directory(folder / name, ignored)) refuse_folder(folder / name, "is a folder");
 }
 
 void write_report_whole(const report::Report& report, const report::JobRun& run,
@@ -112,7 +114,8 @@ void write_report_whole(const report::Report& report, const report::JobRun& run,
 }
 
 report::Report read_report(const fs::path& folder) {
-  const fs::path file = fs::is_directory(folder) ? folder / "report.json" : folder;
+  std::error_code ignored;
+  const fs::path file = fs::is_directory(folder, ignored) ? folder / "report.json" : folder;
   const std::string text = model::read_file(file);
   try {
     return parse(text);

@@ -74,7 +74,6 @@ report::JobRun run_of(const Work& work, const BoardOptions& options,
   run.shots_known = false;
   run.shots_fired = result.status.shots;
   run.settings = work.job.settings;
-  run.axes = run.settings.whole(Id::axes);
   run.steps_per_mm = steps_per_mm(run.settings);
   run.beats = result.status.beats;
   run.beats_before = result.status.beats_before;
@@ -95,9 +94,7 @@ void add_shots(const sim::VirtualBoard& board, report::JobRun& run) {
     for (const sim::LatticeShot& shot : lattice) run.lattice_steps.push_back(shot.steps);
   if (run.shots.empty()) return;
   const double last_beat_s = 1 / lamp_hz(run.settings);
-  run.time_s = static_cast<double>(run.shots.back().at - run.shots.front().at) /
-                   static_cast<double>(sim::ps_per_s) +
-               last_beat_s;
+  run.time_s = sim::seconds(run.shots.back().at - run.shots.front().at) + last_beat_s;
 }
 
 Outcome run_virtual(const Work& work, const BoardOptions& options, Console& console) {
@@ -113,8 +110,8 @@ Outcome run_virtual(const Work& work, const BoardOptions& options, Console& cons
   add_shots(board, outcome.run);
   if (trace) trace->finish();
   if (!options.shots.empty()) write_shots(options.shots, board, work.job.settings);
-  const double simulated_s = static_cast<double>(board.now()) / static_cast<double>(sim::ps_per_s);
-  console.phase("run", fmt::format("{:.1f} s of machine time on the virtual board", simulated_s));
+  console.phase("run", fmt::format("{:.1f} s of machine time on the virtual board",
+                                   sim::seconds(board.now())));
   return outcome;
 }
 
@@ -166,12 +163,15 @@ Outcome run_job(const Work& work, const BoardOptions& options,
 
 Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
   const report::Report report = report::evaluate(outcome.run);
+  if (outcome.result.end != JobEnd::done)  // known even if the report cannot be written
+    console.say("first point not fired: {}", outcome.result.status.first_unfired);
   console.line("");
   console.text(report::summary(report));
   if (!options.report.empty()) {
     console.restart_clock();
     write_report_whole(report, outcome.run, options.report);
-    console.phase("\nreport", options.report);
+    console.line("");
+    console.phase("report", options.report);
   }
   if (console.json()) {
     Json json = Json::parse(report::to_json(report));

@@ -103,6 +103,7 @@ Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name
   if (job.settings.hash() != job.header.settings_hash)
     fail(name, "was made with other settings than this program knows");
   job.targets = decode_targets(rest.rest(), job.header, name);
+  if (job.targets.empty()) fail(name, "has no points");
   return job;
 }
 
@@ -124,20 +125,6 @@ Job read_job_file(const std::filesystem::path& file) {
   const std::vector<char> text((std::istreambuf_iterator<char>(in)), {});
   const std::vector<std::uint8_t> bytes(text.begin(), text.end());
   return decode_job_file(bytes, file.string());
-}
-
-void check_settings(const Job& job, const Profile& profile, const std::string& name) {
-  for (std::size_t i = 0; i < settings::setting_count; ++i) {
-    const auto id = static_cast<settings::Id>(i);
-    const std::int32_t made_for = job.settings.milli(id);
-    const std::int32_t machine = profile.settings.milli(id);
-    if (made_for != machine)
-      throw Error(
-          Exit::bad_input, name,
-          fmt::format("was made for {} = {:g}, the machine has {:g}", settings::row(id).name,
-                      made_for / milli_per_unit, machine / milli_per_unit),
-          "make the job again for this machine");
-  }
 }
 
 }  // namespace lamplock::job

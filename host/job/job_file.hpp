@@ -23,8 +23,4 @@ void write_job_file(const std::filesystem::path& file, const Job& job);
 /// Reads a job file; see decode_job_file.
 Job read_job_file(const std::filesystem::path& file);
 
-/// Throws Error(bad_input) naming the first setting that differs if the job was made for other
-/// settings than the profile's.
-void check_settings(const Job& job, const Profile& profile, const std::string& name);
-
 }  // namespace lamplock::job

@@ -40,8 +40,6 @@ std::string range_of(const Row& row) {
                      format_milli(row.max_milli), row.unit, row.whole ? ", a whole number" : "");
 }
 
-Id id_of(std::size_t index) { return static_cast<Id>(index); }
-
 /// The X row of settings that exist once per axis, by their name without suffix.
 std::optional<Id> find_per_axis(std::string_view key) {
   const Id id = settings::find_name(std::string(key) + std::string(first_axis_suffix));
@@ -105,23 +103,6 @@ Profile read_profile(const std::filesystem::path& file) {
   for (const auto& [key, node] : table)
     read_key(profile, key.str(), node, location(file, key.source()));
   return profile;
-}
-
-void write_profile(const std::filesystem::path& file, const Profile& profile) {
-  std::ofstream out(file);
-  toml::table name;
-  name.insert("name", profile.name);
-  out << "# Machine profile of lamplock. What is commented out is the machine's own setting.\n"
-      << name << "\n";
-  for (std::size_t i = 0; i < setting_count; ++i) {
-    const Row& row = settings::table[i];
-    out << fmt::format("\n# ${}: {} [{}], {}..{}\n{}{} = {}\n", row.number, row.description,
-                       row.unit, format_milli(row.min_milli), format_milli(row.max_milli),
-                       profile.stated[i] ? "" : "# ", row.name,
-                       format_milli(profile.settings.milli(id_of(i))));
-  }
-  out.close();
-  if (!out) fail(file.string(), "cannot write the machine profile", "check path and space");
 }
 
 void state_setting(Profile& profile, Id id, double value, const std::string& where) {

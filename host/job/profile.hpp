@@ -31,10 +31,6 @@ Profile default_profile();
 /// Throws Error(bad_input) with file, line, key and range.
 Profile read_profile(const std::filesystem::path& file);
 
-/// Writes every setting with its unit, range and description; what is not stated is commented out.
-/// Throws Error(bad_input) if the file cannot be written.
-void write_profile(const std::filesystem::path& file, const Profile& profile);
-
 /// Sets and states one setting, value in its unit. `where` names the source in the Error(bad_input)
 /// thrown when the value is out of range.
 void state_setting(Profile& profile, settings::Id id, double value, const std::string& where);

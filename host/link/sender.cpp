@@ -213,16 +213,22 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
   const wire::Refused& refused = frame.refused;
   const bool of_point = refused.type != wire::FrameType::begin;
   const std::string where = of_point ? fmt::format("point {}", refused.value) : "machine";
+  // In mid-job nobody shall begin anew: points would be fired twice.
+  const std::string go_on = fmt::format("go on with --from {}", status_.first_unfired);
+  const std::string then = of_point ? ", then " + go_on : "";
   switch (refused.result) {
     case Result::busy:
-      throw Error(Exit::job_failed, where, "another job is running", "wait for it or stop it");
+      throw Error(Exit::job_failed, where, "another job is running",
+                  "wait for it or stop it" + then);
     case Result::no_job:
-      throw Error(Exit::job_failed, where, "the job was ended by the machine", "start it again");
+      throw Error(Exit::job_failed, where, "the job was ended by the machine",
+                  of_point ? go_on : "start it again");
     case Result::locked:
-      throw Error(Exit::job_failed, where, "is locked after an alarm", "unlock or home it first");
+      throw Error(Exit::job_failed, where, "is locked after an alarm",
+                  "unlock or home it first" + then);
     case Result::door_open:
       throw Error(Exit::job_failed, where, "door open or e-stop pressed",
-                  "close the door, release the e-stop");
+                  "close the door, release the e-stop" + then);
     case Result::bad_version:
       throw Error(Exit::no_device, where, "its firmware speaks another protocol version",
                   "install firmware and program of one release");

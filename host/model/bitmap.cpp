@@ -27,16 +27,18 @@ std::uint32_t u32_at(const std::string& bytes, std::size_t offset) {
 }
 
 /// The image library fills up a BMP that is cut off, so its size is checked first: file header of
-/// 14 bytes with the offset of the pixels at 10, then the bits a pixel at 28; rows are padded to 4.
+/// 14 bytes with the offset of the pixels at 10, then the bits a pixel at 28 (24); rows are padded
+/// to 4.
 void require_whole_bmp(const std::filesystem::path& file, const std::string& bytes, int width,
                        int height) {
-  constexpr std::size_t bits_offset = 28;
-  if (bytes.size() < 2 || bytes[0] != 'B' || bytes[1] != 'M') return;
-  const std::uint64_t bits = bytes.size() > bits_offset + 1 ? byte_at(bytes, bits_offset) : 0;
+  constexpr std::size_t shortest = 30, header_size_offset = 14;
+  constexpr std::uint32_t core_header = 12;  // that of OS/2, with narrower fields
+  if (!bytes.starts_with("BM")) return;
+  if (bytes.size() < shortest) refuse(file, "the image is cut off", "export it again");
+  const bool core = u32_at(bytes, header_size_offset) == core_header;
+  const std::uint64_t bits = byte_at(bytes, core ? 24 : 28);
   const std::uint64_t row = (static_cast<std::uint64_t>(width) * bits + 31) / 32 * 4;
-  const std::uint64_t need = bits == 0
-                                 ? std::numeric_limits<std::uint64_t>::max()
-                                 : u32_at(bytes, 10) + row * static_cast<std::uint64_t>(height);
+  const std::uint64_t need = u32_at(bytes, 10) + row * static_cast<std::uint64_t>(height);
   if (bytes.size() < need) refuse(file, "the image is cut off", "export it again");
 }
 
@@ -67,18 +69,23 @@ Bitmap read_bitmap(const std::filesystem::path& path) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     refuse(path, "the image is too large", "give an image of at most 100 million pixels");
   }
+  if (!bytes.starts_with("\x89PNG") && !bytes.starts_with("BM"))
+    refuse(path, "no PNG or BMP", "give a PNG or BMP");
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int length = static_cast<int>(bytes.size());
   Bitmap bitmap;
   int channels = 0;
   if (stbi_info_from_memory(data, length, &bitmap.width, &bitmap.height, &channels) == 0) {
-    refuse(path, fmt::format("no PNG or BMP ({})", stbi_failure_reason()), "give a PNG or BMP");
+    refuse(path, fmt::format("the image is damaged ({})", stbi_failure_reason()),
+           "export it again");
   }
-  bitmap.height = std::abs(bitmap.height);  // BMP rows from the top are told by a negative height
-  if (static_cast<long long>(bitmap.width) * bitmap.height > most_pixels) {
-    refuse(path, fmt::format("{} x {} pixels", bitmap.width, bitmap.height),
+  // BMP rows from the top are told by a negative height.
+  const long long height = std::abs(static_cast<long long>(bitmap.height));
+  if (bitmap.width <= 0 || height == 0 || bitmap.width * height > most_pixels) {
+    refuse(path, fmt::format("{} x {} pixels", bitmap.width, height),
            "give an image of at most 100 million pixels");
   }
+  bitmap.height = static_cast<int>(height);
   require_whole_png(path, bytes);
   require_whole_bmp(path, bytes, bitmap.width, bitmap.height);
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(

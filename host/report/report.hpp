@@ -52,7 +52,6 @@ struct JobRun {
   std::vector<StepPosition> lattice_steps;
 
   PerAxis<double> steps_per_mm{200, 200, 200, 200};
-  int axes = 3;
 
   std::uint64_t beats = 0;         ///< lamp periods from the first shot to the last, both included
   std::uint64_t beats_before = 0;  ///< lamp periods before the first shot

@@ -16,7 +16,7 @@
 
 namespace lamplock::sim {
 
-/// Writes a VCD file; must outlive the bus or be finished and silent.
+/// Writes a VCD file; must live as long as the bus is driven.
 class VcdWriter final : public PinListener {
  public:
   /// Writes the header with the present levels and listens from now on.

@@ -22,7 +22,6 @@ class TickLine {
     while (spans_.size() > 1 && spans_.front().first_tick + spans_.front().ticks <= tick)
       spans_.pop_front();
   }
-  void clear() { spans_.clear(); }
 
   /// First tick without a time.
   std::uint64_t end_tick() const {

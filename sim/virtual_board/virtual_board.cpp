@@ -21,8 +21,6 @@ constexpr std::size_t host_buffer = 4096;
 /// Blocks kept after they were played, to look back from a late edge to its lattice tick.
 constexpr std::size_t remembered_blocks = 64;
 
-std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
-
 }  // namespace
 
 VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& world)

@@ -33,7 +33,7 @@ struct DriveFaults {
   friend bool operator==(const DriveFaults&, const DriveFaults&) = default;
 };
 
-/// Four drives; must outlive the bus.
+/// Four drives; must live as long as the bus is driven.
 class Drives final : public PinListener {
  public:
   Drives(const DriveConfig& config, PinBus& bus);

@@ -45,7 +45,7 @@ struct LampConfig {
   std::uint64_t seed = 1;
 };
 
-/// The lamp. Construct it once per bus; it must outlive the bus.
+/// The lamp. Construct it once per bus; it must live as long as the bus is driven.
 class Lamp final : public PinListener {
  public:
   /// Throws std::invalid_argument if the numbers do not describe a lamp (frequency or pulse not

@@ -22,7 +22,7 @@ namespace lamplock::sim {
 inline constexpr Picoseconds latest_q_switch = 20 * ps_per_us;
 inline constexpr Picoseconds narrowest_q_switch = 100 * ps_per_us;
 
-/// The laser; must outlive the bus.
+/// The laser; must live as long as the bus is driven.
 class Laser final : public PinListener {
  public:
   Laser(PinBus& bus, const Lamp& lamp, const Drives& drives);

@@ -17,6 +17,9 @@ inline constexpr Picoseconds ps_per_ns = 1'000;
 inline constexpr Picoseconds ps_per_us = 1'000'000;
 inline constexpr Picoseconds ps_per_ms = 1'000'000'000;
 inline constexpr Picoseconds ps_per_s = 1'000'000'000'000;
+constexpr double seconds(Picoseconds time) {
+  return static_cast<double>(time) / static_cast<double>(ps_per_s);
+}
 
 /// Every wire. Steps and directions first, axis by axis (X Y Z A).
 enum class Pin : std::uint8_t {
@@ -63,7 +66,7 @@ class PinBus {
  public:
   bool level(Pin pin) const { return levels_[index(pin)]; }
 
-  /// Connects a listener to one pin; it must outlive the bus.
+  /// Connects a listener to one pin; it must live as long as the bus is driven.
   void listen(Pin pin, PinListener& listener) { listeners_[index(pin)].push_back(&listener); }
 
   /// Drives a wire; no call when the level does not change.

@@ -26,7 +26,7 @@ struct WorldConfig {
   DriveConfig drives{};
 };
 
-/// The world on one bus; must outlive the bus.
+/// The world on one bus; must live as long as the bus is driven.
 class World {
  public:
   /// Throws std::invalid_argument if the lamp's numbers make no lamp.

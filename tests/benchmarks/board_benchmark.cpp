@@ -40,8 +40,8 @@ void board(benchmark::State& state, motion::JoinMode mode, Trace trace) {
   job::set_acceleration(profile, accel_m_s2);
   job::JobOptions options;
   options.mode = mode;
-  const job::Job job =
-      job::make_job(test::histogram_walk(test::histogram_object_points, 1), profile, options);
+  const job::Job job = job::make_job(
+      test::histogram_walk(static_cast<std::size_t>(test::glass_points), 1), profile, options);
   double simulated_s = 0, beats = 0, vcd_bytes = 0;
   for (auto _ : state) {
     sim::WorldConfig world;
@@ -55,7 +55,7 @@ void board(benchmark::State& state, motion::JoinMode mode, Trace trace) {
     const link::JobResult result = link::JobSender(transport, job).run();
     if (vcd) vcd->finish(virtual_board.now());
     if (result.status.shots != job.targets.size()) state.SkipWithError("points were not fired");
-    simulated_s += static_cast<double>(virtual_board.now()) / static_cast<double>(sim::ps_per_s);
+    simulated_s += sim::seconds(virtual_board.now());
     beats = result.status.beats;
     vcd_bytes = buffer.bytes();
   }

@@ -143,13 +143,15 @@ TEST(Engrave, faults_of_the_lamp_cost_beats_never_points) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(400, 3)));
   const Json clean = run_json({"engrave", list});
-  const Json faulty = run_json({"engrave", list, "--jitter", "20", "--wander", "1", "--dropouts",
-                                "5", "--runts", "10", "--seed", "5"});
+  std::vector<std::string> arguments{"engrave",    list, "--jitter", "20", "--wander", "1",
+                                     "--dropouts", "5",  "--runts",  "10", "--seed",   "5"};
+  const Json faulty = run_json(arguments);
   expect_each_once(faulty);
   EXPECT_GT(faulty["beats"], clean["beats"]);
   EXPECT_GT(faulty["beats_by_reason"]["no_edge"], 0);
-  const Json other = run_json({"engrave", list, "--dropouts", "5", "--seed", "6"});
-  EXPECT_NE(other["beats"], faulty["beats"]);
+  arguments.back() = std::string("6");
+  const Json other = run_json(arguments);
+  EXPECT_NE(other["beats_by_reason"], faulty["beats_by_reason"]);
 }
 
 TEST(Engrave, trace_of_the_pins) {

@@ -33,6 +33,13 @@ TEST(Errors, missing_and_unknown_files) {
   expect_input_refused(folder, folder.write("a.doc", "text"), "a.doc");
 }
 
+TEST(Errors, input_without_points) {
+  const Folder folder;
+  std::string white = disc_bmp(8);
+  for (std::size_t i = 54; i < white.size(); ++i) white[i] = '\xff';
+  expect_input_refused(folder, folder.write("white.bmp", white), "gives no points");
+}
+
 TEST(Errors, truncated_mesh) {
   const Folder folder;
   const std::string stl = octahedron_stl();

@@ -109,21 +109,6 @@ TEST(Profile, MissingFileIsAnError) {
   EXPECT_THROW(read_profile(std::filesystem::temp_directory_path()), Error);
 }
 
-TEST(Profile, WhatIsWrittenIsReadAgain) {
-  Profile profile;
-  profile.name = "a \"quoted\" name";
-  set_lamp_hz(profile, 62.5);
-  set_acceleration(profile, 2);
-  set_speed(profile, 0.25);
-  const TempFile file("");
-  write_profile(file.path(), profile);
-  const Profile again = read_profile(file.path());
-  EXPECT_EQ(again.name, profile.name);
-  EXPECT_EQ(again.settings, profile.settings);
-  EXPECT_EQ(again.stated, profile.stated);
-  EXPECT_THROW(write_profile("/nowhere/machine.toml", profile), Error);
-}
-
 /// The example states the defaults and mentions every setting, so that it cannot go stale unseen.
 TEST(Profile, TheExampleIsTheDefaultAndNamesEverySetting) {
   const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
