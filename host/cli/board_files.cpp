@@ -5,7 +5,7 @@
 
 namespace lamplock::cli {
 
-PinTrace::PinTrace(const std::filesystem::path& file, sim::VirtualBoard& board)
+PinTrace::PinTrace(const std::filesystem::path& file, sim::Board& board)
     : board_(board),
       file_(file),
       stream_(file_.path(), std::ios::binary),
@@ -29,7 +29,7 @@ PerAxis<double> steps_per_mm(const settings::Values& values) {
   return result;
 }
 
-void write_shots(const std::filesystem::path& file, const sim::VirtualBoard& board,
+void write_shots(const std::filesystem::path& file, const sim::Board& board,
                  const settings::Values& values) {
   write_whole(file, [&](const std::filesystem::path& path) {
     report::write_shots_csv(board.world().laser().shots(), steps_per_mm(values), path);

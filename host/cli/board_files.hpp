@@ -1,8 +1,6 @@
-// Files about what a virtual board did, whole or not there: pins as VCD, shots as CSV.
+// Files about what a simulated board did, whole or not there: pins as VCD, shots as CSV.
 //
-// In:  a virtual board, while it runs or afterwards. Out: the files. Who: jobs on the virtual
-// board,
-//      `sim`.
+// In:  a board, while it runs or afterwards. Out: the files. Who: jobs on simulated boards, `sim`.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +9,8 @@
 #include "host/cli/staged_file.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
+#include "sim/board.hpp"
 #include "sim/trace/vcd.hpp"
-#include "sim/virtual_board/virtual_board.hpp"
 
 namespace lamplock::cli {
 
@@ -20,13 +18,13 @@ namespace lamplock::cli {
 class PinTrace {
  public:
   /// Throws Error(bad_input) if the file cannot be written. The board must outlive the trace's use.
-  PinTrace(const std::filesystem::path& file, sim::VirtualBoard& board);
+  PinTrace(const std::filesystem::path& file, sim::Board& board);
 
   /// The trace ends at the board's present time. Throws Error(bad_input) if the disk is full.
   void finish();
 
  private:
-  sim::VirtualBoard& board_;
+  sim::Board& board_;
   StagedFile file_;
   std::ofstream stream_;
   sim::VcdWriter writer_;
@@ -36,7 +34,7 @@ class PinTrace {
 PerAxis<double> steps_per_mm(const settings::Values& values);
 
 /// Writes the shots of a board with these settings. Throws Error(bad_input).
-void write_shots(const std::filesystem::path& file, const sim::VirtualBoard& board,
+void write_shots(const std::filesystem::path& file, const sim::Board& board,
                  const settings::Values& values);
 
 }  // namespace lamplock::cli

@@ -64,7 +64,7 @@ class Ports {
 
   const std::vector<std::unique_ptr<sim::ByteEndpoint>>& all() const { return ports_; }
 
-  void exchange(sim::VirtualBoard& board) {
+  void exchange(sim::Board& board) {
     std::array<std::uint8_t, 1024> bytes{};
     for (const auto& port : ports_) {
       const std::size_t count = port->read(bytes);
@@ -88,8 +88,7 @@ class Ports {
 };
 
 /// Runs until the user or --seconds ends it.
-void run_at_wall_pace(sim::VirtualBoard& board, Ports& ports, const Options& options,
-                      Console& console) {
+void run_at_wall_pace(sim::Board& board, Ports& ports, const Options& options, Console& console) {
   const Interrupt interrupt;
   auto start = Clock::now();
   const double limit_s = options.seconds.value_or(std::numeric_limits<double>::infinity());

@@ -12,8 +12,8 @@
 #include "host/cli/report_folder.hpp"
 #include "host/cli/steering.hpp"
 #include "host/link/serial_transport.hpp"
+#include "host/link/simulated_transport.hpp"
 #include "host/link/tcp_transport.hpp"
-#include "host/link/virtual_transport.hpp"
 #include "host/report/summary.hpp"
 #include "shared/beat_reason.hpp"
 #include "sim/endpoint/tcp_address.hpp"
@@ -85,7 +85,7 @@ report::JobRun run_of(const Work& work, const BoardOptions& options,
 }
 
 /// What only the simulated world knows.
-void add_shots(const sim::VirtualBoard& board, report::JobRun& run) {
+void add_shots(const sim::Board& board, report::JobRun& run) {
   run.shots_known = true;
   run.shots = board.world().laser().shots();
   const auto& lattice = board.lattice_shots();
@@ -103,7 +103,7 @@ Outcome run_virtual(const Work& work, const BoardOptions& options, Console& cons
   sim::VirtualBoard board(work.job.settings, world);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, board);
-  link::VirtualTransport transport(board);
+  link::SimulatedTransport transport(board);
   Outcome outcome;
   outcome.result = send(transport, work, options, Clocking::lock_step);
   outcome.run = run_of(work, options, outcome.result);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "firmware/machine/controller.hpp"
+#include "sim/board.hpp"
 #include "sim/virtual_board/fire_stage.hpp"
 #include "sim/virtual_board/step_edges.hpp"
 #include "sim/virtual_board/tick_line.hpp"
@@ -21,37 +22,29 @@
 
 namespace lamplock::sim {
 
-/// Where the machine stood at the lattice tick of a shot's beat: the position without the jitter
-/// of the lamp.
-struct LatticeShot {
-  std::uint64_t beat = 0;
-  StepPosition steps{};
-};
-
 /// One board in its world.
-class VirtualBoard final : private PinListener {
+class VirtualBoard final : public Board, private PinListener {
  public:
   VirtualBoard(const settings::Values& stored, const WorldConfig& world);
   ~VirtualBoard() override;
   VirtualBoard(const VirtualBoard&) = delete;
   VirtualBoard& operator=(const VirtualBoard&) = delete;
 
-  /// Bytes from the host; returns how many were taken (the buffer is that of a USB endpoint pair).
-  std::size_t write(std::span<const std::uint8_t> bytes);
-  /// Bytes to the host.
-  std::size_t read(std::span<std::uint8_t> bytes);
-  bool has_output() const { return !to_host_.empty(); }
+  std::string_view name() const override { return "virtual"; }
 
-  /// Runs until `until`.
-  void run_until(Picoseconds until);
-  Picoseconds now() const { return now_; }
+  /// The buffer is that of a USB endpoint pair.
+  std::size_t write(std::span<const std::uint8_t> bytes) override;
+  std::size_t read(std::span<std::uint8_t> bytes) override;
+  bool has_output() const override { return !to_host_.empty(); }
 
-  PinBus& bus() { return bus_; }
-  World& world() { return *world_; }
-  const World& world() const { return *world_; }
-  machine::Controller& controller() { return *controller_; }
+  void run_until(Picoseconds until) override;
+  Picoseconds now() const override { return now_; }
+
+  PinBus& bus() override { return bus_; }
+  World& world() override { return *world_; }
+  const World& world() const override { return *world_; }
+  const std::vector<LatticeShot>& lattice_shots() const override { return lattice_shots_; }
   const machine::Controller& controller() const { return *controller_; }
-  const std::vector<LatticeShot>& lattice_shots() const { return lattice_shots_; }
 
  private:
   void pin_changed(Pin pin, bool level, Picoseconds at) override;

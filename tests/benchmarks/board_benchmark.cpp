@@ -7,8 +7,9 @@
 #include <streambuf>
 
 #include "host/link/sender.hpp"
-#include "host/link/virtual_transport.hpp"
+#include "host/link/simulated_transport.hpp"
 #include "sim/trace/vcd.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
 #include "tests/step_histogram.hpp"
 
 namespace lamplock {
@@ -51,7 +52,7 @@ void board(benchmark::State& state, motion::JoinMode mode, Trace trace) {
     std::ostream out(&buffer);
     std::optional<sim::VcdWriter> vcd;
     if (trace == Trace::vcd) vcd.emplace(out, virtual_board.bus());
-    link::VirtualTransport transport(virtual_board);
+    link::SimulatedTransport transport(virtual_board);
     const link::JobResult result = link::JobSender(transport, job).run();
     if (vcd) vcd->finish(virtual_board.now());
     if (result.status.shots != job.targets.size()) state.SkipWithError("points were not fired");

@@ -80,7 +80,7 @@ TEST(Determinism, BoardsInOneProcessDoNotDisturbEachOther) {
   run_job(fast_alone, fast_job);
 
   Rig slow_beside(slow, lamp), fast_beside(fast);
-  link::VirtualTransport slow_link(slow_beside.board), fast_link(fast_beside.board);
+  link::SimulatedTransport slow_link(slow_beside.board), fast_link(fast_beside.board);
   link::SenderOptions options;
   options.session = 0x5EED;
   link::JobSender slow_sender(slow_link, slow_job, options),

@@ -107,7 +107,7 @@ class SleepyTransport final : public link::Transport {
   bool reconnect() override { return true; }
 
  private:
-  link::VirtualTransport inner_;
+  link::SimulatedTransport inner_;
   std::chrono::microseconds nap_;
 };
 

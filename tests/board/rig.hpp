@@ -13,7 +13,7 @@
 
 #include "host/job/job.hpp"
 #include "host/link/sender.hpp"
-#include "host/link/virtual_transport.hpp"
+#include "host/link/simulated_transport.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 #include "tests/board/pin_monitor.hpp"
 #include "tests/scale.hpp"
@@ -103,7 +103,7 @@ struct Rig {
 /// Runs a job over a good cable.
 inline link::JobResult run_job(Rig& rig, const job::Job& job, link::SenderOptions options = {}) {
   if (options.session == 0) options.session = 0x5EED;
-  link::VirtualTransport transport(rig.board);
+  link::SimulatedTransport transport(rig.board);
   return link::JobSender(transport, job, options).run();
 }
 

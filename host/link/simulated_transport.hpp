@@ -1,4 +1,4 @@
-// A transport to a virtual board in the same process, in lock step with the host.
+// A transport to a simulated board in the same process, in lock step with the host.
 //
 // Waiting runs the board: simulated time passes only while the host waits, so that a job runs as
 // fast as the machine can compute and always the same way.
@@ -7,14 +7,14 @@
 #include <algorithm>
 
 #include "host/link/transport.hpp"
-#include "sim/virtual_board/virtual_board.hpp"
+#include "sim/board.hpp"
 
 namespace lamplock::link {
 
 /// The board must outlive the transport.
-class VirtualTransport final : public Transport {
+class SimulatedTransport final : public Transport {
  public:
-  explicit VirtualTransport(sim::VirtualBoard& board) : board_(board) {}
+  explicit SimulatedTransport(sim::Board& board) : board_(board) {}
 
   std::size_t write(std::span<const std::uint8_t> bytes) override { return board_.write(bytes); }
   std::size_t read(std::span<std::uint8_t> bytes) override { return board_.read(bytes); }
@@ -31,7 +31,7 @@ class VirtualTransport final : public Transport {
  private:
   /// The board is asked this often whether it has sent something: one frame of USB.
   static constexpr sim::Picoseconds slice = sim::ps_per_ms;
-  sim::VirtualBoard& board_;
+  sim::Board& board_;
 };
 
 }  // namespace lamplock::link

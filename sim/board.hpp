@@ -1,0 +1,51 @@
+// A simulated board with the world on its pins, whichever board it is.
+//
+// In:  bytes of the host; time, as far as whoever holds the board lets it pass.
+// Out: bytes to the host; pins and world, to trace and to judge.
+// Who: transports of the host, `lamplock sim`, tests. One virtual call per slice of time or piece
+// of
+//      data, none inside.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sim/world/world.hpp"
+
+namespace lamplock::sim {
+
+/// Where the machine stood at the lattice tick of a shot's beat: the position without the jitter
+/// of the lamp.
+struct LatticeShot {
+  std::uint64_t beat = 0;
+  StepPosition steps{};
+};
+
+/// One board in its world. Deterministic: no threads, no wall clock.
+class Board {
+ public:
+  virtual ~Board() = default;
+
+  /// As users name it: "virtual", "chip".
+  virtual std::string_view name() const = 0;
+
+  /// Bytes from the host; returns how many were taken.
+  virtual std::size_t write(std::span<const std::uint8_t> bytes) = 0;
+  /// Bytes to the host; returns how many.
+  virtual std::size_t read(std::span<std::uint8_t> bytes) = 0;
+  virtual bool has_output() const = 0;
+
+  virtual void run_until(Picoseconds until) = 0;
+  virtual Picoseconds now() const = 0;
+
+  virtual PinBus& bus() = 0;
+  virtual World& world() = 0;
+  virtual const World& world() const = 0;
+  /// One for each pulse; empty if the board cannot know.
+  virtual const std::vector<LatticeShot>& lattice_shots() const = 0;
+};
+
+}  // namespace lamplock::sim
