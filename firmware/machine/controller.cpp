@@ -1,5 +1,6 @@
 #include "firmware/machine/controller.hpp"
 
+#include "firmware/machine/settings_text.hpp"
 #include "firmware/machine/text.hpp"
 
 namespace lamplock::machine {
@@ -14,10 +15,11 @@ constexpr std::uint8_t alarm_hard_limit = 1;
 constexpr std::uint8_t alarm_reset_in_motion = 3;
 constexpr std::uint8_t alarm_estop = 10;
 // Error numbers of grbl 1.1.
-constexpr int error_unknown_command = 3;
+constexpr int error_not_idle = 8;
 constexpr int error_locked = 9;
 constexpr int error_line_too_long = 11;
 constexpr int error_unsupported = 20;
+constexpr int error_setting_range = 52;  // of grblHAL
 // Real-time bytes of grbl 1.1.
 constexpr std::uint8_t byte_reset = 0x18;
 constexpr std::uint8_t byte_door = 0x84;
@@ -25,6 +27,7 @@ constexpr std::uint8_t byte_door = 0x84;
 /// The lamp trigger is high for this long: well above the 2 us a lamp may ask for.
 constexpr std::uint32_t trigger_ticks = 20;
 
+constexpr std::string_view ok_line = "ok\r\n";
 constexpr std::string_view version_line = "[VER:1.1h.20261121:lamplock]\r\n";
 constexpr std::string_view state_names[] = {"Idle", "Run", "Hold:0", "Alarm", "Door:1", "Alarm"};
 
@@ -277,6 +280,7 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
 Result Controller::on_begin(const wire::JobHeader& header) {
   refused_value_ = 0;
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  if (loader_requested_) return Result::busy;
   if (door_open_) return Result::door_open;
   if (!runner_.at_rest() || state_ == MachineState::run) return Result::busy;
   if (shots_.token_out()) return Result::busy;  // a shot of the last job may still come
@@ -359,29 +363,97 @@ void Controller::on_realtime(std::uint8_t byte) {
 }
 
 void Controller::on_line(std::string_view line) {
-  TextLine answer;
-  if (line.empty()) {
-    answer.add("ok\r\n");
-  } else if (line == "$I") {
+  if (line.empty())
+    link_.send_text(ok_line);
+  else if (line.front() == '$')
+    answer_system_command(line);
+  else
+    send_error(state_ == MachineState::alarm ? error_locked : error_unsupported);
+}
+
+void Controller::answer_system_command(std::string_view line) {
+  int error = 0;
+  if (line == "$I") {
+    TextLine options;
+    options.add("[OPT:V,").add(std::int64_t{motion::PointQueue::capacity}).add(",1024]\r\n");
     link_.send_text(version_line);
-    answer.add("[OPT:V,").add(std::int64_t{motion::PointQueue::capacity}).add(",1024]\r\nok\r\n");
+    link_.send_text(options.view());
   } else if (line == "$X") {
     unlock();
-    answer.add("ok\r\n");
-  } else if (line.front() == '$') {
-    answer.add("error:").add(std::int64_t{error_unknown_command}).add("\r\n");
+  } else if (line == "$$") {
+    list_settings();
+  } else if (line == "$RST=$" || line == "$RST=*" || line == "$BOOT") {
+    if (!may_be_changed())
+      error = error_not_idle;
+    else if (line == "$BOOT")
+      loader_requested_ = true;
+    else
+      restore_defaults();
   } else {
-    const int error = state_ == MachineState::alarm ? error_locked : error_unsupported;
-    answer.add("error:").add(std::int64_t{error}).add("\r\n");
+    error = change_setting(line);
   }
+  if (error == 0)
+    link_.send_text(ok_line);
+  else
+    send_error(error);
+}
+
+bool Controller::may_be_changed() const {
+  return (state_ == MachineState::idle || state_ == MachineState::alarm) && runner_.at_rest() &&
+         !shots_.token_out();
+}
+
+int Controller::change_setting(std::string_view line) {
+  const SettingLine asked = read_setting(line);
+  if (asked.error != 0) return asked.error;
+  if (!may_be_changed()) return error_not_idle;
+  settings::Values values = stored_;
+  values.set_milli(asked.id, asked.milli);
+  motion::Limits limits;
+  std::uint16_t setting = 0;
+  if (motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting) != Result::ok)
+    return error_setting_range;
+  if (values == stored_) return 0;
+  stored_ = values;
+  store_due_ = true;
+  use_settings(values);
+  return 0;
+}
+
+void Controller::restore_defaults() {
+  stored_ = settings::Values{};
+  store_due_ = true;
+  use_settings(stored_);
+}
+
+bool Controller::take_settings(settings::Values& values) {
+  if (!store_due_) return false;
+  store_due_ = false;
+  values = stored_;
+  return true;
+}
+
+void Controller::list_settings() {
+  for (std::size_t i = 0; i < settings::setting_count; ++i) {
+    TextLine line;
+    write_setting(line, static_cast<Id>(i), stored_);
+    link_.send_text(line.view());
+  }
+}
+
+void Controller::say(std::string_view text) {
+  TextLine line;
+  line.add("[MSG:").add(text).add("]\r\n");
+  link_.send_text(line.view());
+}
+
+void Controller::send_error(int number) {
+  TextLine answer;
+  answer.add("error:").add(std::int64_t{number}).add("\r\n");
   link_.send_text(answer.view());
 }
 
-void Controller::on_line_too_long() {
-  TextLine answer;
-  answer.add("error:").add(std::int64_t{error_line_too_long}).add("\r\n");
-  link_.send_text(answer.view());
-}
+void Controller::on_line_too_long() { send_error(error_line_too_long); }
 
 void Controller::send_banner() { link_.send_text("\r\nGrbl 1.1h ['$' for help]\r\n"); }
 

@@ -10,6 +10,8 @@
 //   commit              main loop             after prepare     motion handed out, answers
 //   input_changed       main loop             on change         e-stop, door, limit switches; at
 //                                                               power-up for each active one
+//   take_settings       main loop             before transmit   settings to be stored
+//   loader_requested    main loop             1 ms              restart into the boot loader
 //   fill                fill interrupt        2 ms ahead        steps and lattice bits
 //   next_span           timing interrupt      0.1-0.5 ms ahead  lengths of ticks
 //   lamp_edge           beat interrupt        on LAMP SYNC      edge and whether it fired
@@ -85,6 +87,14 @@ class Controller {
   /// The board has thrown away what it was given ahead (e-stop): where the axes really stand.
   void stopped_at(const StepPosition& steps);
 
+  /// The user has changed settings: true once, with what has to be stored before the answer is
+  /// transmitted. The machine is at rest.
+  bool take_settings(settings::Values& values);
+  /// The user wants the boot loader of the board; the machine is at rest and stays so.
+  bool loader_requested() const { return loader_requested_; }
+  /// Tells whoever listens: "[MSG:text]".
+  void say(std::string_view text);
+
   // Interrupts of the board.
   void fill(stepper::TickBlock& block, std::uint32_t max_ticks) { runner_.fill(block, max_ticks); }
   lamp::TickSpan next_span(std::uint32_t max_ticks) { return clock_.next_span(max_ticks); }
@@ -126,6 +136,12 @@ class Controller {
   bool ready_to_move() const;
   BeatReason idle_reason() const;
   void check_dead_man();
+  bool may_be_changed() const;
+  void answer_system_command(std::string_view line);
+  int change_setting(std::string_view line);
+  void restore_defaults();
+  void list_settings();
+  void send_error(int number);
   void send_banner();
   void send_status_line();
 
@@ -143,7 +159,9 @@ class Controller {
   std::uint8_t alarm_ = 0;
   bool job_ = false;  ///< a job has begun and was not ended
   bool dry_ = false;
-  bool moving_ = false;    ///< motion was permitted at the last prepare()
+  bool moving_ = false;  ///< motion was permitted at the last prepare()
+  bool store_due_ = false;
+  bool loader_requested_ = false;
   bool planning_ = false;  ///< between prepare() and commit() there is a plan to hand out
   bool door_open_ = false;
   bool estop_ = false;

@@ -24,7 +24,8 @@ constexpr std::size_t remembered_blocks = 64;
 }  // namespace
 
 VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& world)
-    : world_(std::make_unique<World>(world, bus_)),
+    : stored_(stored),
+      world_(std::make_unique<World>(world, bus_)),
       controller_(std::make_unique<machine::Controller>(stored)) {
   for (const Pin pin : {Pin::lamp_sync, Pin::lamp_trigger, Pin::estop, Pin::door, Pin::limit_x,
                         Pin::limit_y, Pin::limit_z, Pin::limit_a})
@@ -111,6 +112,7 @@ void VirtualBoard::service() {
     from_host_.erase(from_host_.begin(), end);
     controller_->receive(std::span<const std::uint8_t>(packet).first(n));
   }
+  controller_->take_settings(stored_);
   controller_->poll(static_cast<std::uint64_t>(now_ / ps_per_clock));
   std::array<std::uint8_t, bytes_per_service> packet;
   const std::size_t n = controller_->transmit(packet);

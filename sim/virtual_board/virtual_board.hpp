@@ -44,6 +44,8 @@ class VirtualBoard final : public Board, private PinListener {
   World& world() override { return *world_; }
   const World& world() const override { return *world_; }
   const std::vector<LatticeShot>& lattice_shots() const override { return lattice_shots_; }
+  /// What the board would start with after power-up.
+  const settings::Values& stored_settings() const { return stored_; }
   const machine::Controller& controller() const { return *controller_; }
 
  private:
@@ -65,6 +67,7 @@ class VirtualBoard final : public Board, private PinListener {
   void stop_dead();
   StepPosition position_at_tick(std::uint64_t tick) const;
 
+  settings::Values stored_;
   PinBus bus_;
   std::unique_ptr<World> world_;
   std::unique_ptr<machine::Controller> controller_;

@@ -1,0 +1,90 @@
+#include "firmware/machine/settings_text.hpp"
+
+#include <limits>
+
+namespace lamplock::machine {
+namespace {
+
+constexpr int error_number = 2;
+constexpr int error_statement = 3;
+constexpr int error_range = 52;
+constexpr int decimals = 3;
+
+/// Takes decimal digits off the front; false if there is none or the number does not fit.
+bool take_digits(std::string_view& text, std::int64_t& value) {
+  if (text.empty() || text.front() < '0' || text.front() > '9') return false;
+  while (!text.empty() && text.front() >= '0' && text.front() <= '9') {
+    value = value * 10 + (text.front() - '0');
+    if (value > std::numeric_limits<std::int32_t>::max()) return false;
+    text.remove_prefix(1);
+  }
+  return true;
+}
+
+/// Takes the decimals behind a point; more than three are refused rather than rounded.
+bool take_decimals(std::string_view& text, std::int64_t& milli) {
+  int scale = 1000;
+  for (int i = 0; i < decimals && !text.empty() && text.front() >= '0' && text.front() <= '9';
+       ++i) {
+    scale /= 10;
+    milli += scale * (text.front() - '0');
+    text.remove_prefix(1);
+  }
+  return text.empty();
+}
+
+/// The whole text as a number in thousandths.
+bool read_milli(std::string_view text, std::int64_t& milli) {
+  const bool negative = !text.empty() && text.front() == '-';
+  if (negative || (!text.empty() && text.front() == '+')) text.remove_prefix(1);
+  std::int64_t whole = 0;
+  if (!take_digits(text, whole)) return false;
+  milli = whole * 1000;
+  if (!text.empty()) {
+    if (text.front() != '.') return false;
+    text.remove_prefix(1);
+    if (!take_decimals(text, milli)) return false;
+  }
+  if (negative) milli = -milli;
+  return true;
+}
+
+}  // namespace
+
+SettingLine read_setting(std::string_view line) {
+  SettingLine result;
+  std::int64_t number = 0;
+  line.remove_prefix(1);
+  if (!take_digits(line, number) || line.empty() || line.front() != '=' ||
+      number > std::numeric_limits<std::uint16_t>::max()) {
+    result.error = error_statement;
+    return result;
+  }
+  line.remove_prefix(1);
+  result.id = settings::find_number(static_cast<std::uint16_t>(number));
+  std::int64_t milli = 0;
+  if (result.id == settings::Id::count) {
+    result.error = error_statement;
+  } else if (!read_milli(line, milli)) {
+    result.error = error_number;
+  } else {
+    const settings::Row& row = settings::row(result.id);
+    if (milli < row.min_milli || milli > row.max_milli || (row.whole && milli % 1000 != 0))
+      result.error = error_range;
+    else
+      result.milli = static_cast<std::int32_t>(milli);
+  }
+  return result;
+}
+
+void write_setting(TextLine& line, settings::Id id, const settings::Values& values) {
+  const settings::Row& row = settings::row(id);
+  line.add("$").add(std::int64_t{row.number}).add("=");
+  if (row.whole)
+    line.add(std::int64_t{values.whole(id)});
+  else
+    line.add_milli(values.milli(id));
+  line.add("\r\n");
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,144 @@
+// Settings by text: what is asked for is listed, kept over a restart, and refused when it cannot
+// be.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "tests/board/board_cable.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+/// A user at a terminal.
+struct Terminal {
+  explicit Terminal(Rig& board) : rig(board) { answer(""); }
+
+  /// Everything the machine says to a line.
+  std::string answer(const std::string& line) {
+    const std::string typed = line + "\n";
+    rig.board.write({reinterpret_cast<const std::uint8_t*>(typed.data()), typed.size()});
+    rig.run(10 * ps_per_ms);
+    std::string text;
+    std::array<std::uint8_t, 4096> bytes;
+    const std::size_t count = rig.board.read(bytes);
+    for (std::size_t i = 0; i < count; ++i) text.push_back(static_cast<char>(bytes[i]));
+    return text;
+  }
+
+  Rig& rig;
+};
+
+std::string milli_text(std::int32_t milli) { return fmt::format("{:.3f}", milli / 1000.0); }
+
+TEST(SettingsText, EverySettingIsListedAndReadsBack) {
+  Rig rig(lamp_profile());
+  Terminal user(rig);
+  const std::string list = user.answer("$$");
+  EXPECT_THAT(list, EndsWith("ok\r\n"));
+  std::size_t lines = 0;
+  for (std::size_t at = 0; list[at] == '$'; at = list.find('\n', at) + 1, ++lines)
+    EXPECT_EQ(user.answer(list.substr(at, list.find('\r', at) - at)), "ok\r\n");
+  EXPECT_EQ(lines, settings::setting_count);
+  EXPECT_EQ(rig.board.stored_settings(), lamp_profile().settings);
+  EXPECT_EQ(user.answer("$$"), list);
+}
+
+TEST(SettingsText, RandomValuesAreKeptOverARestart) {
+  std::mt19937_64 random(5);
+  settings::Values wanted = lamp_profile().settings;
+  for (int round = 0; round < scaled(20); ++round) {
+    Rig rig(wanted, world_for(lamp_profile()));
+    Terminal user(rig);
+    for (int i = 0; i < 30; ++i) {
+      const auto id = static_cast<Id>(random() % settings::setting_count);
+      const settings::Row& row = settings::row(id);
+      std::int32_t value =
+          std::uniform_int_distribution<std::int32_t>(row.min_milli, row.max_milli)(random);
+      if (row.whole) value -= value % 1000;
+      settings::Values asked = wanted;
+      ASSERT_TRUE(asked.set_milli(id, value));
+      motion::Limits limits;
+      std::uint16_t refused = 0;
+      const bool possible = motion::make_limits(asked, beat_ticks(asked), full_tick_q16, limits,
+                                                refused) == Result::ok;
+      EXPECT_EQ(user.answer(fmt::format("${}={}", row.number, milli_text(value))),
+                possible ? "ok\r\n" : "error:52\r\n");
+      if (possible) wanted = asked;
+      ASSERT_EQ(rig.board.stored_settings(), wanted);
+    }
+    EXPECT_TRUE(rig.monitor.nothing_happened());
+  }
+}
+
+TEST(SettingsText, WhatIsNoSettingIsRefusedByNumber) {
+  Rig rig(lamp_profile());
+  Terminal user(rig);
+  for (const char* line : {"$", "$=1", "$901", "$901x=1", "$902345=1", "$99999999999=1", "$5=1"})
+    EXPECT_EQ(user.answer(line), "error:3\r\n") << line;
+  for (const char* line : {"$901=", "$901=fast", "$901=1.2345", "$901=1e3", "$901=--1", "$901=1 2",
+                           "$901=99999999999999999999"})
+    EXPECT_EQ(user.answer(line), "error:2\r\n") << line;
+  for (const char* line : {"$901=0.999", "$901=5000.001", "$901=-100", "$960=2.5", "$900=3"})
+    EXPECT_EQ(user.answer(line), "error:52\r\n") << line;
+  EXPECT_EQ(user.answer("$111=599999"), "error:52\r\n");  // more than a step a tick
+  EXPECT_EQ(rig.board.stored_settings(), lamp_profile().settings);
+}
+
+TEST(SettingsText, GarbageChangesNothingItDoesNotName) {
+  Rig rig(lamp_profile());
+  Terminal user(rig);
+  std::mt19937_64 random(6);
+  const std::string letters = "$=.0123456789-+eRSTXI\t ";
+  for (int i = 0; i < scaled(300); ++i) {
+    std::string line = "$";
+    for (std::size_t n = random() % 12; n > 0; --n) line += letters[random() % letters.size()];
+    const settings::Values before = rig.board.stored_settings();
+    const std::string said = user.answer(line);
+    if (said.find("error:") != std::string::npos) {
+      EXPECT_EQ(rig.board.stored_settings(), before) << line;
+    }
+  }
+  EXPECT_TRUE(rig.monitor.nothing_happened());
+}
+
+TEST(SettingsText, NothingIsChangedWhileTheMachineIsBusy) {
+  const job::Profile profile = lamp_profile();
+  Rig rig(profile);
+  Terminal user(rig);
+  const job::Job job = job::make_job(histogram_walk(200, 3), profile, {});
+  link::SimulatedTransport transport(rig.board);
+  link::SenderOptions options;
+  options.session = 1;
+  link::JobSender sender(transport, job, options);
+  while (rig.shots().size() < 50 && sender.step()) {
+  }
+  for (const char* line : {"$901=50", "$RST=$", "$RST=*", "$BOOT"})
+    EXPECT_THAT(user.answer(line), HasSubstr("error:8\r\n")) << line;
+  EXPECT_FALSE(rig.board.controller().loader_requested());
+  EXPECT_EQ(rig.board.stored_settings(), profile.settings);
+  EXPECT_EQ(sender.run().end, link::JobEnd::done);
+  expect_each_once(rig, job, false);
+}
+
+TEST(SettingsText, DefaultsComeBack) {
+  Rig rig(lamp_profile(50));
+  Terminal user(rig);
+  EXPECT_EQ(user.answer("$RST=$"), "ok\r\n");
+  EXPECT_EQ(rig.board.stored_settings(), settings::Values());
+}
+
+TEST(SettingsText, TheLoaderIsEnteredAtRestAndEndsEverything) {
+  const job::Profile profile = lamp_profile();
+  Rig rig(profile);
+  Terminal user(rig);
+  EXPECT_EQ(user.answer("$BOOT"), "ok\r\n");
+  EXPECT_TRUE(rig.board.controller().loader_requested());
+  EXPECT_ANY_THROW(run_job(rig, job::make_job(histogram_walk(5, 3), profile, {})));
+  EXPECT_TRUE(rig.monitor.nothing_happened());
+}
+
+}  // namespace
+}  // namespace lamplock::test
