@@ -84,6 +84,12 @@ bool ShotScheduler::outcome(PointOutcome& out) {
   return true;
 }
 
+std::uint32_t ShotScheduler::done_untaken() const {
+  std::uint32_t i = outcome_begin_;
+  while (i != outcome_end_ && outcomes_[i % capacity].outcome != Outcome::missed) ++i;
+  return i - outcome_begin_;
+}
+
 void ShotScheduler::report(std::uint32_t point, Outcome outcome) {
   outcomes_[outcome_end_ % capacity] = {point, outcome};
   outcome_end_ = outcome_end_ + 1;

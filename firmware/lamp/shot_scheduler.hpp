@@ -82,6 +82,8 @@ class ShotScheduler {
   bool token_out() const { return token_out_; }
   /// Takes the oldest outcome.
   bool outcome(PointOutcome& out);
+  /// Points in a row that are done and whose outcome was not taken yet. Also beat interrupt.
+  std::uint32_t done_untaken() const;
   const BeatLedger& ledger() const { return ledger_; }
   /// Shots that the hardware reported on a beat that had none planned; must stay 0.
   std::uint32_t stray_shots() const { return stray_shots_; }

@@ -58,6 +58,12 @@ struct FireTiming {
   bool own_edges = false;          ///< free beat: the trigger output is the LAMP SYNC
 };
 
+/// How far a job is: what has to survive a crash.
+struct JobMark {
+  std::uint32_t session = 0;  ///< 0 = no job
+  std::uint32_t first_unfired = 0;
+};
+
 /// Clocks from the edge to the decision whether to fire: runt filter (2 us) and latency of the
 /// fire stage. Worked out for the PIO of the RP2040; the virtual board does the same.
 inline constexpr std::uint32_t fire_decision_clocks = 269;
@@ -101,6 +107,11 @@ class Controller {
   /// An edge longer than a runt; `token_spent` if a loaded token was taken by it.
   void lamp_edge(std::uint64_t clock, bool fired, bool token_spent) {
     shots_.edge(clock_.edge(clock), fired, token_spent);
+  }
+  /// Exact as of the last lamp_edge(). Beat interrupt, or main loop with it masked.
+  JobMark job_mark() const {
+    if (!job_) return {};
+    return {link_.session(), runner_.queue().begin() + shots_.done_untaken()};
   }
   bool next_token(lamp::FireToken& token) { return shots_.next_token(token, clock_); }
   void token_expired() { shots_.token_expired(); }
