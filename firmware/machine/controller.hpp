@@ -84,11 +84,6 @@ class Controller {
   bool prepare(std::uint64_t clock);
   void plan() { runner_.plan(values_); }
   void commit();
-  /// The three in a row, for boards without interrupts.
-  void poll(std::uint64_t clock) {
-    if (prepare(clock)) plan();
-    commit();
-  }
   void input_changed(Input input, bool active);
   /// The board has thrown away what it was given ahead (e-stop): where the axes really stand.
   void stopped_at(const StepPosition& steps);

@@ -7,8 +7,6 @@ namespace {
 
 /// Motion is begun this long after the ticks already handed out.
 constexpr std::uint32_t start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
-/// Committed motion shorter than this, and too few points for a window: the host is late.
-constexpr std::uint64_t starvation_ticks = 30 * std::uint64_t{ticks_per_second / 1000};
 /// At rest the host has this long, after the last points, to complete a window.
 constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
 /// Points committed of a full window.
@@ -70,6 +68,7 @@ void JobRunner::read_outcomes() {
 void JobRunner::go_back() {
   // What is being run is carried to its end; what has not begun is taken back.
   segments_.clear();
+  provisional_ = 0;
   shots_.restart(BeatReason::returning);
   if (generator_.running()) {
     plan_state_ = generator_.segment().end;
@@ -79,6 +78,7 @@ void JobRunner::go_back() {
   from_rest_ = !generator_.running() || plan_state_.at_rest();
   next_ = queue_.begin();
   returning_ = true;
+  if (!from_rest_) commit_brake();
 }
 
 std::uint64_t JobRunner::start_beat() const {
@@ -97,10 +97,6 @@ bool JobRunner::prepare_start() {
   return true;
 }
 
-bool JobRunner::running_out() const {
-  return plan_state_.tick < generator_.state().tick + starvation_ticks;
-}
-
 bool JobRunner::window_ready() {
   request_.count = 0;
   for (std::uint32_t i = next_; i != queue_.end() && request_.count < motion::window_points; ++i)
@@ -110,8 +106,8 @@ bool JobRunner::window_ready() {
 }
 
 bool JobRunner::may_plan() {
-  if (segments_.free() < motion::window_points + 1 || shots_.free() < motion::window_points)
-    return false;
+  const std::uint32_t room = motion::window_points + 1 - provisional_;
+  if (segments_.free() < room || shots_.free() < room) return false;
   if (received_ != queue_.end()) {
     received_ = queue_.end();
     receive_tick_ = generator_.state().tick;
@@ -120,18 +116,20 @@ bool JobRunner::may_plan() {
     starving_ = false;
     return true;
   }
-  if (next_ == options_.points_total) return false;
+  if (next_ == options_.points_total || !from_rest_) return false;
+  // At rest the host has some time to complete a window; at the very start it is only late then.
   const bool patient = generator_.state().tick < receive_tick_ + patience_ticks;
-  if (from_rest_ ? at_rest() && next_ == first_ && patient : !running_out()) return false;
+  if (at_rest() && next_ == first_ && patient) return false;
   if (!starving_ && next_ != first_) ++starvations_;
   starving_ = true;
-  return request_.count != 0 && !(from_rest_ && patient);
+  return request_.count != 0 && !patient;
 }
 
 bool JobRunner::prepare(bool go) {
   // In this order: an edge may come in between.
   if (!shots_.shot_pending()) braked_ = false;
   read_outcomes();
+  if (provisional_begun()) keep_provisional();
   if (!go || braked_ || !may_plan() || !prepare_start()) return false;
   request_.queue = &queue_;
   request_.mode = options_.mode;
@@ -163,15 +161,33 @@ bool JobRunner::plan_with_new_limits(const settings::Values& values) {
 }
 
 Result JobRunner::commit() {
-  if (planned_) {
+  if (provisional_begun()) {
+    keep_provisional();  // planning took too long: what it started from has passed
+  } else if (planned_) {
     commit_plan();
-  } else if (!plan_state_.at_rest()) {
-    commit_brake();
+  } else if (provisional_ != 0) {
+    keep_provisional();
   } else {
     failed_point_ = request_.points[failed_];
     return Result::unreachable;
   }
   return Result::ok;
+}
+
+void JobRunner::take_back_provisional() {
+  segments_.take_back(provisional_);
+  shots_.cancel_after(plan_beat_);
+  provisional_ = 0;
+}
+
+void JobRunner::keep_provisional() {
+  provisional_ = 0;
+  plan_state_ = rest_state_;
+  from_rest_ = true;
+  next_ = rest_next_;
+  if (returning_) return;
+  ++starvations_;
+  starving_ = true;
 }
 
 void JobRunner::start_later() {
@@ -184,26 +200,38 @@ void JobRunner::start_later() {
 void JobRunner::commit_plan() {
   const bool half = request_.count == motion::window_points;
   const std::uint32_t count = half ? commit_points : request_.count;
+  take_back_provisional();
   start_later();
   const std::uint64_t late_ticks = plan_state_.tick - request_.start.tick;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    stepper::Segment segment = planner_.segment(i);
-    segment.start_tick += late_ticks;
-    segment.end.tick += late_ticks;
-    segment.reason = returning_ && i == 0 ? BeatReason::returning
-                     : options_.dry       ? BeatReason::dry
-                                          : BeatReason::moving;
-    if (options_.dry) segment.shot.present = false;
-    const auto beats = static_cast<std::uint64_t>(planner_.beats(i));
-    shots_.commit(segment, plan_beat_ + 1, plan_beat_ + beats);
-    segments_.push(segment);
-    plan_beat_ += beats;
-    plan_state_ = segment.end;
+  std::uint64_t beat = plan_beat_;
+  for (std::uint32_t i = 0; i < request_.count; ++i) {
+    push(i, late_ticks, beat);
+    if (i + 1 == count) plan_beat_ = beat;
   }
+  plan_state_ = planner_.segment(count - 1).end;
+  plan_state_.tick += late_ticks;
   next_ = request_.points[count - 1] + 1;
+  provisional_ = request_.count - count;
+  rest_state_ = planner_.segment(request_.count - 1).end;
+  rest_state_.tick += late_ticks;
+  rest_next_ = request_.points[request_.count - 1] + 1;
   returning_ = false;
   from_rest_ = plan_state_.at_rest();
-  clock_.set_motion_end(plan_state_.tick);
+  clock_.set_motion_end(rest_state_.tick);
+}
+
+void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {
+  stepper::Segment segment = planner_.segment(i);
+  segment.start_tick += late_ticks;
+  segment.end.tick += late_ticks;
+  segment.reason = returning_ && i == 0 ? BeatReason::returning
+                   : options_.dry       ? BeatReason::dry
+                                        : BeatReason::moving;
+  if (options_.dry) segment.shot.present = false;
+  const auto beats = static_cast<std::uint64_t>(planner_.beats(i));
+  shots_.commit(segment, beat + 1, beat + beats);
+  segments_.push(segment);
+  beat += beats;
 }
 
 std::uint32_t JobRunner::brake_ticks(const stepper::MotionState& from) const {
@@ -235,13 +263,15 @@ stepper::Segment JobRunner::make_brake(const stepper::MotionState& from) const {
 void JobRunner::commit_brake() {
   const stepper::Segment s = make_brake(plan_state_);
   segments_.push(s);
-  plan_state_ = s.end;
-  from_rest_ = true;
-  clock_.set_motion_end(plan_state_.tick);
+  provisional_ = 1;
+  rest_state_ = s.end;
+  rest_next_ = next_;
+  clock_.set_motion_end(s.end.tick);
 }
 
 void JobRunner::brake() {
   segments_.clear();
+  provisional_ = 0;
   const stepper::MotionState head = generator_.state();
   // What lies before the head has been handed to the board and is judged by its edges.
   shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
@@ -261,6 +291,7 @@ void JobRunner::brake() {
 void JobRunner::halt() {
   generator_.halt();
   segments_.clear();
+  provisional_ = 0;
   shots_.cancel_after(0);
   clock_.set_motion_end(0);
   next_ = queue_.begin();

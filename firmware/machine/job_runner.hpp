@@ -16,13 +16,19 @@
 // One primitive serves start, resume, a missed flash, starvation and re-lock: plan from the state
 // where committed motion ends to the points that are not done yet, in order.
 //
-//   points:   done | committed | planned next ......... | received
-//             begin()           next_                     end()
-//   time:     past | filled (2 ms ahead) | committed segments | plan_state_
+//   points:   done | committed | provisional | planned next ... | received
+//             begin()           next_                             end()
+//   time:     past | filled (2 ms ahead) | committed | plan_state_ | provisional | rest
+//
+// What is handed out always ends at rest: behind the committed segments stand provisional ones, the
+// second half of the window or a brake. The next plan, which starts at plan_state_, replaces them;
+// one that comes too late, because planning took long or the host was slow, finds them begun and
+// starts anew where they end. So no delay of the main loop can end motion with speed.
 //
 // Determinism: a window of `window_points` points is planned when all of them are known, and its
 // first half committed; the rest of a job that is shorter is planned when its last point is known.
-// So the plan depends on the points alone; only starvation changes it, and is counted.
+// So the plan depends on the points alone; only provisional motion that was begun changes it, and
+// is counted as starvation.
 #pragma once
 
 #include <cstdint>
@@ -77,7 +83,7 @@ class JobRunner {
   std::uint32_t starvations() const { return starvations_; }
   std::uint32_t failed_point() const { return failed_point_; }
   std::uint32_t misses() const { return misses_; }
-  /// Motion ended with speed because planning came too late; must stay false.
+  /// Motion ended with speed; the provisional rest makes that impossible.
   bool underrun() const { return generator_.underrun(); }
 
   // For the board's fill interrupt.
@@ -97,10 +103,13 @@ class JobRunner {
   std::uint32_t shortest_tick_q16() const;
   void make_limits(const settings::Values& values, std::uint32_t tick_q16, motion::Limits& limits);
   void commit_plan();
+  void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);
   void commit_brake();
+  void take_back_provisional();
+  void keep_provisional();
+  bool provisional_begun() const { return segments_.size() < provisional_; }
   std::uint32_t brake_ticks(const stepper::MotionState& from) const;
   stepper::Segment make_brake(const stepper::MotionState& from) const;
-  bool running_out() const;
 
   lamp::BeatClock& clock_;
   lamp::ShotScheduler& shots_;
@@ -124,6 +133,9 @@ class JobRunner {
   bool starving_ = false;
   stepper::MotionState plan_state_;  ///< where committed motion ends
   std::uint64_t plan_beat_ = 0;      ///< on which beat
+  std::uint32_t provisional_ = 0;    ///< segments at the end of the queue that may be taken back
+  stepper::MotionState rest_state_;  ///< where these end, at rest
+  std::uint32_t rest_next_ = 0;      ///< and the first point behind them
   std::uint32_t starvations_ = 0;
   std::uint32_t misses_ = 0;
   std::uint32_t failed_ = 0;  ///< place in the request that cannot be reached

@@ -24,6 +24,8 @@ class SegmentQueue {
   void push(const Segment& s) { slots_[end_ % capacity] = s, end_ = end_ + 1; }
   const Segment& front() const { return slots_[begin_ % capacity]; }
   void pop() { begin_ = begin_ + 1; }
+  /// Takes back the last `count` segments, all of which the reader has not begun.
+  void take_back(std::uint32_t count) { end_ = end_ - count; }
   /// Takes back every segment.
   void clear() { end_ = begin_; }
 

@@ -17,7 +17,6 @@ namespace {
 constexpr std::array<std::uint8_t, 8> magic{'L', 'L', 'J', 0x1A, '\r', '\n', 0x00, 0xB5};
 constexpr std::uint16_t file_version = 1;
 constexpr std::size_t payload_bytes = 1 << 16;
-constexpr double milli_per_unit = 1000.0;
 
 [[noreturn]] void fail(const std::string& name, const std::string& what) {
   throw Error(Exit::bad_input, name, what, "make the job again with `lamplock job`");

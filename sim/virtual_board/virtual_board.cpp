@@ -104,6 +104,18 @@ void VirtualBoard::run_until(Picoseconds until) {
 
 void VirtualBoard::service() {
   next_service_ = now_ + service_period;
+  if (planned_at_ == never) {
+    main_loop();
+  } else if (planned_at_ <= now_) {
+    planned_at_ = never;
+    controller_->commit();
+  }
+  feed_lattice();
+  check_outputs();
+  take_token();
+}
+
+void VirtualBoard::main_loop() {
   if (!from_host_.empty()) {
     std::array<std::uint8_t, bytes_per_service> packet;
     const std::size_t n = std::min(packet.size(), from_host_.size());
@@ -113,7 +125,11 @@ void VirtualBoard::service() {
     controller_->receive(std::span<const std::uint8_t>(packet).first(n));
   }
   controller_->take_settings(stored_);
-  controller_->poll(static_cast<std::uint64_t>(now_ / ps_per_clock));
+  if (controller_->prepare(static_cast<std::uint64_t>(now_ / ps_per_clock))) {
+    controller_->plan();
+    if (planning_time_ != 0) planned_at_ = now_ + planning_time_;
+  }
+  if (planned_at_ == never) controller_->commit();
   std::array<std::uint8_t, bytes_per_service> packet;
   const std::size_t n = controller_->transmit(packet);
   to_host_.insert(to_host_.end(), packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(n));
@@ -122,9 +138,6 @@ void VirtualBoard::service() {
   fire_.configure(timing);
   own_edges_ = timing.own_edges;
   step_pulse_ = controller_->values().milli(settings::Id::step_pulse) * ps_per_ns;
-  feed_lattice();
-  check_outputs();
-  take_token();
 }
 
 void VirtualBoard::feed_lattice() {

@@ -44,6 +44,9 @@ class VirtualBoard final : public Board, private PinListener {
   World& world() override { return *world_; }
   const World& world() const override { return *world_; }
   const std::vector<LatticeShot>& lattice_shots() const override { return lattice_shots_; }
+  /// How long the main loop of the board is away to plan one window; 0 unless a slow processor is
+  /// to be imitated. Interrupts go on meanwhile.
+  void set_planning_time(Picoseconds time) { planning_time_ = time; }
   /// What the board would start with after power-up.
   const settings::Values& stored_settings() const { return stored_; }
   const machine::Controller& controller() const { return *controller_; }
@@ -53,6 +56,7 @@ class VirtualBoard final : public Board, private PinListener {
   Picoseconds next_event() const;
   Picoseconds token_expiry() const;
   void service();
+  void main_loop();
   void feed_lattice();
   void play(Picoseconds until);
   void begin_block(const stepper::TickBlock& block);
@@ -87,6 +91,8 @@ class VirtualBoard final : public Board, private PinListener {
   Picoseconds step_pulse_ = 0;
   Picoseconds now_ = 0;
   Picoseconds next_service_ = 0;
+  Picoseconds planning_time_ = 0;
+  Picoseconds planned_at_ = never;  ///< while the main loop plans: when it has done so
   std::deque<std::uint8_t> from_host_;
   std::deque<std::uint8_t> to_host_;
   std::vector<LatticeShot> lattice_shots_;

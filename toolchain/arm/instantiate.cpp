@@ -12,9 +12,10 @@ Controller* construct(void* memory) { return new (memory) Controller; }
 
 // Taking the address of an inline function makes it a function of its own.
 [[gnu::used]] constexpr std::tuple functions{
-    &Controller::receive,    &Controller::transmit,      &Controller::poll,
+    &Controller::receive,    &Controller::transmit,      &Controller::prepare,
     &Controller::fill,       &Controller::next_span,     &Controller::lamp_edge,
     &Controller::next_token, &Controller::token_expired, &Controller::outputs,
+    &Controller::plan,       &Controller::commit,        &Controller::take_settings,
     &Controller::values,     &Controller::fire_timing,   &Controller::input_changed,
 };
 

@@ -1,0 +1,54 @@
+// A processor that takes long to plan: slower jobs, and nothing worse.
+#include "tests/board/board_cable.hpp"
+
+namespace lamplock::test {
+namespace {
+
+constexpr std::uint64_t jobs = 40;
+
+TEST(SlowProcessor, LatePlansCostBeatsAndNothingElse) {
+  std::mt19937_64 random(11);
+  std::uint32_t starved = 0;
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(jobs)); ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const double hz = seed % 3 == 0 ? 100 : seed % 3 == 1 ? 1000 : 250;
+    const job::Profile profile =
+        lamp_profile(hz, settings::LampMode::slave, seed % 2 == 0 ? 2 : 10);
+    job::JobOptions options;
+    options.mode = both_modes[seed % 5 == 0 ? 1 : 0];
+    const job::Job job = job::make_job(histogram_walk(120, seed), profile, options);
+    // Missed flashes too: the way back is planned while the machine goes on.
+    Rig rig(profile, {.dropout = seed % 4 == 0 ? 0.05 : 0.0, .seed = seed});
+    rig.board.set_planning_time(
+        std::uniform_int_distribution<sim::Picoseconds>(500 * ps_per_us, 150 * ps_per_ms)(random));
+    link::SenderOptions sending;
+    sending.session = 1;
+    ASSERT_EQ(run_job(rig, job, sending).end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+    EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+    EXPECT_FALSE(rig.board.controller().runner().underrun());
+    starved += rig.status().starvations;
+  }
+  EXPECT_GT(starved, 0u) << "planning was never late";
+}
+
+TEST(SlowProcessor, APlanInTimeIsThePlanOfAFastOne) {
+  const job::Profile profile = lamp_profile();
+  const job::Job job = job::make_job(histogram_walk(300, 4), profile, {});
+  std::vector<sim::Shots> shots;
+  for (const sim::Picoseconds time : {sim::Picoseconds{0}, 30 * ps_per_ms}) {
+    Rig rig(profile);
+    rig.board.set_planning_time(time);
+    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    EXPECT_EQ(rig.status().starvations, 0u);
+    shots.push_back(rig.shots());
+  }
+  ASSERT_EQ(shots[0].size(), shots[1].size());
+  const std::int64_t start = shots[1][0].beat - shots[0][0].beat;
+  for (std::size_t i = 0; i < shots[0].size(); ++i)
+    ASSERT_EQ(shots[1][i].beat - shots[0][i].beat, start) << i;
+}
+
+}  // namespace
+}  // namespace lamplock::test
