@@ -1,0 +1,29 @@
+// Who has which state machine, DMA channel, interrupt: one place, so that nothing is used twice.
+//
+//   state machines   PIO0: AXIS X, Y, Z, FIRE         PIO1: AXIS A, BITS, TICK, STAMP
+//   DMA channels     0-3 AXIS, 4 BITS, 5 TICK, 6 STAMP, 7 starts any of them again
+//   interrupts       IO_IRQ_BANK0 priority 0: e-stop
+//                    PIO0_IRQ_0   priority 1: result of FIRE
+//                    TIMER_IRQ_1  priority 1: lengths of ticks, tokens (alarm 1)
+//                    26 (spare)   priority 3: fill, pended by software
+#pragma once
+
+#include "firmware/boards/rp2040/pio/state_machine.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::rp2040 {
+
+inline constexpr PerAxis<pio::StateMachine> axis_machines{{{0, 0}, {0, 1}, {0, 2}, {1, 0}}};
+inline constexpr pio::StateMachine fire_machine{0, 3};
+inline constexpr pio::StateMachine bits_machine{1, 1};
+inline constexpr pio::StateMachine tick_machine{1, 2};
+inline constexpr pio::StateMachine stamp_machine{1, 3};
+
+inline constexpr unsigned bits_channel = 4;  // 0 to 3: axes
+inline constexpr unsigned tick_channel = 5;
+inline constexpr unsigned stamp_channel = 6;
+inline constexpr unsigned again_channel = 7;
+
+inline constexpr unsigned beat_alarm = 1;
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,145 @@
+#include "firmware/boards/rp2040/board.hpp"
+
+#include <new>
+
+#include "firmware/boards/rp2040/fault.hpp"
+#include "firmware/boards/rp2040/interrupts.hpp"
+#include "firmware/boards/rp2040/rom.hpp"
+
+namespace lamplock::rp2040 {
+namespace {
+
+/// The one board; built by main().
+alignas(Board) std::byte board_memory[sizeof(Board)];
+
+Board& board() { return *std::launder(reinterpret_cast<Board*>(board_memory)); }
+
+/// The UART's send pin where a map has one.
+constexpr unsigned uart_send_gpio = *boards::find_gpio(boards::PinMap::cut, boards::Role::uart_tx);
+
+/// What is said before the boot loader starts is given this long to reach the host.
+constexpr std::uint64_t last_words_us = 50'000;
+
+constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | reset_bit::io_bank0 |
+                                      reset_bit::pads_bank0 | reset_bit::pio0 | reset_bit::pio1 |
+                                      reset_bit::pwm | reset_bit::syscfg | reset_bit::sysinfo |
+                                      reset_bit::timer;
+
+}  // namespace
+
+Board::Board() : core_(store_.load()), ports_(uart_send_gpio) {}
+
+void Board::start_ports() {
+  const std::array<char, 16> number = flash_unique_number();
+  ports_.usb().set_serial_number({number.data(), number.size()});
+  ports_.usb().start();
+  if (boards::find_gpio(map_, boards::Role::uart_tx)) ports_.uart().start(clock_hz);
+}
+
+void Board::start() {
+  machine::TextLine line;
+  describe(take_last_run(), line);
+  core_.say(line.view());
+  if (store_.counters().rejected != 0) {
+    machine::TextLine rejected;
+    rejected.add("Settings: rejected records ").add(std::int64_t{store_.counters().rejected});
+    core_.say(rejected.view());
+  }
+  for (const InterruptEntry& entry : interrupt_entries)
+    set_priority(entry.irq, static_cast<std::uint32_t>(entry.level));
+  real_time_.start(core_);
+  start_ports();
+  watchdog_.start();
+  nvic().iser =
+      irqs_of(Level::estop) | irqs_of(Level::beat) | irqs_of(Level::link) | irqs_of(Level::fill);
+}
+
+void Board::run() {
+  start();
+  for (;;) pass();
+}
+
+void Board::pass() {
+  receive();
+  work();
+  store_settings();
+  transmit();
+  {
+    const CoreMasked masked;
+    real_time_.poll(core_);
+    note_job();
+  }
+  if (core_.loader_requested()) enter_loader();
+  watchdog_.sign(Signer::main_loop);
+  // The e-stop's interrupt comes when it is pressed only: it is called up to sign.
+  if (!watchdog_.has_signed(Signer::estop)) set_bits(io_bank0().proc0_intf[estop_word], estop_edge);
+  watchdog_.service();
+}
+
+void Board::receive() {
+  const bool tied = core_.state() == wire::MachineState::run;
+  std::array<std::uint8_t, piece> bytes;
+  for (int i = 0; i < 16; ++i) {
+    const std::size_t n = ports_.read(bytes, tied);
+    if (n == 0) return;
+    const CoreMasked masked;
+    core_.receive(std::span<const std::uint8_t>(bytes).first(n));
+  }
+}
+
+void Board::work() {
+  bool plan = false;
+  {
+    const CoreMasked masked;
+    plan = core_.prepare(real_time_.now());
+  }
+  if (plan) core_.plan();
+  const CoreMasked masked;
+  core_.commit();
+}
+
+void Board::transmit() {
+  std::array<std::uint8_t, piece> bytes;
+  for (std::size_t room = ports_.room(); room != 0;) {
+    const std::size_t n =
+        core_.transmit(std::span<std::uint8_t>(bytes).first(room < piece ? room : piece));
+    if (n == 0) break;
+    ports_.write(std::span<const std::uint8_t>(bytes).first(n));
+    room -= n;
+  }
+  ports_.poll();
+}
+
+void Board::store_settings() {
+  settings::Values values;
+  if (!core_.take_settings(values)) return;
+  watchdog_.allow(Watchdog::longest_us);
+  if (!store_.save(values)) core_.say("Settings could not be stored");
+}
+
+void Board::enter_loader() {
+  const std::uint64_t end = microseconds() + last_words_us;
+  while (microseconds() < end) {
+    transmit();
+    watchdog_.allow(Watchdog::timeout_us);
+  }
+  asm volatile("cpsid i" ::: "memory");
+  make_outputs_safe();
+  forget_run();
+  Watchdog::stop();
+  for (;;) reset_to_usb_boot();
+}
+
+}  // namespace lamplock::rp2040
+
+void estop_irq() { lamplock::rp2040::board().estop_interrupt(); }
+void beat_irq() { lamplock::rp2040::board().beat_interrupt(); }
+void usb_irq() { lamplock::rp2040::board().usb_interrupt(); }
+void uart_irq() { lamplock::rp2040::board().uart_interrupt(); }
+void fill_irq() { lamplock::rp2040::board().fill_interrupt(); }
+
+int main() {
+  using namespace lamplock::rp2040;
+  release_reset(used_blocks);
+  (new (board_memory) Board)->run();
+}

@@ -1,0 +1,86 @@
+// The board: owns the core and every driver, runs the main loop, hands interrupts on.
+//
+// In:  interrupts, by the handlers in board.cpp. Out: everything a machine does.
+// Who: main() makes one, in memory of its own, and calls run().
+//
+// One pass of the main loop takes bytes in, lets the core work on them, hands answers out, looks at
+// the switches, does what was asked for (settings to flash, boot loader) and signs for the
+// watchdog. Beat and fill interrupts are masked while the core's shared data is touched, a piece at
+// a time; planning runs with all interrupts open.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/boards/rp2040/flash.hpp"
+#include "firmware/boards/rp2040/last_run.hpp"
+#include "firmware/boards/rp2040/ports.hpp"
+#include "firmware/boards/rp2040/real_time.hpp"
+#include "firmware/boards/rp2040/watchdog.hpp"
+#include "firmware/machine/controller.hpp"
+#include "firmware/settings/store.hpp"
+
+namespace lamplock::rp2040 {
+
+class Board {
+ public:
+  Board();
+  Board(const Board&) = delete;
+  Board& operator=(const Board&) = delete;
+
+  [[noreturn]] void run();
+
+  // Interrupts.
+  void estop_interrupt() {
+    // The main loop forces it too, to get the signature.
+    if ((io_bank0().intr[estop_word] & estop_edge) != 0) real_time_.estop_interrupt();
+    clear_bits(io_bank0().proc0_intf[estop_word], estop_edge);
+    watchdog_.sign(Signer::estop);
+  }
+  void beat_interrupt() {
+    real_time_.beat_interrupt(core_);
+    // A shot that was fired must not be fired again, however this run ends.
+    if (const std::uint32_t shots = core_.shots().ledger().shots(); shots != noted_shots_) {
+      noted_shots_ = shots;
+      note_job();
+    }
+    watchdog_.sign(Signer::beat);
+  }
+  void fill_interrupt() {
+    real_time_.fill_interrupt(core_);
+    watchdog_.sign(Signer::fill);
+  }
+  void usb_interrupt() { ports_.usb().interrupt(); }
+  void uart_interrupt() { ports_.uart().interrupt(); }
+
+ private:
+  /// Bytes handed over in one piece: what beat and fill interrupts have to wait for.
+  static constexpr std::size_t piece = 64;
+  static constexpr unsigned estop_word = io_interrupt::word(boards::gpio(boards::Role::estop));
+  static constexpr std::uint32_t estop_edge =
+      io_interrupt::edge_high(boards::gpio(boards::Role::estop));
+
+  void start();
+  void start_ports();
+  void pass();
+  void receive();
+  void work();
+  void transmit();
+  void store_settings();
+  /// Beat interrupt, or main loop with it masked.
+  void note_job() {
+    const machine::JobMark mark = core_.job_mark();
+    note_progress(mark.session, mark.first_unfired);
+  }
+  [[noreturn]] void enter_loader();
+
+  SettingsArea area_;
+  settings::Store<SettingsArea> store_{area_};
+  boards::PinMap map_ = boards::PinMap::glass;
+  machine::Controller core_;
+  RealTime real_time_{map_};
+  Ports ports_;
+  Watchdog watchdog_;
+  std::uint32_t noted_shots_ = 0;
+};
+
+}  // namespace lamplock::rp2040

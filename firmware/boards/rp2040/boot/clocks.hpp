@@ -1,0 +1,78 @@
+// Clocks from the 12 MHz crystal: clk_ref 12 MHz, clk_sys and clk_peri 125 MHz, clk_usb 48 MHz,
+// ticks of 1 us for watchdog and timer. Runs in the loader, hence inline and without calls.
+#pragma once
+
+#include "firmware/boards/rp2040/registers/clocks.hpp"
+#include "firmware/boards/rp2040/registers/pll.hpp"
+#include "firmware/boards/rp2040/registers/resets.hpp"
+#include "firmware/boards/rp2040/registers/watchdog.hpp"
+#include "firmware/boards/rp2040/registers/xosc.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::rp2040 {
+
+inline constexpr std::uint32_t crystal_hz = 12'000'000;
+
+/// One PLL: crystal * feedback / (postdiv1 * postdiv2), VCO within 750-1600 MHz
+/// (datasheet, 2.18.2).
+struct PllSetting {
+  std::uint32_t feedback, postdiv1, postdiv2;
+  constexpr std::uint32_t vco_hz() const { return crystal_hz * feedback; }
+  constexpr std::uint32_t output_hz() const { return vco_hz() / (postdiv1 * postdiv2); }
+};
+inline constexpr PllSetting sys_setting{125, 6, 2};
+inline constexpr PllSetting usb_setting{100, 5, 5};
+static_assert(sys_setting.vco_hz() == 1'500'000'000 && sys_setting.output_hz() == clock_hz);
+static_assert(usb_setting.vco_hz() == 1'200'000'000 && usb_setting.output_hz() == 48'000'000);
+
+/// Crystal oscillator up and stable; it is given 1 ms (datasheet, 2.16.3), counted in 256 clocks.
+[[gnu::always_inline]] inline void start_crystal() {
+  xosc().startup = (crystal_hz / 1000 + 128) / 256;
+  xosc().ctrl = xosc_field::enable | xosc_field::freq_range_1_15_mhz;
+  while ((xosc().status & xosc_field::stable) == 0) {
+  }
+}
+
+/// In the order of the datasheet, 2.18.3: VCO, lock, post dividers.
+[[gnu::always_inline]] inline void start_pll(PllRegisters& pll, std::uint32_t reset,
+                                             const PllSetting& setting) {
+  set_bits(resets().reset, reset);
+  release_reset(reset);
+  pll.cs = 1;  // crystal undivided
+  pll.fbdiv_int = setting.feedback;
+  clear_bits(pll.pwr, pll_field::power_down | pll_field::vco_down);
+  while ((pll.cs & pll_field::lock) == 0) {
+  }
+  pll.prim = (setting.postdiv1 << pll_field::postdiv1_shift) |
+             (setting.postdiv2 << pll_field::postdiv2_shift);
+  clear_bits(pll.pwr, pll_field::postdiv_down);
+}
+
+/// Switches a glitchless multiplexer and waits until it has switched.
+[[gnu::always_inline]] inline void select_source(ClockGenerator& generator, std::uint32_t source) {
+  generator.ctrl = (generator.ctrl & ~3u) | source;
+  while (generator.selected != 1u << source) {
+  }
+}
+
+[[gnu::always_inline]] inline void start_clocks() {
+  ClocksRegisters& c = clocks();
+  c.sys_resus_ctrl = 0;
+  start_crystal();
+  // Away from the PLLs before they are touched.
+  select_source(c.sys, clock_field::sys_source_ref);
+  c.ref.div = clock_field::divide_by_1;
+  select_source(c.ref, clock_field::ref_source_xosc);
+  start_pll(pll_sys(), reset_bit::pll_sys, sys_setting);
+  start_pll(pll_usb(), reset_bit::pll_usb, usb_setting);
+  c.sys.div = clock_field::divide_by_1;
+  c.sys.ctrl = clock_field::sys_aux_pll_sys | clock_field::sys_source_ref;
+  select_source(c.sys, clock_field::sys_source_aux);
+  c.usb.ctrl = clock_field::usb_aux_pll_usb;
+  c.usb.div = clock_field::divide_by_1;
+  c.usb.ctrl = clock_field::usb_aux_pll_usb | clock_field::enable;
+  c.peri.ctrl = clock_field::peri_aux_sys | clock_field::enable;
+  watchdog_registers().tick = watchdog_field::tick_enable | (crystal_hz / 1'000'000);
+}
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,86 @@
+// The loader: the part of the image that runs from flash. It starts the clocks, copies the rest
+// of the image to SRAM, checks all of it and enters it.
+//
+// Nothing here may use what is not yet in SRAM: no function or constant outside of the sections
+// .loader*, and no memcpy that the compiler finds in a loop (the build switches that off).
+//
+// An image with a wrong CRC is never entered: the chip becomes a USB drive for the next one, with
+// every pin as reset has left it, an input pulled down.
+#include <array>
+
+#include "firmware/boards/rp2040/boot/clocks.hpp"
+#include "firmware/boards/rp2040/registers/resets.hpp"
+#include "firmware/boards/rp2040/registers/watchdog.hpp"
+#include "firmware/boards/rp2040/rom.hpp"
+#include "shared/wire/crc32.hpp"
+
+#define LAMPLOCK_LOADER [[gnu::section(".loader.text"), gnu::used]]
+
+// From the linker script. The CRC is the last word of the image; toolchain/image writes it.
+extern "C" {
+extern const std::uint32_t loader_begin[];
+extern const std::uint32_t loader_end[];
+extern const std::uint32_t image_in_flash[];
+extern std::uint32_t image_begin[];
+extern std::uint32_t image_crc[];
+extern std::uint32_t stack_top[];
+
+[[noreturn]] void start_image();
+[[noreturn]] void load_image();
+[[noreturn]] void loader_fault();
+}
+
+namespace lamplock::rp2040 {
+namespace {
+
+[[gnu::section(".loader.data")]] constexpr std::array<std::uint32_t, 16> crc_nibbles =
+    wire::crc32_nibbles;
+
+LAMPLOCK_LOADER std::uint32_t crc_words(const std::uint32_t* begin, const std::uint32_t* end,
+                                        std::uint32_t crc) {
+  for (const std::uint32_t* word = begin; word != end; ++word) {
+    crc ^= *word;  // four bytes at once: the lowest comes first
+    for (int nibble = 0; nibble < 8; ++nibble) crc = (crc >> 4) ^ crc_nibbles[crc & 0xf];
+  }
+  return crc;
+}
+
+}  // namespace
+}  // namespace lamplock::rp2040
+
+LAMPLOCK_LOADER void load_image() {
+  using namespace lamplock::rp2040;
+  // A watchdog that still runs must not cut in; the image starts its own.
+  clear_bits(watchdog_registers().ctrl, watchdog_field::enable);
+  // What the last program used goes back into reset: its pins become inputs, pulled down.
+  set_bits(resets().reset,
+           reset_bit::all & ~(reset_bit::io_qspi | reset_bit::pads_qspi | reset_bit::pll_sys |
+                              reset_bit::pll_usb | reset_bit::syscfg));
+  start_clocks();
+
+  const std::uint32_t* from = image_in_flash;
+  for (std::uint32_t* to = image_begin; to <= image_crc; ++to) *to = *from++;
+  const std::uint32_t loader_crc = crc_words(loader_begin, loader_end, ~0u);
+  if (~crc_words(image_begin, image_crc, loader_crc) != *image_crc)
+    for (;;) reset_to_usb_boot();
+
+  // By register: a branch does not reach from flash to SRAM.
+  void (*volatile const start)() = start_image;
+  start();
+  __builtin_unreachable();
+}
+
+/// Before the image has its own handler there is nothing to save or to report.
+LAMPLOCK_LOADER void loader_fault() {
+  for (;;) lamplock::rp2040::reset_to_usb_boot();
+}
+
+/// The first four words of a vector table; interrupts stay masked until the image has its own.
+struct LoaderVectors {
+  void* stack;
+  void (*reset)();
+  void (*nmi)();
+  void (*hard_fault)();
+};
+extern "C" [[gnu::section(".loader.vectors"), gnu::used]] constexpr LoaderVectors loader_vectors{
+    stack_top, load_image, loader_fault, loader_fault};

@@ -1,0 +1,95 @@
+// The fire unit: the board's half of firing, around the state machine FIRE.
+//
+// In:  tokens of the core, results of FIRE, edges of STAMP.
+// Out: lamp_edge() for every accepted edge, a shot when its pulse has begun; ARM held low whenever
+//      no token of the core is loaded.
+// Who: service(): beat interrupt (priority 1), and the main loop with it masked, after anything
+//      that may have changed outputs(). Budget: 8 us an edge of this code, the core's part on top.
+//      cut_off(): any level. stopped(), restart(): main loop, beat interrupt masked.
+//
+// Taking a token back: ARM is held low at the pad, so that no decision can be a shot; after 16
+// clocks a decision that was being made is made; then either the token is still in the FIFO and is
+// thrown away, or an edge has taken it and its result comes. Never during a pulse, which the pause
+// of the state machine would lengthen by some 30 clocks.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/boards/rp2040/fire/stamp_reader.hpp"
+#include "firmware/boards/rp2040/fire/token_keeper.hpp"
+#include "firmware/boards/rp2040/lattice/lattice_output.hpp"
+#include "firmware/boards/rp2040/lattice/tick_feed.hpp"
+#include "firmware/boards/rp2040/registers/io_bank0.hpp"
+#include "firmware/machine/controller.hpp"
+
+namespace lamplock::rp2040 {
+
+/// Delay and width in the words of FIRE.
+constexpr std::uint32_t token_word(const machine::FireTiming& timing) {
+  const std::uint32_t delay =
+      timing.delay_clocks < pio::least_delay_clocks  ? pio::least_delay_clocks
+      : timing.delay_clocks > pio::most_delay_clocks ? pio::most_delay_clocks
+                                                     : timing.delay_clocks;
+  const std::uint32_t width =
+      timing.width_clocks > pio::fire_width_fixed_clocks
+          ? (timing.width_clocks - pio::fire_width_fixed_clocks) / pio::clocks_per_width_count
+          : 0;
+  return (delay - pio::fire_fixed_clocks) | width << 16;
+}
+
+class FireUnit {
+ public:
+  FireUnit(LatticeOutput& lattice, TickFeed& feed, StampReader& stamps)
+      : lattice_(lattice), feed_(feed), stamps_(stamps) {}
+
+  /// Q-switch low, program loaded; ARM and Q-switch held low. Nothing runs.
+  void start();
+  /// Q-switch off at the pad, FIRE stands still: two stores (e-stop, priority 0).
+  [[gnu::always_inline]] void cut_off() const {
+    // In this order: a pulse has begun exactly if the state machine says so.
+    clear_bits(pio0().ctrl, pio_ctrl::enable(1u << 3));
+    force_low(boards::gpio(boards::Role::q_switch));
+  }
+  /// After cut_off(): tells the core what became of its token.
+  void stopped(machine::Controller& core, std::uint64_t now);
+  /// FIRE from its beginning, last of all state machines; the Q-switch pad stays as it is.
+  void restart() const;
+
+  /// Results, tokens. `now()` is the present clock, never ahead of it, at most 1 us behind.
+  template <class Now>
+  void service(machine::Controller& core, Now&& now) {
+    read_results(core, now);
+    handle_token(core, now());
+  }
+  /// New delay, width, source of LAMP SYNC; waits until no token is out.
+  void configure(const machine::FireTiming& timing);
+  /// When service() should be called next, if that is known.
+  bool next_clock(std::uint64_t& clock) const;
+
+ private:
+  static constexpr std::uint32_t most_results = 8;
+
+  template <class Now>
+  void read_results(machine::Controller& core, Now&& now) {
+    std::uint32_t count = 0;
+    read_fifo(count);
+    if (count != 0) report(core, count, now());
+  }
+  void read_fifo(std::uint32_t& count);
+  void report(machine::Controller& core, std::uint32_t count, std::uint64_t now);
+  std::uint64_t edge_of(std::uint32_t result, std::uint64_t latest, std::uint64_t now);
+  void handle_token(machine::Controller& core, std::uint64_t now);
+  void load();
+  bool withdraw() const;
+  static bool pulse_lasts();
+
+  LatticeOutput& lattice_;
+  TickFeed& feed_;
+  StampReader& stamps_;
+  TokenKeeper keeper_;
+  machine::FireTiming timing_;
+  std::uint32_t word_ = 0;  ///< delay and width, as FIRE wants them
+  std::uint32_t results_[most_results] = {};
+};
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,36 @@
+// The flash chip: the settings area for the settings store, and the unique number.
+//
+// Who: main loop, at rest. An erase takes 45 to 400 ms, a page 0.4 to 3 ms (W25Q16JV data sheet),
+// and flash cannot be read meanwhile. Interrupts go on: they run from SRAM.
+//
+// The ROM's functions in the order of the datasheet, 2.8.3.1.3; they leave flash readable only by
+// hand, so that start_xip() follows.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "firmware/settings/store.hpp"
+
+namespace lamplock::rp2040 {
+
+/// The area of the settings store: SettingsFlash.
+class SettingsArea {
+ public:
+  /// Behind the room for the image (toolchain/arm/rp2040.ld), in every flash of 1 MiB or more.
+  static constexpr std::uint32_t offset = 512 * 1024;
+  static constexpr std::uint32_t sectors = 4;
+
+  void read(std::uint32_t at, std::span<std::uint8_t> out) const;
+  void erase(std::uint32_t at);
+  void program(std::uint32_t at, std::span<const std::uint8_t, settings::flash_page> page);
+};
+
+/// Unique number of the flash chip (command 4Bh), as 16 characters.
+std::array<char, 16> flash_unique_number();
+
+/// Longest time one of the above can take.
+inline constexpr std::uint32_t longest_flash_us = 500'000;
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,60 @@
+// Who handles which interrupt, and at which priority: the one table for vectors, priorities and
+// masks. toolchain/arm/rp2040_entries.txt lists the same handlers for the gates.
+#pragma once
+
+#include <array>
+
+#include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
+
+extern "C" {
+void estop_irq();
+void beat_irq();
+void usb_irq();
+void uart_irq();
+void fill_irq();
+}
+
+namespace lamplock::rp2040 {
+
+/// 0 is the highest.
+enum class Level : std::uint8_t { estop = 0, beat = 1, link = 2, fill = 3 };
+
+struct InterruptEntry {
+  Irq irq;
+  Level level;
+  void (*handler)();
+};
+
+inline constexpr std::array interrupt_entries{
+    InterruptEntry{Irq::io_bank0, Level::estop, estop_irq},
+    InterruptEntry{Irq::pio0_0, Level::beat, beat_irq},
+    InterruptEntry{Irq::timer_1, Level::beat, beat_irq},
+    InterruptEntry{Irq::usbctrl, Level::link, usb_irq},
+    InterruptEntry{Irq::uart0, Level::link, uart_irq},
+    InterruptEntry{Irq::spare_0, Level::fill, fill_irq},
+};
+
+constexpr std::uint32_t irqs_of(Level level) {
+  std::uint32_t bits = 0;
+  for (const InterruptEntry& entry : interrupt_entries)
+    if (entry.level == level) bits |= irq_bit(entry.irq);
+  return bits;
+}
+
+/// Beat and fill interrupts masked at the NVIC for the life of the object; main loop only, not
+/// nested. E-stop and links go on.
+class CoreMasked {
+ public:
+  CoreMasked() {
+    nvic().icer = bits;
+    barrier();
+  }
+  ~CoreMasked() { nvic().iser = bits; }
+  CoreMasked(const CoreMasked&) = delete;
+  CoreMasked& operator=(const CoreMasked&) = delete;
+
+ private:
+  static constexpr std::uint32_t bits = irqs_of(Level::beat) | irqs_of(Level::fill);
+};
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,95 @@
+#include "firmware/boards/rp2040/last_run.hpp"
+
+#include "firmware/boards/rp2040/registers/vreg.hpp"
+#include "firmware/boards/rp2040/watchdog.hpp"
+
+namespace lamplock::rp2040 {
+namespace {
+
+constexpr std::uint32_t magic = 0x4c4c5200;  // kind in the lowest byte
+constexpr std::uint32_t magic_mask = 0xffffff00;
+enum Kind : std::uint32_t { running = 0, faulted = 1 };
+/// So that registers that are all zero or all one are no record.
+constexpr std::uint32_t progress_check = 0x5bd1e995;
+
+constexpr std::uint32_t check_of(std::uint32_t session, std::uint32_t first_unfired) {
+  return session ^ (first_unfired << 16 | first_unfired >> 16) ^ progress_check;
+}
+
+Restart reason_of_restart(std::uint32_t mark) {
+  const WatchdogRegisters& w = watchdog_registers();
+  if ((w.reason & (watchdog_field::reason_timer | watchdog_field::reason_force)) != 0) {
+    if ((mark & magic_mask) != magic) return Restart::request;
+    return (mark & ~magic_mask) == faulted ? Restart::fault : Restart::watchdog;
+  }
+  // Several may be set: those of earlier resets stay until the power goes.
+  const std::uint32_t chip = vreg_and_chip_reset().chip_reset;
+  if ((chip & chip_reset_bit::had_debugger) != 0) return Restart::debugger;
+  if ((chip & chip_reset_bit::had_run_pin) != 0) return Restart::run_pin;
+  return Restart::power_on;
+}
+
+void add_hex(machine::TextLine& line, std::uint32_t value) {
+  line.add(" 0x");
+  for (int shift = 28; shift >= 0; shift -= 4) {
+    const char digit = "0123456789abcdef"[value >> shift & 0xf];
+    line.add({&digit, 1});
+  }
+}
+
+}  // namespace
+
+LastRun take_last_run() {
+  WatchdogRegisters& w = watchdog_registers();
+  LastRun run;
+  run.reason = reason_of_restart(w.scratch[0]);
+  if (run.reason == Restart::fault) run.fault = {w.scratch[1], w.scratch[2], w.scratch[3]};
+  const std::uint32_t session = w.scratch[5], first_unfired = w.scratch[6];
+  if ((run.reason == Restart::fault || run.reason == Restart::watchdog) &&
+      w.scratch[7] == check_of(session, first_unfired)) {
+    run.session = session;
+    run.first_unfired = first_unfired;
+  }
+  w.scratch[0] = magic | running;
+  w.scratch[4] = 0;
+  note_progress(0, 0);
+  return run;
+}
+
+void forget_run() { watchdog_registers().scratch[0] = 0; }
+
+void note_progress(std::uint32_t session, std::uint32_t first_unfired) {
+  WatchdogRegisters& w = watchdog_registers();
+  w.scratch[5] = session;
+  w.scratch[6] = first_unfired;
+  w.scratch[7] = check_of(session, first_unfired);
+}
+
+void restart_after(const FaultRecord& fault) {
+  WatchdogRegisters& w = watchdog_registers();
+  w.scratch[1] = fault.pc;
+  w.scratch[2] = fault.lr;
+  w.scratch[3] = fault.xpsr;
+  w.scratch[0] = magic | faulted;
+  select_watchdog_reset();
+  for (;;) set_bits(w.ctrl, watchdog_field::trigger);
+}
+
+void describe(const LastRun& run, machine::TextLine& line) {
+  constexpr std::string_view reasons[] = {"power on", "RUN pin", "debugger",
+                                          "watchdog", "fault",   "request"};
+  line.add("Started by ").add(reasons[static_cast<std::size_t>(run.reason)]);
+  if (run.reason == Restart::fault) {
+    line.add(", pc");
+    add_hex(line, run.fault.pc);
+    line.add(" lr");
+    add_hex(line, run.fault.lr);
+    line.add(" xpsr");
+    add_hex(line, run.fault.xpsr);
+  }
+  if (run.session == 0) return;
+  line.add(", job ").add(std::int64_t{run.session});
+  line.add(" first point not fired ").add(std::int64_t{run.first_unfired});
+}
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,196 @@
+#include "firmware/boards/rp2040/lattice/lattice_output.hpp"
+
+#include "firmware/boards/rp2040/allocation.hpp"
+#include "firmware/boards/rp2040/registers/dma.hpp"
+#include "firmware/boards/rp2040/registers/io_bank0.hpp"
+
+namespace lamplock::rp2040 {
+namespace {
+
+using boards::Role;
+using io_ctrl::Function;
+using namespace pio;
+
+constexpr unsigned bits_base = boards::gpio(Role::lamp_trigger);
+constexpr std::uint32_t axis_shift = pio_shiftctrl::autopull | pio_shiftctrl::join_tx;
+constexpr std::uint32_t tick_shift = pio_shiftctrl::out_right;
+constexpr std::uint32_t stamp_shift = pio_shiftctrl::autopush | pio_shiftctrl::join_rx;
+
+constexpr unsigned step_gpio(int axis) {
+  return axis == max_axes - 1 ? boards::step_a_gpio : 2 * static_cast<unsigned>(axis);
+}
+static_assert(boards::gpio(Role::step_z) == 4);
+const StateMachine& machine_of(int axis) { return axis_machines[static_cast<std::size_t>(axis)]; }
+
+void select(unsigned gpio, Function function) {
+  io_bank0().gpio[gpio].ctrl = io_ctrl::function(function);
+}
+/// For outputs that can release energy: kept low until somebody permits them.
+void select_low(unsigned gpio, Function function) {
+  io_bank0().gpio[gpio].ctrl = io_ctrl::function(function) | io_ctrl::output_low;
+}
+
+constexpr std::uint32_t most_transfers = ~0u;
+/// Channels end at different times, this many words apart.
+constexpr std::uint32_t stagger = 1u << 20;
+
+std::uint32_t address(const void* p) {
+  return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p));
+}
+
+/// A constant that channel 7 writes: start whoever has ended.
+const std::uint32_t again_mask = (1u << again_channel) - 1;
+
+struct Stream {
+  unsigned channel;
+  const volatile void* from;
+  volatile void* to;
+  unsigned ring_bits;
+  unsigned request;
+  bool to_memory;
+};
+
+void start_stream(const Stream& s) {
+  DmaChannelRegisters& ch = dma().ch[s.channel];
+  ch.read_addr = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(s.from));
+  ch.write_addr = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(s.to));
+  ch.trans_count = most_transfers - s.channel * stagger;
+  ch.ctrl_trig = dma_ctrl::en | dma_ctrl::high_priority | dma_ctrl::size_word |
+                 (s.to_memory ? dma_ctrl::incr_write | dma_ctrl::ring_write : dma_ctrl::incr_read) |
+                 dma_ctrl::ring_size(s.ring_bits) | dma_ctrl::chain_to(again_channel) |
+                 dma_ctrl::treq(s.request) | dma_ctrl::irq_quiet;
+}
+
+void feed_machine(unsigned channel, const StateMachine& sm, const void* ring, unsigned ring_bits) {
+  start_stream({channel, ring, &sm.registers().txf[sm.number], ring_bits,
+                dreq::pio_tx(sm.block, sm.number), false});
+}
+
+void stop_channels() {
+  // Not enabled, none can be triggered again by the end of another.
+  for (unsigned channel = 0; channel < again_channel; ++channel) dma().ch[channel].al1_ctrl = 0;
+  dma().chan_abort = again_mask;
+  while ((dma().chan_abort & again_mask) != 0) {
+  }
+}
+
+std::uint32_t push_of_tick(std::uint16_t move_to_isr) {
+  tick_machine.execute(move_to_isr);
+  tick_machine.execute(encode::push(false, false));
+  return tick_machine.read();
+}
+
+}  // namespace
+
+void LatticeOutput::start_axis(int axis) const {
+  const StateMachine& sm = machine_of(axis);
+  const unsigned step = step_gpio(axis);
+  sm.configure(axis_program, axis_offset, 0);
+  sm.make_outputs_low(step, 2);
+  sm.machine().pinctrl = pio_pinctrl::out(step + 1, 1) | pio_pinctrl::set(step, 1);
+  const Function function = sm.block == 0 ? Function::pio0 : Function::pio1;
+  select(step, function);
+  select(step + 1, function);
+}
+
+void LatticeOutput::start_pins() const {
+  bits_machine.configure(bits_program, bits_offset, 0);
+  bits_machine.make_outputs_low(bits_base, lattice_pins);
+  bits_machine.machine().pinctrl = pio_pinctrl::out(bits_base, lattice_pins);
+  tick_machine.configure(tick_program.program, tick_offset, 0);
+  tick_machine.make_outputs_low(tick_gpio, 1);
+  tick_machine.machine().pinctrl =
+      pio_pinctrl::set(bits_base, lattice_pins) | pio_pinctrl::side(tick_gpio, 1);
+  stamp_machine.machine().pinctrl = 0;
+  use_sync(boards::gpio(Role::lamp_sync));
+  select(boards::gpio(Role::lamp_trigger), Function::pio1);
+  select_low(boards::gpio(Role::laser_gate), Function::pio1);
+  select_low(boards::gpio(Role::shot_enable), Function::pio1);
+  select(tick_gpio, Function::pio1);
+}
+
+void LatticeOutput::start(boards::PinMap map) {
+  static_assert(tick_machine.block == 1 && tick_machine.number == tick_number);
+  axes_ = boards::find_gpio(map, Role::step_a).has_value() ? max_axes : max_axes - 1;
+  pio0().ctrl = 0;
+  pio1().ctrl = 0;
+  load(pio0(), axis_program, axis_offset);
+  load(pio1(), axis_program, axis_offset);
+  load(pio1(), bits_program, bits_offset);
+  load(pio1(), tick_program.program, tick_offset);
+  load(pio1(), stamp_program.program, stamp_offset);
+  for (int a = 0; a < axes_; ++a) start_axis(a);
+  start_pins();
+}
+
+void LatticeOutput::use_sync(unsigned gpio) const {
+  stamp_machine.configure(stamp_program.program, stamp_offset, gpio);
+}
+
+void LatticeOutput::start_channels() const {
+  DmaChannelRegisters& again = dma().ch[again_channel];
+  again.read_addr = address(&again_mask);
+  again.write_addr = address(const_cast<std::uint32_t*>(&dma().multi_chan_trigger));
+  again.trans_count = 1;
+  // Chained to itself means not chained; waits until a stream triggers it.
+  again.al1_ctrl = dma_ctrl::en | dma_ctrl::size_word | dma_ctrl::chain_to(again_channel) |
+                   dma_ctrl::treq(dreq::permanent) | dma_ctrl::irq_quiet;
+  for (int a = 0; a < axes_; ++a)
+    feed_machine(static_cast<unsigned>(a), machine_of(a),
+                 rings_.steps[static_cast<std::size_t>(a)].data(), step_ring_bits);
+  feed_machine(bits_channel, bits_machine, rings_.bits.data(), bits_ring_bits);
+  feed_machine(tick_channel, tick_machine, ticks_.words.data(), tick_ring_bits);
+  start_stream({stamp_channel, &stamp_machine.registers().rxf[stamp_machine.number],
+                stamps_.words.data(), stamp_ring_bits,
+                dreq::pio_rx(stamp_machine.block, stamp_machine.number), true});
+}
+
+void LatticeOutput::prepare(std::uint32_t high_clocks) {
+  for (const StateMachine& sm : axis_machines) sm.disable();
+  bits_machine.disable();
+  tick_machine.disable();
+  stamp_machine.disable();
+  stop_channels();
+  for (int a = 0; a < axes_; ++a) {
+    machine_of(a).restart(axis_shift, axis_offset + axis_program.wrap_target);
+    machine_of(a).execute(encode::set(SetTo::pins, 0));
+  }
+  bits_machine.restart(axis_shift, bits_offset + bits_program.wrap_target);
+  stamp_machine.restart(stamp_shift, stamp_offset + stamp_program.entry);
+  stamp_machine.execute(encode::move(MoveTo::x, MoveFrom::null, Operation::invert));
+  tick_machine.restart(tick_shift, tick_offset + tick_program.entry);
+  tick_machine.execute(encode::set(SetTo::pins, 0));
+  tick_machine.write(high_clocks - tick_high_overhead);
+  tick_machine.execute(encode::pull(false, false));
+  tick_machine.execute(encode::move(MoveTo::isr, MoveFrom::osr));
+  tick_machine.execute(encode::move(MoveTo::x, MoveFrom::null));
+  start_channels();
+  // AXIS and BITS first: they wait for a tick with their first words in hand.
+  for (int a = 0; a < axes_; ++a) machine_of(a).enable();
+  bits_machine.enable();
+}
+
+void LatticeOutput::go() const {
+  const std::uint32_t both = tick_machine.mask() | stamp_machine.mask();
+  set_bits(pio1().ctrl, pio_ctrl::enable(both) | pio_ctrl::clkdiv_restart(both));
+}
+
+std::uint64_t LatticeOutput::ticks_begun(const TickFeed& feed) const {
+  const std::uint32_t read = (dma().ch[tick_channel].read_addr - address(ticks_.words.data())) / 4;
+  const std::uint32_t in_ring = (feed.words() - read) % tick_ring_words;
+  const std::uint32_t taken = feed.words() - in_ring - tick_machine.tx_level();
+  const unsigned place = tick_machine.place(tick_offset);
+  const std::uint32_t left = push_of_tick(encode::move(MoveTo::isr, MoveFrom::x));
+  const std::uint32_t word = push_of_tick(encode::move(MoveTo::isr, MoveFrom::osr));
+  if (place <= tick_program.entry) return feed.ticks_begun(taken, 0);    // the word is done
+  if (place >= tick_program.high) return feed.ticks_begun(taken, left);  // this tick has begun
+  if (word == 0) return feed.ticks_begun(taken, 0);                      // there was no word
+  const bool just_pulled = place < tick_program.next;
+  return feed.ticks_begun(taken, (just_pulled ? word & 0xffff : left) + 1);
+}
+
+std::uint32_t LatticeOutput::stamps() const {
+  return (dma().ch[stamp_channel].write_addr - address(stamps_.words.data())) / 4;
+}
+
+}  // namespace lamplock::rp2040

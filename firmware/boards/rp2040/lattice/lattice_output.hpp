@@ -1,0 +1,61 @@
+// The hardware behind the lattice: state machines AXIS, BITS, TICK, STAMP and their DMA.
+//
+// In:  rings; orders to start, to freeze.
+// Out: steps, lattice bits, tick line; how many ticks have begun when frozen.
+// Who: start(), prepare(), go(), ticks_begun(): main loop with beat and fill interrupts masked.
+//      freeze(): any level (e-stop interrupt: one store).
+//
+// DMA channels read their rings round and round by address wrap. A channel counts to 2^32 - 1 and
+// then would stop (TICK after more than an hour): each is chained to one small channel that
+// triggers all of them; those that run ignore that (datasheet, 2.5.2.1). Their counts differ, so
+// that no two end together.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/boards/rp2040/fire/stamp_reader.hpp"
+#include "firmware/boards/rp2040/lattice/lattice_rings.hpp"
+#include "firmware/boards/rp2040/lattice/tick_feed.hpp"
+#include "firmware/boards/rp2040/registers/pio.hpp"
+#include "shared/boards/pico_pins.hpp"
+
+namespace lamplock::rp2040 {
+
+class LatticeOutput {
+ public:
+  LatticeOutput(LatticeRings& rings, TickRing& ticks, StampRing& stamps)
+      : rings_(rings), ticks_(ticks), stamps_(stamps) {}
+
+  /// Pins low, then their function, then programs. Nothing runs. PIO, DMA, pads out of reset.
+  void start(boards::PinMap map);
+  /// Everything to its beginning, FIFOs filled from the rings; AXIS and BITS wait for the first
+  /// tick. `high_clocks` is the high time of the tick line.
+  void prepare(std::uint32_t high_clocks);
+  /// TICK and STAMP start together with this store.
+  void go() const;
+  /// No further tick: TICK stands where it is. A STEP that is high stays so until prepare(), so
+  /// that no step is cut short that ticks_begun() counts. Lattice bits stay: hold them at the pads.
+  [[gnu::always_inline]] static void freeze() {
+    clear_bits(pio1().ctrl, pio_ctrl::enable(1u << tick_number));
+  }
+  /// Frozen: ticks that have begun since power-up, all of which AXIS has seen.
+  std::uint64_t ticks_begun(const TickFeed& feed) const;
+  /// Stamps written so far, modulo the ring.
+  std::uint32_t stamps() const;
+  /// LAMP SYNC comes from this pin.
+  void use_sync(unsigned gpio) const;
+
+ private:
+  static constexpr unsigned tick_number = 2;  ///< of TICK in PIO1
+  void start_axis(int axis) const;
+  void start_pins() const;
+  void start_channels() const;
+
+  LatticeRings& rings_;
+  TickRing& ticks_;
+  StampRing& stamps_;
+  int axes_ = 3;  ///< axes that have pins
+};
+
+}  // namespace lamplock::rp2040

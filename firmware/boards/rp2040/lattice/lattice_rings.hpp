@@ -1,0 +1,36 @@
+// The rings between fill interrupt and DMA: steps of four axes, lattice bits.
+//
+// In:  words of the StepExpander.
+// Out: the same words, read by DMA round and round.
+// Size: 4096 ticks. Motion is filled 2 ms ahead of the ticks that have a length, which are at most
+// 0.6 ms ahead of time; what lies behind is still there when an e-stop asks for the steps put out.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/boards/rp2040/lattice/step_kernel.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::rp2040 {
+
+inline constexpr std::uint32_t ring_ticks = 4096;
+inline constexpr std::uint32_t ticks_per_bits_word = 8;
+inline constexpr std::uint32_t step_ring_words = ring_ticks / ticks_per_step_word;
+inline constexpr std::uint32_t bits_ring_words = ring_ticks / ticks_per_bits_word;
+/// Powers of two, in bytes, for the DMA's address wrap; the alignment it needs.
+inline constexpr unsigned step_ring_bits = 10;
+inline constexpr unsigned bits_ring_bits = 11;
+static_assert(step_ring_words * 4 == 1u << step_ring_bits);
+static_assert(bits_ring_words * 4 == 1u << bits_ring_bits);
+
+/// What the state machines read ahead of the tick: eight words of FIFO and one being shifted.
+inline constexpr std::uint32_t prefetch_ticks = 9 * ticks_per_step_word;
+static_assert(prefetch_ticks == 144);
+
+struct alignas(1u << bits_ring_bits) LatticeRings {
+  std::array<std::uint32_t, bits_ring_words> bits{};
+  PerAxis<std::array<std::uint32_t, step_ring_words>> steps{};
+};
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,235 @@
+// The programs of the state machines: steps, tick line, lattice bits, fire stage, time stamps.
+//
+// In:  words that the CPU writes ahead of time (DMA rings), pins.
+// Out: STEP, DIR, lattice bits, Q-switch; results of LAMP SYNC edges; times of edges.
+//
+//   PIO0: AXIS x 3 (state machines 0..2), FIRE (3)              29 of 32 instructions
+//   PIO1: AXIS (0), BITS (1), TICK (2), STAMP (3)               32 of 32
+//
+// All clock counts are system clocks, the state machines run undivided. A level on a pad at clock 0
+// is seen by an instruction that executes at clock 2 (two flip-flops, datasheet 3.5.6.3); what an
+// instruction at clock t puts out is on the pad at clock t + 1.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/boards/rp2040/pio/assembler.hpp"
+#include "firmware/machine/controller.hpp"
+#include "shared/boards/pico_pins.hpp"
+
+namespace lamplock::rp2040::pio {
+
+inline constexpr unsigned synchroniser_clocks = 2;
+inline constexpr unsigned pad_clocks = 1;
+inline constexpr unsigned tick_gpio = boards::gpio(boards::Role::tick_line);
+
+/// AXIS: per tick one bit DIR and one bit STEP, most significant first, autopull at 32 bits.
+/// OUT pin: DIR; SET pin: STEP. DIR of a tick is put out after STEP of the tick before has fallen,
+/// while the tick line is low: set-up is the low time of the line, about half a tick, and longer
+/// wherever the direction changes without a step. STEP is high as long as the tick line. Without
+/// data or without ticks it waits with STEP low.
+consteval Program make_axis() {
+  Assembler a;
+  const Label low = a.label();
+  a.wrap_target();
+  a.out(OutTo::pins, 1);
+  a.out(OutTo::x, 1);
+  a.wait(true, WaitFor::gpio, tick_gpio);
+  a.jump(Jump::x_zero, low);
+  a.set(SetTo::pins, 1);
+  a.bind(low);
+  a.wait(false, WaitFor::gpio, tick_gpio);
+  a.set(SetTo::pins, 0);
+  a.wrap();
+  return a.finish();
+}
+inline constexpr Program axis_program = make_axis();
+/// Tick line on its pad to STEP on its pad: synchroniser, wait, jump, set.
+inline constexpr unsigned step_latency_clocks = synchroniser_clocks + 2 + pad_clocks;
+
+/// BITS: per tick four lattice bits, most significant nibble first, autopull at 32 bits. They
+/// change on the same clock as STEP. They do not end by themselves: TICK does that.
+consteval Program make_bits() {
+  Assembler a;
+  a.wrap_target();
+  a.wait(true, WaitFor::gpio, tick_gpio).delay(1);
+  a.out(OutTo::pins, 4);
+  a.wait(false, WaitFor::gpio, tick_gpio);
+  a.wrap();
+  return a.finish();
+}
+inline constexpr Program bits_program = make_bits();
+/// Of the four bits these drive pins: trigger, gate, arm (OUT count, SET count of TICK).
+inline constexpr unsigned lattice_pins = 3;
+
+/// TICK: drives the tick line (side-set) from words of ticks - 1 (low half) and low time (high
+/// half). A tick is: low time, then the rise that begins it, then the high time kept in ISR. All
+/// ticks of a word have the same length, whether the next one comes from the same word or not. No
+/// word: all lattice bits go low (SET pins) and the line stays low until a word comes. So words are
+/// credits, and a CPU that hangs ends motion, triggers and continuous power.
+struct TickProgram {
+  Program program;
+  std::uint8_t entry = 0;  ///< where to start
+  std::uint8_t next = 0;   ///< a tick is about to begin, X + 1 are left in the word ...
+  std::uint8_t high = 0;   ///< ... from here on it has begun and X are left
+};
+consteval TickProgram make_tick() {
+  Assembler a(1);
+  const Label starved = a.label();
+  a.wrap_target();
+  a.bind(starved);
+  a.set(SetTo::pins, 0).side(0);
+  const Label fetch = a.here();
+  a.pull(false).side(0);  // X is zero here: no word reads as zero
+  a.out(OutTo::x, 16).side(0);
+  const Label next = a.here();
+  a.move(MoveTo::y, MoveFrom::osr).side(0);
+  a.jump(Jump::y_zero, starved).side(0);
+  const Label low = a.here();
+  a.jump(Jump::y_nonzero_decrement, low).side(0);
+  a.move(MoveTo::y, MoveFrom::isr).side(1);  // the tick begins
+  const Label high = a.here();
+  a.jump(Jump::y_nonzero_decrement, high).side(1);
+  a.jump(Jump::x_zero, fetch).side(0);
+  a.jump(Jump::x_nonzero_decrement, next).side(0).delay(1);  // as long as fetching
+  a.wrap();
+  return {a.finish(), a.address(fetch), a.address(next), a.address(high)};
+}
+inline constexpr TickProgram tick_program = make_tick();
+/// High time of the line = value in ISR + 2.
+inline constexpr unsigned tick_high_overhead = 2;
+/// Low time = value in the word + 6: after the fall X test, fetch or delayed jump (3), Y, test, and
+/// one more than the count.
+inline constexpr unsigned tick_low_overhead = 6;
+/// Start of the state machine to the first rise on the pad, without low time: pull, out, Y, test,
+/// the counting loop's last round, the rise itself.
+inline constexpr unsigned tick_start_clocks = 5 + pad_clocks;
+
+/// STAMP: times of both edges of its JMP pin. X counts down once in 2 clocks in every path; rise
+/// and fall alternate, the first stamp is a rise. `in` pushes by itself (autopush at 32 bits); DMA
+/// empties the FIFO, so that it never waits. A falling edge gives X one count too high.
+///
+///   path       clocks  counts
+///   low        2       1
+///   rise       4       1 (one behind until the fall)
+///   high       2       1
+///   fall       6       4
+struct StampProgram {
+  Program program;
+  std::uint8_t entry = 0;
+};
+consteval StampProgram make_stamp() {
+  Assembler a;
+  const Label high = a.label(), low = a.label(), rise = a.label();
+  const Label stay = a.here();
+  a.jump(Jump::x_nonzero_decrement, high);  // X = 0: goes on all the same, for X wraps
+  a.bind(high);
+  a.jump(Jump::pin, stay);
+  a.in(InFrom::x, 32);
+  for (int i = 0; i < 4; ++i) {
+    const Label on = a.label();
+    a.jump(Jump::x_nonzero_decrement, on);
+    a.bind(on);
+  }
+  a.bind(low);
+  a.wrap_target();
+  a.jump(Jump::pin, rise);
+  a.jump(Jump::x_nonzero_decrement, low);
+  a.wrap();
+  a.bind(rise);
+  a.in(InFrom::x, 32);
+  const Label on = a.label();
+  a.jump(Jump::x_nonzero_decrement, on);
+  a.bind(on);
+  a.jump(high);
+  return {a.finish(), a.address(low)};
+}
+inline constexpr StampProgram stamp_program = make_stamp();
+inline constexpr unsigned clocks_per_stamp = 2;
+
+/// FIRE: the fire stage. IN pin: LAMP SYNC; JMP pin: ARM; SET pin: Q-switch. An edge is accepted if
+/// 32 samples 8 clocks apart are high; then one decision: a word present (the token: delay count,
+/// width count) and ARM high. Results: all ones when a pulse has begun, the delay count if a token
+/// was taken without a shot, 0 if there was none. While it waits to hand over a result without a
+/// shot it sees no edges; the result of a shot never waits: there is room, since a token is only
+/// given after all results were read.
+struct FireProgram {
+  Program program;
+  std::uint8_t delay = 0;  ///< before the pulse: from here ...
+  std::uint8_t pulse = 0;  ///< ... to here (the first instruction with the Q-switch on)
+  std::uint8_t after = 0;  ///< first instruction with the Q-switch off again
+};
+inline constexpr unsigned filter_samples = 32;
+inline constexpr unsigned filter_raster = 8;
+/// Between the last sample and the decision, so that it comes when the core expects it.
+inline constexpr unsigned decision_padding = 5;
+consteval FireProgram make_fire() {
+  Assembler a;
+  a.wrap_target();
+  const Label start = a.here();
+  a.wait(false, WaitFor::pin, 0);
+  a.wait(true, WaitFor::pin, 0);
+  a.set(SetTo::y, filter_samples - 1);
+  const Label sample = a.here();
+  a.in(InFrom::pins, 1);
+  a.jump(Jump::y_nonzero_decrement, sample).delay(filter_raster - 2);
+  a.move(MoveTo::x, MoveFrom::isr, Operation::invert);
+  const Label decide = a.label();
+  a.jump(Jump::x_zero, decide).delay(decision_padding);
+  a.wrap();  // a runt
+  a.bind(decide);
+  a.pull(false);  // X is zero here: no token reads as zero
+  a.out(OutTo::x, 16);
+  const Label armed = a.label();
+  a.jump(Jump::pin, armed);
+  const Label report = a.here();
+  a.move(MoveTo::isr, MoveFrom::x);
+  a.push(true);
+  a.jump(start);
+  a.bind(armed);
+  a.jump(Jump::x_zero, report);
+  a.out(OutTo::y, 16);
+  const Label delay = a.here();
+  a.jump(Jump::x_nonzero_decrement, delay);
+  a.set(SetTo::pins, 1);
+  const Label pulse = a.here();
+  a.move(MoveTo::isr, MoveFrom::null, Operation::invert);
+  a.push(false);
+  const Label width = a.here();
+  a.jump(Jump::y_nonzero_decrement, width).delay(1);
+  a.set(SetTo::pins, 0);
+  const Label after = a.here();
+  a.jump(start);
+  return {a.finish(), a.address(delay), a.address(pulse), a.address(after)};
+}
+inline constexpr FireProgram fire_program = make_fire();
+
+/// LAMP SYNC on its pad to the instruction that looks at ARM: synchroniser, wait, Y, samples, the
+/// test, its padding, pull, out.
+inline constexpr unsigned fire_decision_clock =
+    synchroniser_clocks + 2 + filter_samples * filter_raster + 2 + decision_padding + 2;
+static_assert(fire_decision_clock == machine::fire_decision_clocks);
+/// Pulses up to this many clocks are runts: the last sample must be high.
+inline constexpr unsigned longest_runt_clocks = 2 + (filter_samples - 1) * filter_raster;
+static_assert(longest_runt_clocks == lamp::min_sync_clocks);
+/// Edge to Q-switch = this + delay count, delay count at least 1: decision, token test, width,
+/// one more than the count, set, pad.
+inline constexpr unsigned fire_fixed_clocks = fire_decision_clock + 5;
+/// Width of the pulse = this + 2 per width count: result (2), one more than the count, fall.
+inline constexpr unsigned fire_width_fixed_clocks = 5;
+inline constexpr unsigned clocks_per_width_count = 2;
+inline constexpr unsigned least_delay_clocks = fire_fixed_clocks + 1;
+inline constexpr unsigned most_delay_clocks = fire_fixed_clocks + 0xffff;
+
+inline constexpr std::uint32_t fired_result = 0xffffffffu;
+
+// Where each program lies in its block.
+inline constexpr unsigned axis_offset = 0;
+inline constexpr unsigned fire_offset = axis_offset + axis_program.size;
+inline constexpr unsigned bits_offset = axis_offset + axis_program.size;
+inline constexpr unsigned tick_offset = bits_offset + bits_program.size;
+inline constexpr unsigned stamp_offset = tick_offset + tick_program.program.size;
+static_assert(fire_offset + fire_program.program.size <= block_size);
+static_assert(stamp_offset + stamp_program.program.size <= block_size);
+
+}  // namespace lamplock::rp2040::pio

@@ -1,0 +1,229 @@
+#include "firmware/boards/rp2040/real_time.hpp"
+
+#include "firmware/boards/rp2040/allocation.hpp"
+#include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
+#include "firmware/boards/rp2040/registers/pads_bank0.hpp"
+#include "firmware/boards/rp2040/registers/sio.hpp"
+
+namespace lamplock::rp2040 {
+namespace {
+
+using boards::Role;
+
+constexpr std::uint32_t fill_lead_ticks = 2000;
+constexpr std::uint32_t most_block_ticks = 1024;
+/// Between two alarms: what has to be tried again must not take all the time.
+constexpr std::uint32_t least_wait_us = 5;
+constexpr std::uint64_t beat_period_clocks = 100 * clocks_per_us;
+/// From the decision to start the lattice to its first tick: filling the rings takes longer than
+/// anything else.
+constexpr std::uint64_t start_margin_clocks = 2000 * clocks_per_us;
+/// A tick is not shorter than three quarters of its nominal length; AXIS needs the rest of the
+/// time with the line low.
+constexpr std::uint32_t most_high_clocks = clocks_per_tick * 3 / 4 - pio::tick_low_overhead - 2;
+/// The timer's edge seen by a waiting loop to the store that starts TICK: 6 to 14 clocks.
+constexpr std::uint64_t go_latency_clocks = 12;
+
+/// The 64-bit number nearest to `near` whose lower half is `low`.
+std::uint64_t widen(std::uint32_t low, std::uint64_t near) {
+  return near + static_cast<std::uint64_t>(std::int64_t{
+                    static_cast<std::int32_t>(low - static_cast<std::uint32_t>(near))});
+}
+
+void make_output_low(unsigned gpio) {
+  sio().gpio_out_clr = 1u << gpio;
+  sio().gpio_oe_set = 1u << gpio;
+  io_bank0().gpio[gpio].ctrl = io_ctrl::function(io_ctrl::Function::sio);
+}
+void make_output_high(unsigned gpio) {
+  sio().gpio_out_set = 1u << gpio;
+  sio().gpio_oe_set = 1u << gpio;
+  io_bank0().gpio[gpio].ctrl = io_ctrl::function(io_ctrl::Function::sio);
+}
+
+}  // namespace
+
+void RealTime::start_pads() const {
+  // Outputs keep the reset state of their pads: weak pull-down, 4 mA, Schmitt trigger.
+  const std::uint32_t pulled_up = inputs_.pins();
+  for (const boards::PinUse& use : boards::pins(map_)) {
+    if (use.direction != boards::Direction::input) continue;
+    const bool up = (pulled_up >> use.gpio & 1) != 0 || use.role == Role::probe;
+    pads_bank0().gpio[use.gpio] =
+        pad::input_enable | pad::schmitt | pad::drive_4ma | (up ? pad::pull_up : pad::pull_down);
+  }
+  make_output_low(boards::gpio(Role::laser_pwm));
+  make_output_high(boards::gpio(Role::drives_enable));  // active low: off
+  make_output_low(boards::gpio(Role::status_led));
+}
+
+void RealTime::start(machine::Controller& core) {
+  start_us_ = microseconds();
+  start_pads();
+  lattice_.start(map_);
+  fire_.start();
+  fire_.configure(core.fire_timing());
+  estop_.start();
+  begin(core, StepPosition{}, 0);  // as the core was made
+  // Pressed already: no edge will come.
+  if ((sio().gpio_in >> boards::gpio(Role::estop) & 1) != 0) estop_interrupt();
+}
+
+std::uint32_t RealTime::high_clocks(const machine::Controller& core) const {
+  const auto clocks = static_cast<std::uint32_t>(core.values().milli(settings::Id::step_pulse)) *
+                      clocks_per_us / 1000;
+  return clocks < most_high_clocks ? clocks : most_high_clocks;
+}
+
+void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled) {
+  // Ticks that lie before the first one to be put out pass without a trace.
+  const std::uint32_t high = high_clocks(core);
+  const std::uint64_t earliest = now() + start_margin_clocks;
+  std::uint64_t tick = 0, clock = 0;
+  do {
+    const lamp::TickSpan span = core.next_span(feed_span_ticks);
+    tick = span.first_tick + span.ticks;
+    clock = span.first_clock + span.clocks;
+  } while (clock < earliest);
+  while (filled < tick) {
+    stepper::TickBlock block;
+    core.fill(block, static_cast<std::uint32_t>(tick - filled));
+    filled = block.first_tick + block.ticks;
+  }
+  expander_.begin(tick, filled, steps);
+  filled_end_ = static_cast<std::uint32_t>(expander_.end_tick());
+  timed_end_ = static_cast<std::uint32_t>(tick);
+  played_ = static_cast<std::uint32_t>(tick);
+  // The rise of the first tick is cut to measure by its low time: from here to there.
+  feed_.begin(tick, clock, 1, high);
+  fill_interrupt(core);
+  feed_.feed(clock, expander_.end_tick(), [&core](std::uint32_t n) { return core.next_span(n); });
+  timed_end_ = static_cast<std::uint32_t>(feed_.end_tick());
+  fill_interrupt(core);
+  // First tick: STEP leaves step_latency behind the tick line.
+  const std::uint64_t begin_us = clock / clocks_per_us - 100;
+  const std::uint64_t go_clock = begin_us * clocks_per_us + go_latency_clocks;
+  const std::uint64_t low = clock - go_clock - pio::tick_start_clocks - pio::step_latency_clocks;
+  tick_ring_.words[0] = tick_word(1, static_cast<std::uint32_t>(low));
+  stamps_.begin(go_clock);
+  lattice_.prepare(high);
+  Estop::release_trigger();
+  go(start_us_ + begin_us);
+  fire_.restart();
+  set_bits(pio0().irq0_inte, pio_intr::rx_not_empty(fire_machine.number));
+  set_bits(timer().inte, 1u << beat_alarm);
+  set_alarm(now());
+}
+
+void RealTime::go(std::uint64_t at_us) {
+  while (microseconds() + 1 < at_us) {
+  }
+  const AllMasked masked;  // at most 1 us
+  const auto at = static_cast<std::uint32_t>(at_us);
+  while (static_cast<std::int32_t>(timer().timerawl - at) < 0) {
+  }
+  lattice_.go();
+}
+
+void RealTime::set_alarm(std::uint64_t clock) const {
+  // No division at this level.
+  const std::uint64_t present = microseconds();
+  const std::uint64_t from = (present - start_us_) * clocks_per_us;
+  std::uint32_t wait_us = least_wait_us;
+  if (clock > from) {
+    const auto ahead = static_cast<std::uint32_t>(
+        clock - from < beat_period_clocks ? clock - from : beat_period_clocks);
+    wait_us += ahead * 8389 >> 20;  // 8389 / 2^20 = 1 / 124.99
+  }
+  const std::uint32_t at = static_cast<std::uint32_t>(present) + wait_us;
+  timer().alarm[beat_alarm] = at;
+  // It matches on equality: should the time have passed meanwhile, pend the interrupt by hand.
+  if (static_cast<std::int32_t>(timer().timerawl - at) >= 0) nvic().ispr = irq_bit(Irq::timer_1);
+}
+
+void RealTime::beat_interrupt(machine::Controller& core) {
+  timer().intr = 1u << beat_alarm;
+  if (estop_.is_cut()) return;
+  fire_.service(core, [this] { return now(); });
+  const std::uint64_t present = now();
+  feed_.feed(present, widen(filled_end_, feed_.end_tick()),
+             [&core](std::uint32_t n) { return core.next_span(n); });
+  timed_end_ = static_cast<std::uint32_t>(feed_.end_tick());
+  played_ = static_cast<std::uint32_t>(feed_.tick_at(present));
+  nvic().ispr = irq_bit(Irq::spare_0);
+  std::uint64_t next = present + beat_period_clocks, token = 0;
+  if (fire_.next_clock(token) && token < next) next = token;
+  set_alarm(next);
+}
+
+void RealTime::fill_interrupt(machine::Controller& core) {
+  for (;;) {
+    const std::uint64_t end = expander_.end_tick();
+    const std::uint64_t wanted = widen(timed_end_, end) + fill_lead_ticks;
+    if (end >= wanted) return;
+    const std::uint32_t room = expander_.room(widen(played_, end));
+    if (room == 0) return;
+    stepper::TickBlock block;
+    core.fill(block, room < most_block_ticks ? room : most_block_ticks);
+    expander_.put(block);
+    filled_end_ = static_cast<std::uint32_t>(expander_.end_tick());
+  }
+}
+
+void RealTime::stop_dead(machine::Controller& core) {
+  estop_.cut();
+  const std::uint64_t filled = expander_.end_tick();
+  const StepPosition steps = expander_.steps_at(lattice_.ticks_begun(feed_));
+  fire_.stopped(core, now());
+  core.stopped_at(steps);
+  pads_released_ = false;
+  estop_.in_order();  // before: an e-stop that comes meanwhile must not be forgotten
+  begin(core, steps, filled);
+}
+
+void RealTime::input_changed(machine::Controller& core, machine::Input input, bool active) {
+  core.input_changed(input, active);
+  const bool limit = input != machine::Input::estop && input != machine::Input::door;
+  if (limit && active && core.state() == wire::MachineState::alarm) stop_dead(core);
+}
+
+void RealTime::apply_outputs(const machine::Controller& core) {
+  const machine::Outputs outputs = core.outputs();
+  constexpr std::uint32_t enable = 1u << boards::gpio(Role::drives_enable);
+  if (outputs.drives_enable)
+    sio().gpio_out_clr = enable;
+  else
+    sio().gpio_out_set = enable;
+  constexpr std::uint32_t led = 1u << boards::gpio(Role::status_led);
+  if (core.clock().locked())
+    sio().gpio_out_set = led;
+  else
+    sio().gpio_out_clr = led;
+  const bool may = core.state() != wire::MachineState::estop && !inputs_.estop();
+  if (may == pads_released_) return;
+  pads_released_ = may;
+  const AllMasked masked;  // the e-stop's interrupt must not come in between
+  if (may && !estop_.is_cut())
+    estop_.release_pads();
+  else
+    estop_.hold_pads();
+}
+
+void RealTime::poll(machine::Controller& core) {
+  const auto changed = [this, &core](machine::Input input, bool active) {
+    input_changed(core, input, active);
+  };
+  if (estop_.seen()) {
+    estop_.told();
+    stop_dead(core);
+    inputs_.estop_seen(changed);
+  } else if (estop_.is_cut()) {
+    stop_dead(core);
+  }
+  inputs_.poll(sio().gpio_in, static_cast<std::uint32_t>(microseconds()), changed);
+  fire_.service(core, [this] { return now(); });
+  fire_.configure(core.fire_timing());
+  apply_outputs(core);
+}
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,93 @@
+// Everything of the board that has to do with time: lattice, fire stage, e-stop, switches.
+//
+// In:  the core (the caller's), interrupts, the main loop.
+// Out: steps, shots, edges for the core.
+//
+//   function           called from                              budget
+//   start              main loop, once, interrupts masked       1 ms
+//   estop_interrupt    IO_IRQ_BANK0, priority 0                 0.5 us
+//   beat_interrupt     PIO0_IRQ_0, TIMER_IRQ_1, priority 1      60 us
+//   fill_interrupt     interrupt 26, priority 3                 25 % of the time in motion
+//   poll               main loop, every 1 ms, beat and fill masked at the NVIC
+//
+// Time: the core counts system clocks; clock 0 is start(). The microsecond timer runs from the
+// same crystal and gives the present clock within 1 us; edges and ticks are exact by TICK and
+// STAMP, which start with one store. Stopped (e-stop) and started again the lattice goes on where
+// real time is, within 1 us.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/boards/rp2040/fire/fire_unit.hpp"
+#include "firmware/boards/rp2040/lattice/lattice_output.hpp"
+#include "firmware/boards/rp2040/lattice/step_expander.hpp"
+#include "firmware/boards/rp2040/lattice/tick_feed.hpp"
+#include "firmware/boards/rp2040/registers/timer.hpp"
+#include "firmware/boards/rp2040/safety/estop.hpp"
+#include "firmware/boards/rp2040/safety/inputs.hpp"
+#include "firmware/machine/controller.hpp"
+#include "shared/boards/pico_pins.hpp"
+
+namespace lamplock::rp2040 {
+
+/// One per board.
+class RealTime {
+ public:
+  explicit RealTime(boards::PinMap map)
+      : map_(map),
+        expander_(rings_),
+        feed_(tick_ring_),
+        stamps_(stamp_ring_),
+        lattice_(rings_, tick_ring_, stamp_ring_),
+        fire_(lattice_, feed_, stamps_),
+        estop_(fire_),
+        inputs_(map) {}
+  RealTime(const RealTime&) = delete;
+  RealTime& operator=(const RealTime&) = delete;
+
+  /// Pins, state machines, DMA, in the order that keeps every energy output low; then the lattice
+  /// runs. The NVIC's enables and priorities are the board's, before or after.
+  void start(machine::Controller& core);
+
+  void estop_interrupt() { estop_.interrupt(); }
+  void beat_interrupt(machine::Controller& core);
+  void fill_interrupt(machine::Controller& core);
+  void poll(machine::Controller& core);
+
+  /// Present clock of the core, at most 1 us behind.
+  std::uint64_t now() const { return (microseconds() - start_us_) * clocks_per_us; }
+  /// Outputs off, as the e-stop does it (fault handler, before a reset); poll() starts again.
+  void cut() { estop_.cut(); }
+  /// Ticks have run out at least once since the last start of the lattice.
+  bool starved() const { return feed_.starved(); }
+
+ private:
+  void start_pads() const;
+  void begin(machine::Controller& core, const StepPosition& steps, std::uint64_t stopped_tick);
+  void go(std::uint64_t first_clock);
+  void stop_dead(machine::Controller& core);
+  void input_changed(machine::Controller& core, machine::Input input, bool active);
+  void apply_outputs(const machine::Controller& core);
+  std::uint32_t high_clocks(const machine::Controller& core) const;
+  void set_alarm(std::uint64_t clock) const;
+
+  boards::PinMap map_;
+  LatticeRings rings_;
+  TickRing tick_ring_;
+  StampRing stamp_ring_;
+  StepExpander expander_;
+  TickFeed feed_;
+  StampReader stamps_;
+  LatticeOutput lattice_;
+  FireUnit fire_;
+  Estop estop_;
+  Inputs inputs_;
+  std::uint64_t start_us_ = 0;
+  // What the two levels tell each other, single words: the lower halves of two tick numbers.
+  volatile std::uint32_t filled_end_ = 0;  ///< written by fill, read by beat
+  volatile std::uint32_t timed_end_ = 0;   ///< written by beat, read by fill
+  volatile std::uint32_t played_ = 0;      ///< written by beat, read by fill
+  bool pads_released_ = false;
+};
+
+}  // namespace lamplock::rp2040

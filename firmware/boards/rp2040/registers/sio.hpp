@@ -1,0 +1,29 @@
+// Single-cycle I/O: the CPU's own way to the pins (RP2040 datasheet, 2.3.1.7). No aliases.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/boards/rp2040/registers/alias.hpp"
+
+namespace lamplock::rp2040 {
+
+struct SioRegisters {
+  Register cpuid;
+  Register gpio_in;
+  Register gpio_hi_in;
+  Register reserved;
+  Register gpio_out;
+  Register gpio_out_set;
+  Register gpio_out_clr;
+  Register gpio_out_xor;
+  Register gpio_oe;
+  Register gpio_oe_set;
+  Register gpio_oe_clr;
+  Register gpio_oe_xor;
+};
+static_assert(offsetof(SioRegisters, gpio_oe_xor) == 0x2c);
+
+inline SioRegisters& sio() { return *reinterpret_cast<SioRegisters*>(0xd0000000); }
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,35 @@
+// Functions of the boot ROM, found by their two-letter codes (datasheet, 2.8.3).
+//
+// Half-words at 0x14 and 0x18 of the ROM point to the table of functions and to the function that
+// looks a code up in it.
+#pragma once
+
+#include <cstdint>
+
+namespace lamplock::rp2040 {
+
+constexpr std::uint32_t rom_code(char a, char b) {
+  return static_cast<std::uint32_t>(a) | (static_cast<std::uint32_t>(b) << 8);
+}
+
+/// A ROM function as a pointer; null if this ROM does not have it.
+template <class Function>
+[[gnu::always_inline]] inline Function* rom_function(std::uint32_t code) {
+  using Lookup = void*(const std::uint16_t* table, std::uint32_t code);
+  // Through volatile: the compiler takes an access so close to address 0 for a null pointer.
+  const auto half_word = [](std::uintptr_t address) {
+    asm("" : "+r"(address));
+    return *reinterpret_cast<const volatile std::uint16_t*>(address);
+  };
+  const auto* table = reinterpret_cast<const std::uint16_t*>(std::uintptr_t{half_word(0x14)});
+  auto* const lookup = reinterpret_cast<Lookup*>(std::uintptr_t{half_word(0x18)});
+  return reinterpret_cast<Function*>(lookup(table, code));
+}
+
+/// The ROM's USB boot loader, as a mass-storage drive and for picotool; does not come back.
+[[gnu::always_inline]] inline void reset_to_usb_boot() {
+  rom_function<void(std::uint32_t activity_pins, std::uint32_t disabled_interfaces)>(
+      rom_code('U', 'B'))(0, 0);
+}
+
+}  // namespace lamplock::rp2040

@@ -1,0 +1,35 @@
+// The one stack: scratch X and Y, 8 KiB, apart from everything else. toolchain/gate checks that no
+// chain of calls and interrupts can need more.
+#pragma once
+
+#include <cstdint>
+
+// From the linker script.
+extern "C" {
+extern std::uint32_t stack_bottom[];
+extern std::uint32_t stack_top[];
+}
+
+namespace lamplock::rp2040 {
+
+inline constexpr std::uint32_t stack_paint = 0x5aa55aa5;
+
+/// Fills what is not in use.
+[[gnu::always_inline]] inline void paint_stack() {
+  std::uint32_t* const pointer = [] {
+    std::uint32_t* p;
+    asm volatile("mov %0, sp" : "=r"(p));
+    return p;
+  }();
+  for (std::uint32_t* word = stack_bottom; word < pointer; ++word) *word = stack_paint;
+}
+
+/// Most bytes that were ever in use.
+inline std::uint32_t stack_high_water() {
+  const std::uint32_t* word = stack_bottom;
+  while (word < stack_top && *word == stack_paint) ++word;
+  return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(stack_top) -
+                                    reinterpret_cast<std::uintptr_t>(word));
+}
+
+}  // namespace lamplock::rp2040

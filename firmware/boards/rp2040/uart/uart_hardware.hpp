@@ -1,0 +1,85 @@
+// The UART itself, as UartSerial wants it: register accesses and nothing else (RP2040 datasheet,
+// 4.2). A test hands UartSerial something else that has the same members.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/boards/rp2040/registers/alias.hpp"
+#include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
+#include "firmware/boards/rp2040/registers/resets.hpp"
+#include "firmware/boards/rp2040/registers/uart.hpp"
+#include "firmware/boards/rp2040/uart/uart_serial.hpp"
+
+namespace lamplock::rp2040 {
+
+/// UART whose TX is on a pin (datasheet, 1.4.3, table 2): pins 0, 12, 16 and 28 are UART 0's,
+/// 4, 8, 20 and 24 UART 1's; RX is the next pin.
+constexpr bool is_uart_send_pin(unsigned gpio) { return gpio % 4 == 0 && gpio <= 28; }
+constexpr unsigned uart_of_pin(unsigned gpio) { return (gpio + 4) / 8 % 2; }
+static_assert(uart_of_pin(0) == 0 && uart_of_pin(4) == 1 && uart_of_pin(8) == 1);
+static_assert(uart_of_pin(12) == 0 && uart_of_pin(16) == 0 && uart_of_pin(20) == 1);
+static_assert(uart_of_pin(24) == 1 && uart_of_pin(28) == 0);
+
+/// The UART.
+class UartHardware {
+ public:
+  explicit UartHardware(unsigned send_gpio)
+      : send_gpio_(send_gpio),
+        number_(uart_of_pin(send_gpio)),
+        registers_(uart_registers(uart_of_pin(send_gpio))) {}
+
+  /// Which interrupt to enable.
+  Irq irq() const { return number_ == 0 ? Irq::uart0 : Irq::uart1; }
+
+  /// clk_peri runs; IO_BANK0 and PADS_BANK0 are out of reset.
+  void start(BaudDivisor divisor) {
+    const std::uint32_t block = number_ == 0 ? reset_bit::uart0 : reset_bit::uart1;
+    set_bits(resets().reset, block);
+    release_reset(block);
+    UartRegisters& uart = registers_;
+    uart.ibrd = divisor.whole;
+    uart.fbrd = divisor.fraction;
+    // The divisor is taken over by this write.
+    uart.lcr_h = uart_field::eight_bits | uart_field::fifo_enable;
+    uart.ifls = uart_field::send_below_eighth | uart_field::receive_from_quarter;
+    uart.cr = uart_field::uart_enable | uart_field::send_enable | uart_field::receive_enable;
+    // An open RX line reads as idle.
+    pad(send_gpio_ + 1) = pad_input_enable | pad_pull_up | pad_schmitt;
+    control(send_gpio_ + 1) = function_uart;
+    control(send_gpio_) = function_uart;
+  }
+
+  std::uint32_t flags() const { return registers_.fr; }
+  std::uint32_t read_data() { return registers_.dr; }
+  void write_data(std::uint8_t byte) { registers_.dr = byte; }
+  void enable_interrupts(std::uint32_t bits) { registers_.imsc = bits; }
+  void clear_interrupts(std::uint32_t bits) { registers_.icr = bits; }
+  void pend() { nvic().ispr = irq_bit(irq()); }
+
+ private:
+  // IO_BANK0 and PADS_BANK0 (datasheet, 2.19.6.1, 2.19.6.3).
+  static Register& control(unsigned gpio) {
+    return reinterpret_cast<Register*>(0x40014000)[2 * gpio + 1];
+  }
+  static Register& pad(unsigned gpio) { return reinterpret_cast<Register*>(0x4001c000)[gpio + 1]; }
+  static constexpr std::uint32_t function_uart = 2;
+  static constexpr std::uint32_t pad_schmitt = 1u << 1;
+  static constexpr std::uint32_t pad_pull_up = 1u << 3;
+  static constexpr std::uint32_t pad_input_enable = 1u << 6;
+
+  unsigned send_gpio_;
+  unsigned number_;
+  UartRegisters& registers_;
+};
+
+/// The port of the image, with its hardware.
+class UartSerial : private UartHardware, public BasicUartSerial<UartHardware> {
+ public:
+  /// TX; RX is the next pin.
+  explicit UartSerial(unsigned send_gpio)
+      : UartHardware(send_gpio), BasicUartSerial<UartHardware>(static_cast<UartHardware&>(*this)) {}
+  using BasicUartSerial<UartHardware>::start;
+  using UartHardware::irq;
+};
+
+}  // namespace lamplock::rp2040

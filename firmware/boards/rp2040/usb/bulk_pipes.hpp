@@ -1,0 +1,240 @@
+// Endpoint 2: the bytes, both ways, each through two buffers in turn.
+//
+// In:  BulkOut: packets of the host. BulkIn: bytes of a SendRing.
+// Out: the other way round. Who: UsbSerial, in the USB interrupt; some 350 to 720 cycles a packet
+//      of 64 bytes (counted by instruction), against 6000 that one takes on the bus.
+//
+// The controller uses the two buffers of an endpoint strictly in turn (RP2040 datasheet,
+// 4.1.2.6.2); so do we, by our own count, and look at the buffer control words instead of
+// BUFF_CPU_SHOULD_HANDLE: BUFF_STATUS may be seen before the word is written back, and both buffers
+// may be done at once. Every half is written by 16-bit stores, since the controller writes the
+// other one.
+//
+// Errata. E2 (B0, B1: EP_ABORT is never done): EP_ABORT is not used; buffers are taken back by
+// plain stores only while the host does not use the endpoint (reset, configuration, halt). E15
+// (late IN tokens hang the controller, all revisions): BulkIn is asked for permission before
+// each packet. E3, E4 concern the host mode.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/boards/rp2040/registers/usb.hpp"
+#include "firmware/boards/rp2040/usb/byte_rings.hpp"
+#include "firmware/boards/rp2040/usb/control_pipe.hpp"
+#include "firmware/boards/rp2040/usb/descriptors.hpp"
+
+namespace lamplock::rp2040::usb {
+
+/// Where the buffers are in the DPRAM. A double buffer is 2 x 64 bytes in a row.
+inline constexpr std::uint32_t out_buffer_offset = 0x180;
+inline constexpr std::uint32_t in_buffer_offset = 0x200;
+inline constexpr std::uint32_t notify_buffer_offset = 0x280;
+static_assert(out_buffer_offset == offsetof(UsbDpram, data));
+
+/// Words of buffer 0 or 1 of a double buffer.
+inline volatile std::uint32_t* buffer_words(UsbDpram& dpram, std::uint32_t offset,
+                                            std::uint32_t half) {
+  return &dpram.data[(offset - offsetof(UsbDpram, data)) / 4 + half * (packet_size / 4)];
+}
+
+inline constexpr std::uint32_t double_bulk_control =
+    usb_field::endpoint_enable | usb_field::endpoint_double | usb_field::endpoint_each_buffer |
+    usb_field::endpoint_bulk;
+
+/// The buffer next in turn, armed anew. The controller may not have seen an earlier order to start
+/// at buffer 0, so that is said again.
+constexpr std::uint32_t select_flag(std::uint32_t half) {
+  return half == 0 ? std::uint32_t{usb_field::buffer_reset_select} : 0u;
+}
+
+/// From the host.
+template <class Hardware>
+class BulkOut {
+ public:
+  explicit BulkOut(Hardware& hardware) : hardware_(hardware) {}
+
+  /// Takes packets from now on; the first is DATA0.
+  void start() {
+    stop();
+    next_ = 0;
+    data1_ = false;
+    halted_ = false;
+    hardware_.dpram().endpoint_control[data_endpoint - 1].out =
+        double_bulk_control | out_buffer_offset;
+    arm(0, usb_field::buffer_reset_select);
+    arm(1, 0);
+  }
+
+  void stop() {
+    hardware_.dpram().endpoint_control[data_endpoint - 1].out = 0;
+    halves()[0] = 0;
+    halves()[1] = 0;
+    halted_ = true;
+  }
+
+  /// Hands received packets to the ring and the buffers back at once.
+  template <class Ring>
+  void service(Ring& ring) {
+    if (halted_) return;
+    // At most both: more cannot have come meanwhile without a new interrupt.
+    for (int packets = 0; packets < 2; ++packets) {
+      // Read in this order: if the later one is done, so is the earlier one, unless we and the
+      // controller disagree about the turn; then the one that is done is the next.
+      const bool other_done = is_done(halves()[next_ ^ 1]);
+      if (!is_done(halves()[next_])) {
+        if (!other_done) return;
+        next_ ^= 1;
+        ++resynchronised_;
+      }
+      const std::uint32_t value = halves()[next_];
+      const std::uint32_t size =
+          std::min<std::uint32_t>(value & usb_field::buffer_length, packet_size);
+      if (size != 0)
+        ring.push_packet(buffer_words(hardware_.dpram(), out_buffer_offset, next_), size);
+      arm(next_, 0);
+      next_ ^= 1;
+      ++packets_;
+    }
+  }
+
+  void halt() {
+    halted_ = true;
+    halves()[1] = 0;
+    give_buffer(hardware_, halves()[0], 0, usb_field::buffer_stall);
+  }
+
+  /// Begins again with DATA0, in the buffer that is next in turn.
+  void restart() {
+    halves()[0] = 0;
+    halves()[1] = 0;
+    halted_ = false;
+    data1_ = false;
+    arm(next_, select_flag(next_));
+    arm(next_ ^ 1, 0);
+  }
+
+  std::uint32_t packets() const { return packets_; }
+  std::uint32_t resynchronised() const { return resynchronised_; }
+
+ private:
+  static bool is_done(std::uint32_t value) {
+    return (value & (usb_field::buffer_full | usb_field::buffer_available)) ==
+           usb_field::buffer_full;
+  }
+  BufferHalf* halves() { return hardware_.dpram().buffer_control[data_endpoint].out; }
+
+  void arm(std::uint32_t half, std::uint32_t flags) {
+    const std::uint32_t pid = data1_ ? usb_field::buffer_data1 : 0u;
+    data1_ = !data1_;
+    give_buffer(hardware_, halves()[half], packet_size | pid | flags, usb_field::buffer_available);
+  }
+
+  Hardware& hardware_;
+  std::uint32_t next_ = 0;  ///< buffer the next packet comes in
+  std::uint32_t packets_ = 0;
+  std::uint32_t resynchronised_ = 0;
+  bool data1_ = false;  ///< of the buffer armed next
+  bool halted_ = true;
+};
+
+/// To the host.
+template <class Hardware>
+class BulkIn {
+ public:
+  explicit BulkIn(Hardware& hardware) : hardware_(hardware) {}
+
+  /// Sends from now on; the first packet is DATA0.
+  void start() {
+    stop();
+    data1_ = false;
+    halted_ = false;
+    empty_packet_due_ = false;
+    hardware_.dpram().endpoint_control[data_endpoint - 1].in =
+        double_bulk_control | in_buffer_offset;
+  }
+
+  void stop() {
+    hardware_.dpram().endpoint_control[data_endpoint - 1].in = 0;
+    halves()[0] = 0;
+    halves()[1] = 0;
+    first_ = 0;
+    armed_ = 0;
+    halted_ = true;
+  }
+
+  /// There is something to do for `service`.
+  template <class Ring>
+  bool busy(const Ring& ring) const {
+    return armed_ != 0 || empty_packet_due_ || ring.size() != 0;
+  }
+
+  /// Collects buffers that have gone out and fills them again, as long as `permitted()`.
+  template <class Ring, class Permission>
+  void service(Ring& ring, Permission&& permitted) {
+    if (halted_) return;
+    while (armed_ != 0 && (halves()[first_] & usb_field::buffer_available) == 0) {
+      first_ ^= 1;
+      --armed_;
+      ++packets_;
+    }
+    while (armed_ < 2) {
+      const std::uint32_t size = std::min<std::uint32_t>(ring.size(), packet_size);
+      if ((size == 0 && !empty_packet_due_) || !permitted()) return;
+      // After a pause both ends start at buffer 0, whatever happened before.
+      std::uint32_t flags = 0;
+      if (armed_ == 0) {
+        first_ = 0;
+        flags = usb_field::buffer_reset_select;
+      }
+      const std::uint32_t half = first_ ^ armed_;
+      if (size != 0) ring.pop_packet(buffer_words(hardware_.dpram(), in_buffer_offset, half), size);
+      // A whole packet tells the host to wait for more: it must be told that this was all.
+      empty_packet_due_ = size == packet_size;
+      sizes_[half] = static_cast<std::uint8_t>(size);
+      ++armed_;
+      arm(half, flags);
+    }
+  }
+
+  void halt() {
+    halted_ = true;
+    halves()[1] = 0;
+    give_buffer(hardware_, halves()[0], 0, usb_field::buffer_stall);
+  }
+
+  /// Begins again with DATA0; what was armed and has not been fetched is sent now.
+  void restart() {
+    halves()[0] = 0;
+    halves()[1] = 0;
+    halted_ = false;
+    data1_ = false;
+    for (std::uint32_t i = 0; i < armed_; ++i) arm(first_ ^ i, i == 0 ? select_flag(first_) : 0u);
+  }
+
+  std::uint32_t packets() const { return packets_; }
+  /// Packets handed to the controller and not yet fetched.
+  std::uint32_t armed() const { return armed_; }
+
+ private:
+  BufferHalf* halves() { return hardware_.dpram().buffer_control[data_endpoint].in; }
+
+  void arm(std::uint32_t half, std::uint32_t flags) {
+    const std::uint32_t pid = data1_ ? usb_field::buffer_data1 : 0u;
+    data1_ = !data1_;
+    give_buffer(hardware_, halves()[half], sizes_[half] | usb_field::buffer_full | pid | flags,
+                usb_field::buffer_available);
+  }
+
+  Hardware& hardware_;
+  std::uint32_t first_ = 0;  ///< buffer that goes out next
+  std::uint32_t armed_ = 0;  ///< 0 to 2
+  std::uint32_t packets_ = 0;
+  std::uint8_t sizes_[2] = {};
+  bool data1_ = false;  ///< of the buffer armed next
+  bool empty_packet_due_ = false;
+  bool halted_ = true;
+};
+
+}  // namespace lamplock::rp2040::usb

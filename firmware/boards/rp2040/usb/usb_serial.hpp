@@ -1,0 +1,278 @@
+// The serial port on USB.
+//
+// In:  the USB interrupt (priority 2); `read`, `write`, `poll` from the main loop, at least every
+//      millisecond. Out: bytes.
+// Budget (counted by instruction, without entry and waits of the bus): a packet of 64 bytes from
+// the
+//      host 510 to 610 cycles, to the host 700 to 880, both at once 1500, a start of frame 170 (one
+//      each millisecond), a request on endpoint 0 500 to 1450, a packet that is dropped 1900.
+//
+// All dealings with the controller happen in `interrupt`; the main loop touches the rings only and
+// pends the interrupt when there is something new to send. Bytes of the host are always taken at
+// once: a full ring drops and counts (byte_rings.hpp), the sender's window makes that rare.
+// A new configuration or bus reset empties both rings and counts `generation`. The rest is a matter
+// of the parts: control_requests.hpp, control_pipe.hpp, bulk_pipes.hpp, bus_reset_exit.hpp.
+//
+// Erratum E15: no bulk IN packet is handed over in the last 200 us of a frame, which is timed from
+// the start of frame by the microsecond timer. A packet that was handed over earlier stays: taking
+// it back needs EP_ABORT, which E2 forbids, and a host that is reading has fetched it by then.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/boards/rp2040/registers/usb.hpp"
+#include "firmware/boards/rp2040/usb/bulk_pipes.hpp"
+#include "firmware/boards/rp2040/usb/bus_reset_exit.hpp"
+#include "firmware/boards/rp2040/usb/byte_rings.hpp"
+#include "firmware/boards/rp2040/usb/control_pipe.hpp"
+#include "firmware/boards/rp2040/usb/control_requests.hpp"
+
+namespace lamplock::rp2040 {
+
+/// Erratum E15: whether a moment so long after the last start of frame is in the last 200 us of a
+/// frame. Up to two starts of frame may have been lost; behind that there are none at all (the bus
+/// is about to be suspended, or is a simulated one without frames).
+constexpr bool late_in_frame(std::uint32_t since_frame_us) {
+  constexpr std::uint32_t frame_us = 1000;
+  constexpr std::uint32_t late_us = 800;
+  if (since_frame_us >= 3 * frame_us) return false;
+  if (since_frame_us >= 2 * frame_us) return since_frame_us >= 2 * frame_us + late_us;
+  if (since_frame_us >= frame_us) return since_frame_us >= frame_us + late_us;
+  return since_frame_us >= late_us;
+}
+
+/// What has happened on the bus.
+struct UsbCounters {
+  std::uint32_t bus_resets = 0;
+  std::uint32_t suspends = 0;
+  std::uint32_t requests = 0;          ///< SETUP packets
+  std::uint32_t refused_requests = 0;  ///< answered by STALL
+  std::uint32_t bus_errors = 0;        ///< frames in which the controller saw any
+  std::uint32_t packets_received = 0;
+  std::uint32_t packets_sent = 0;
+  std::uint32_t resynchronised = 0;  ///< should be 0: disagreed with the controller about the turn
+  std::uint32_t bytes_dropped = 0;   ///< ring full
+  std::uint32_t gaps = 0;            ///< places where bytes are missing
+};
+
+/// The port. `Hardware` is UsbHardware (usb_hardware.hpp) or a test's.
+template <class Hardware>
+class BasicUsbSerial {
+ public:
+  static constexpr std::uint32_t receive_capacity = 4096;
+  static constexpr std::uint32_t send_capacity = 2048;
+
+  explicit BasicUsbSerial(Hardware& hardware) : hardware_(hardware) {}
+  BasicUsbSerial(const BasicUsbSerial&) = delete;
+  BasicUsbSerial& operator=(const BasicUsbSerial&) = delete;
+
+  /// 16 characters; before `start`.
+  void set_serial_number(std::string_view text) { requests_.set_serial_number(text); }
+
+  /// Attaches to the bus. clk_usb runs at 48 MHz; the interrupt may be enabled before or after.
+  void start() {
+    requests_.reset();
+    hardware_.start();
+    control_.reset();
+    stop_pipes();
+    // No frame seen yet.
+    frame_us_ = hardware_.microseconds() - 3000;
+    hardware_.attach();
+  }
+
+  /// USBCTRL_IRQ.
+  void interrupt() {
+    const std::uint32_t why = hardware_.interrupts();
+    if ((why & usb_field::int_bus_reset) != 0) on_bus_reset();
+    if ((why & usb_field::int_sof) != 0) on_frame();
+    if ((why & (usb_field::int_suspend | usb_field::int_resume)) != 0) on_suspend(why);
+    if ((why & usb_field::int_buffer) != 0) on_buffers();
+    if ((why & usb_field::int_setup) != 0) on_setup();
+    // Whatever the reason: a packet may be done before BUFF_STATUS says so, or be waiting.
+    out_.service(received_);
+    if (in_.busy(to_send_))
+      in_.service(to_send_,
+                  [this] { return !late_in_frame(hardware_.microseconds() - frame_us_); });
+  }
+
+  /// Main loop, at least every millisecond.
+  void poll() {
+    reset_exit_.poll(counters_.bus_resets);
+    if (to_send_.size() != 0) hardware_.pend();
+  }
+
+  /// Takes received bytes; returns how many.
+  std::size_t read(std::span<std::uint8_t> out) { return received_.pop(out); }
+  /// Received bytes that wait.
+  std::size_t available() const { return received_.size(); }
+
+  /// Queues bytes to send; returns how many were taken, all if `room()` says so. None while not
+  /// configured.
+  std::size_t write(std::span<const std::uint8_t> in) {
+    if (!configured() || in.empty()) return 0;
+    const std::uint32_t generation = generation_;
+    const std::uint32_t count = to_send_.place(in);
+    {
+      [[maybe_unused]] const typename Hardware::Lock lock;
+      // The host the bytes were meant for has gone: they go too.
+      if (generation == generation_) to_send_.publish(count);
+    }
+    hardware_.pend();
+    return count;
+  }
+  std::size_t room() const { return configured() ? to_send_.room() : 0; }
+
+  bool configured() const { return configured_; }
+  /// No host, or one that sleeps; on a Pico a pulled plug looks the same.
+  bool suspended() const { return suspended_; }
+  /// Changes whenever the connection is a new one.
+  std::uint32_t generation() const { return generation_; }
+  /// A program has the port open, as far as the host says so; nothing depends on it here.
+  bool dtr() const { return requests_.dtr(); }
+  /// How often a program has opened the port.
+  std::uint32_t opened() const { return requests_.opened(); }
+  std::span<const std::uint8_t> line_coding() const { return requests_.line_coding(); }
+
+  UsbCounters counters() const {
+    UsbCounters result = counters_;
+    result.packets_received = out_.packets();
+    result.packets_sent = in_.packets();
+    result.resynchronised = out_.resynchronised();
+    result.bytes_dropped = received_.losses().bytes;
+    result.gaps = received_.losses().gaps;
+    return result;
+  }
+
+ private:
+  void on_bus_reset() {
+    hardware_.clear_status(usb_field::status_reset);
+    ++counters_.bus_resets;
+    hardware_.clear_done(~0u);
+    hardware_.set_address(0);
+    requests_.reset();
+    control_.reset();
+    new_connection();
+    stop_pipes();
+    suspended_ = false;
+  }
+
+  void on_frame() {
+    hardware_.acknowledge_frame();
+    frame_us_ = hardware_.microseconds();
+    suspended_ = false;
+    if ((hardware_.status() & usb_field::status_errors) != 0) {
+      hardware_.clear_status(usb_field::status_errors);
+      ++counters_.bus_errors;
+    }
+  }
+
+  /// The interrupt says that the state has changed, SIE_STATUS what it is. Waking up is seen by the
+  /// resume, by the next frame or by a reset, whichever comes first.
+  void on_suspend(std::uint32_t why) {
+    const bool suspended = (hardware_.status() & usb_field::status_suspended) != 0;
+    hardware_.clear_status(usb_field::status_suspended | usb_field::status_resume);
+    const bool resumed = (why & usb_field::int_resume) != 0;
+    if (suspended && !resumed && !suspended_) ++counters_.suspends;
+    suspended_ = suspended && !resumed;
+  }
+
+  void on_buffers() {
+    const std::uint32_t done = hardware_.done();
+    hardware_.clear_done(done);
+    if ((done & 1) != 0) control_.on_in_done();
+    if ((done & 2) != 0) control_.on_out_done();
+  }
+
+  void on_setup() {
+    ++counters_.requests;
+    suspended_ = false;
+    const usb::Answer answer =
+        control_.on_setup([this](const usb::Reaction& reaction) { apply(reaction); });
+    if (answer == usb::Answer::stall) ++counters_.refused_requests;
+  }
+
+  void apply(const usb::Reaction& reaction) {
+    switch (reaction.effect) {
+      case usb::Effect::configure:
+        new_connection();
+        configured_ = true;
+        out_.start();
+        in_.start();
+        start_notify();
+        break;
+      case usb::Effect::deconfigure:
+        new_connection();
+        stop_pipes();
+        break;
+      case usb::Effect::restart:
+        restart(reaction.pipes);
+        break;
+      case usb::Effect::halt:
+        halt(reaction.pipes);
+        break;
+      case usb::Effect::none:
+      case usb::Effect::use_address:  // after the status stage, by ControlPipe
+        break;
+    }
+  }
+
+  void new_connection() {
+    configured_ = false;
+    generation_ = generation_ + 1;
+    received_.discard();
+    to_send_.discard();
+  }
+
+  void stop_pipes() {
+    out_.stop();
+    in_.stop();
+    hardware_.dpram().endpoint_control[usb::notify_endpoint - 1].in = 0;
+    notify_half() = 0;
+  }
+
+  /// The notification endpoint is there, and never has anything to say.
+  void start_notify() {
+    notify_half() = 0;
+    hardware_.dpram().endpoint_control[usb::notify_endpoint - 1].in =
+        usb_field::endpoint_enable | usb_field::endpoint_each_buffer |
+        usb_field::endpoint_interrupt | usb::notify_buffer_offset;
+  }
+  BufferHalf& notify_half() { return hardware_.dpram().buffer_control[usb::notify_endpoint].in[0]; }
+
+  void restart(usb::Pipes pipes) {
+    // What is done is done, before buffers are armed anew.
+    out_.service(received_);
+    in_.service(to_send_, [] { return false; });
+    if ((pipes & usb::pipe_out) != 0) out_.restart();
+    if ((pipes & usb::pipe_in) != 0) in_.restart();
+    if ((pipes & usb::pipe_notify) != 0) notify_half() = 0;
+  }
+
+  void halt(usb::Pipes pipes) {
+    out_.service(received_);
+    in_.service(to_send_, [] { return false; });
+    if ((pipes & usb::pipe_out) != 0) out_.halt();
+    if ((pipes & usb::pipe_in) != 0) in_.halt();
+    if ((pipes & usb::pipe_notify) != 0)
+      usb::give_buffer(hardware_, notify_half(), 0, usb_field::buffer_stall);
+  }
+
+  Hardware& hardware_;
+  usb::ControlRequests requests_;
+  usb::ControlPipe<Hardware> control_{hardware_, requests_};
+  usb::BulkOut<Hardware> out_{hardware_};
+  usb::BulkIn<Hardware> in_{hardware_};
+  usb::BusResetExit<Hardware> reset_exit_{hardware_};
+  ReceiveRing<receive_capacity> received_;
+  SendRing<send_capacity> to_send_;
+  UsbCounters counters_;
+  std::uint32_t frame_us_ = 0;  ///< of the last start of frame
+  volatile std::uint32_t generation_ = 0;
+  volatile bool configured_ = false;
+  volatile bool suspended_ = false;
+};
+
+}  // namespace lamplock::rp2040

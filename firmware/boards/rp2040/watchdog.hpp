@@ -1,0 +1,60 @@
+// The watchdog: restarts the chip unless everybody who matters is alive.
+//
+// In:  signatures of the e-stop, beat and fill interrupts and of the main loop.
+// Out: the counter fed, once all four have signed since the last time.
+// Who: sign() at any level (one store); service() from the main loop, every pass.
+//
+// A watchdog reset starts everything again but the oscillators: pins become inputs, pulled down.
+// Without PSM_WDSEL it would reset nothing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/boards/rp2040/registers/psm.hpp"
+#include "firmware/boards/rp2040/registers/watchdog.hpp"
+
+namespace lamplock::rp2040 {
+
+/// Who has to sign.
+enum class Signer : std::uint8_t { estop, beat, fill, main_loop, count };
+
+/// What a restart by the watchdog starts again.
+inline void select_watchdog_reset() {
+  psm().wdsel = psm_bit::all & ~(psm_bit::rosc | psm_bit::xosc);
+}
+
+class Watchdog {
+ public:
+  /// Ten times what the main loop needs with a window to plan. By then the ticks have run out long
+  /// ago if interrupts hang as well.
+  static constexpr std::uint32_t timeout_us = 100'000;
+  /// The counter has 24 bits.
+  static constexpr std::uint32_t longest_us = 0xffffff / 2;
+
+  void start() {
+    select_watchdog_reset();
+    feed(timeout_us);
+    set_bits(watchdog_registers().ctrl, watchdog_field::pause_debug | watchdog_field::enable);
+  }
+  [[gnu::always_inline]] void sign(Signer who) { signed_[static_cast<std::size_t>(who)] = true; }
+  bool has_signed(Signer who) const { return signed_[static_cast<std::size_t>(who)]; }
+  void service() {
+    for (const volatile bool& one : signed_)
+      if (!one) return;
+    for (volatile bool& one : signed_) one = false;
+    feed(timeout_us);
+  }
+  /// Before the boot loader, which feeds nobody.
+  static void stop() { clear_bits(watchdog_registers().ctrl, watchdog_field::enable); }
+  /// The main loop is going to be busy for so long (an erase of the flash), at rest.
+  void allow(std::uint32_t us) { feed(us); }
+
+ private:
+  /// Erratum E1: two counts a tick.
+  static void feed(std::uint32_t us) { watchdog_registers().load = 2 * us; }
+
+  std::array<volatile bool, static_cast<std::size_t>(Signer::count)> signed_{};
+};
+
+}  // namespace lamplock::rp2040

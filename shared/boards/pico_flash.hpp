@@ -1,0 +1,16 @@
+// What lies where in the flash of a Raspberry Pi Pico: for the image and for whoever prepares a
+// flash for it.
+#pragma once
+
+#include <cstdint>
+
+namespace lamplock::boards {
+
+/// Where flash is seen (RP2040 datasheet, 2.2.1).
+inline constexpr std::uint32_t flash_base = 0x1000'0000;
+/// Settings: behind the room for the image (toolchain/arm/rp2040.ld), in every flash of 1 MiB or
+/// more.
+inline constexpr std::uint32_t settings_offset = 512 * 1024;
+inline constexpr std::uint32_t settings_sectors = 4;
+
+}  // namespace lamplock::boards

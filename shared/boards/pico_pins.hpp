@@ -1,0 +1,216 @@
+// Which pin of a Raspberry Pi Pico does what: the one table for firmware, simulator and wiring
+// page.
+//
+// In:  nothing.
+// Out: two maps, glass (engraving inside glass) and cut (cutting, plotting), from one list of
+// roles. Who: the image (every driver asks for its role), the chip simulator (connects the pads to
+// its
+//      world), the documentation of the wiring.
+//
+// Rules, checked at compile time: a pin has one role in a map; an output that can release energy
+// has the same pin in every map, so that a wrong map never fires; STEP and DIR of an axis are
+// neighbours; the lattice bits are one row, as a PIO state machine wants them; GPIO 15 carries
+// nothing that matters (the work-around for USB erratum E5 borrows it) and GPIO 23, 24 and 29
+// belong to the Pico itself.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace lamplock::boards {
+
+/// What a pin is for.
+enum class Role : std::uint8_t {
+  step_x,
+  dir_x,
+  step_y,
+  dir_y,
+  step_z,
+  dir_z,
+  step_a,
+  dir_a,
+  lamp_sync,      ///< in: the lamp flashes
+  q_switch,       ///< out, energy: releases the pulse
+  lamp_trigger,   ///< out, lattice bit 0: the controller triggers the lamp
+  laser_gate,     ///< out, energy, lattice bit 1: continuous laser permitted
+  shot_enable,    ///< out, energy, lattice bit 2: in position, a shot may be fired (ARM)
+  laser_pwm,      ///< out, energy: power of a continuous laser
+  drives_enable,  ///< out, active low: an external pull-up disables undriven drives
+  status_led,
+  estop,      ///< in: normally closed to ground, high = pressed or wire broken
+  door,       ///< in: normally closed to ground, high = open or wire broken
+  probe,      ///< in
+  tick_line,  ///< the tick lattice itself; on a Pico the LED
+  limits,     ///< in: all limit switches in one chain, normally closed
+  limit_x,
+  limit_y,
+  limit_z,
+  photosensor_1,
+  photosensor_2,
+  photosensor_3,
+  photosensor_4,
+  shutter_1,
+  shutter_2,
+  shutter_3,
+  shutter_4,
+  uart_tx,
+  uart_rx,
+  uart_direction,
+  air,
+  count
+};
+
+/// How a pin is driven.
+enum class Direction : std::uint8_t { input, output };
+
+/// One pin of a map.
+struct PinUse {
+  Role role;
+  std::uint8_t gpio;
+  Direction direction;
+  bool energy;  ///< can release energy: active high, external pull-down
+  std::string_view name;
+};
+
+/// The two maps.
+enum class PinMap : std::uint8_t { glass, cut };
+
+namespace detail {
+using enum Direction;
+
+/// What every map has.
+inline constexpr std::array common{
+    PinUse{Role::step_x, 0, output, false, "X STEP"},
+    PinUse{Role::dir_x, 1, output, false, "X DIR"},
+    PinUse{Role::step_y, 2, output, false, "Y STEP"},
+    PinUse{Role::dir_y, 3, output, false, "Y DIR"},
+    PinUse{Role::step_z, 4, output, false, "Z STEP"},
+    PinUse{Role::dir_z, 5, output, false, "Z DIR"},
+    PinUse{Role::lamp_sync, 8, input, false, "LAMP SYNC"},
+    PinUse{Role::q_switch, 9, output, true, "Q-SWITCH"},
+    PinUse{Role::lamp_trigger, 10, output, true, "LAMP TRIGGER"},
+    PinUse{Role::laser_gate, 11, output, true, "LASER GATE"},
+    PinUse{Role::shot_enable, 12, output, true, "SHOT ENABLE"},
+    PinUse{Role::laser_pwm, 13, output, true, "LASER PWM"},
+    PinUse{Role::drives_enable, 14, output, false, "DRIVES ENABLE"},
+    PinUse{Role::status_led, 15, output, false, "STATUS"},
+    PinUse{Role::estop, 20, input, false, "E-STOP"},
+    PinUse{Role::door, 21, input, false, "DOOR"},
+    PinUse{Role::probe, 22, input, false, "PROBE"},
+    PinUse{Role::tick_line, 25, output, false, "TICK"},
+};
+inline constexpr std::array glass_only{
+    PinUse{Role::photosensor_1, 6, input, false, "PHOTOSENSOR 1"},
+    PinUse{Role::photosensor_2, 7, input, false, "PHOTOSENSOR 2"},
+    PinUse{Role::shutter_1, 16, output, false, "SHUTTER 1"},
+    PinUse{Role::shutter_2, 17, output, false, "SHUTTER 2"},
+    PinUse{Role::shutter_3, 18, output, false, "SHUTTER 3"},
+    PinUse{Role::shutter_4, 19, output, false, "SHUTTER 4"},
+    PinUse{Role::limits, 26, input, false, "LIMIT CHAIN"},
+    PinUse{Role::photosensor_3, 27, input, false, "PHOTOSENSOR 3"},
+    PinUse{Role::photosensor_4, 28, input, false, "PHOTOSENSOR 4"},
+};
+inline constexpr std::array cut_only{
+    PinUse{Role::step_a, 6, output, false, "A STEP"},
+    PinUse{Role::dir_a, 7, output, false, "A DIR"},
+    PinUse{Role::uart_tx, 16, output, false, "UART0 TX"},
+    PinUse{Role::uart_rx, 17, input, false, "UART0 RX"},
+    PinUse{Role::uart_direction, 18, output, false, "UART DIRECTION"},
+    PinUse{Role::air, 19, output, false, "AIR"},
+    PinUse{Role::limit_x, 26, input, false, "X LIMIT"},
+    PinUse{Role::limit_y, 27, input, false, "Y LIMIT"},
+    PinUse{Role::limit_z, 28, input, false, "Z LIMIT"},
+};
+
+template <std::size_t n, std::size_t m>
+constexpr std::array<PinUse, n + m> join(const std::array<PinUse, n>& a,
+                                         const std::array<PinUse, m>& b) {
+  std::array<PinUse, n + m> all{};
+  for (std::size_t i = 0; i < n; ++i) all[i] = a[i];
+  for (std::size_t i = 0; i < m; ++i) all[n + i] = b[i];
+  return all;
+}
+}  // namespace detail
+
+inline constexpr auto glass_pins = detail::join(detail::common, detail::glass_only);
+inline constexpr auto cut_pins = detail::join(detail::common, detail::cut_only);
+using PinTable = std::array<PinUse, glass_pins.size()>;
+
+/// The pins of a map.
+constexpr const PinTable& pins(PinMap map) { return map == PinMap::glass ? glass_pins : cut_pins; }
+
+/// Pin of a role; nothing if the map has none.
+constexpr std::optional<std::uint8_t> find_gpio(PinMap map, Role role) {
+  for (const PinUse& use : pins(map))
+    if (use.role == role) return use.gpio;
+  return std::nullopt;
+}
+
+namespace detail {
+/// Not defined: a call of it ends compilation and names the reason.
+void this_role_is_not_in_every_map();
+}  // namespace detail
+
+/// Pin of a role that every map has, at compile time; any other role does not compile.
+consteval std::uint8_t gpio(Role role) {
+  for (const PinUse& use : detail::common)
+    if (use.role == role) return use.gpio;
+  detail::this_role_is_not_in_every_map();
+  return 0;
+}
+
+constexpr Role step_role(int axis) { return static_cast<Role>(2 * axis); }
+constexpr Role dir_role(int axis) { return static_cast<Role>(2 * axis + 1); }
+/// First pin of the fourth axis where a map has one.
+inline constexpr std::uint8_t step_a_gpio = 6;
+
+namespace detail {
+constexpr bool clash_free(const PinTable& table) {
+  std::uint32_t used = 0;
+  for (const PinUse& use : table) {
+    const bool of_the_pico = use.gpio == 23 || use.gpio == 24 || use.gpio >= 29;
+    if (of_the_pico || (used >> use.gpio & 1) != 0) return false;
+    used |= 1u << use.gpio;
+    if (use.gpio == 15 && use.role != Role::status_led) return false;
+  }
+  return true;
+}
+constexpr bool roles_once(const PinTable& table) {
+  for (std::size_t i = 0; i < table.size(); ++i)
+    for (std::size_t j = i + 1; j < table.size(); ++j)
+      if (table[i].role == table[j].role) return false;
+  return true;
+}
+constexpr bool energy_alike() {
+  for (const PinMap map : {PinMap::glass, PinMap::cut}) {
+    const PinMap other = map == PinMap::glass ? PinMap::cut : PinMap::glass;
+    for (const PinUse& use : pins(map)) {
+      if (!use.energy) continue;
+      if (use.direction != Direction::output || find_gpio(other, use.role) != use.gpio)
+        return false;
+    }
+  }
+  return true;
+}
+constexpr bool axes_are_pairs(PinMap map) {
+  for (int axis = 0; axis < 4; ++axis) {
+    const auto step = find_gpio(map, step_role(axis));
+    const auto dir = find_gpio(map, dir_role(axis));
+    if (step.has_value() != dir.has_value() || (step && *dir != *step + 1)) return false;
+  }
+  return true;
+}
+static_assert(glass_pins.size() == cut_pins.size());
+static_assert(clash_free(glass_pins) && clash_free(cut_pins));
+static_assert(roles_once(glass_pins) && roles_once(cut_pins));
+static_assert(energy_alike());
+static_assert(axes_are_pairs(PinMap::glass) && axes_are_pairs(PinMap::cut));
+static_assert(gpio(Role::laser_gate) == gpio(Role::lamp_trigger) + 1 &&
+              gpio(Role::shot_enable) == gpio(Role::lamp_trigger) + 2);
+static_assert(find_gpio(PinMap::cut, Role::step_a) == step_a_gpio);
+}  // namespace detail
+
+}  // namespace lamplock::boards

@@ -1,0 +1,304 @@
+#include "sim/chip/bus.hpp"
+
+#include <bit>
+#include <stdexcept>
+#include <string>
+
+namespace lamplock::sim::chip {
+
+static_assert(std::endian::native == std::endian::little, "memory is kept as the chip has it");
+
+namespace {
+
+// RP2040 datasheet, 2.2.
+constexpr std::uint32_t xip_base = 0x1000'0000;
+constexpr std::uint32_t xip_control_base = 0x1400'0000;
+constexpr std::uint32_t ssi_base = 0x1800'0000;
+constexpr std::uint32_t sram_base = 0x2000'0000;
+constexpr std::uint32_t apb_base = 0x4000'0000;
+constexpr std::uint32_t ahb_base = 0x5000'0000;
+constexpr std::uint32_t sio_base = 0xd000'0000;
+constexpr unsigned xip_alias_count = 4;
+constexpr std::uint32_t block_size = 0x4000;
+constexpr std::uint32_t register_mask = 0xffc;
+
+// The blocks on APB, one each 16 KiB (datasheet, 2.2.4).
+constexpr std::array<std::string_view, 28> apb_names = {"SYSINFO",   "SYSCFG",
+                                                        "CLOCKS",    "RESETS",
+                                                        "PSM",       "IO_BANK0",
+                                                        "IO_QSPI",   "PADS_BANK0",
+                                                        "PADS_QSPI", "XOSC",
+                                                        "PLL_SYS",   "PLL_USB",
+                                                        "BUSCTRL",   "UART0",
+                                                        "UART1",     "SPI0",
+                                                        "SPI1",      "I2C0",
+                                                        "I2C1",      "ADC",
+                                                        "PWM",       "TIMER",
+                                                        "WATCHDOG",  "RTC",
+                                                        "ROSC",      "VREG_AND_CHIP_RESET",
+                                                        "",          "TBMAN"};
+
+struct AhbName {
+  std::uint32_t index;
+  std::string_view name;
+};
+// The blocks on AHB-Lite (datasheet, 2.2.5), by bits 23..16 of the address.
+constexpr std::array<AhbName, 6> ahb_names = {{{0x00, "DMA"},
+                                               {0x10, "USBCTRL_DPRAM"},
+                                               {0x11, "USBCTRL_REGS"},
+                                               {0x20, "PIO0"},
+                                               {0x30, "PIO1"},
+                                               {0x40, "XIP_AUX"}}};
+
+// What each write alias does to a register (datasheet, 2.1.2).
+std::uint32_t combine(std::uint32_t old, std::uint32_t value, std::uint32_t alias) {
+  switch (alias) {
+    case 1:
+      return old ^ value;
+    case 2:
+      return old | value;
+    case 3:
+      return old & ~value;
+    default:
+      return value;
+  }
+}
+
+// A narrow write reaches a register as the whole bus word, on which the masters repeat what they
+// write (datasheet, 2.1.4).
+std::uint32_t replicate(std::uint32_t value, Width width) {
+  switch (width) {
+    case Width::byte:
+      return (value & 0xff) * 0x0101'0101u;
+    case Width::half:
+      return (value & 0xffff) * 0x0001'0001u;
+    case Width::word:
+      break;
+  }
+  return value;
+}
+
+std::uint32_t lane(std::uint32_t word, std::uint32_t address, Width width) {
+  const std::uint32_t shifted = word >> (8 * (address & 3));
+  switch (width) {
+    case Width::byte:
+      return shifted & 0xff;
+    case Width::half:
+      return shifted & 0xffff;
+    case Width::word:
+      break;
+  }
+  return word;
+}
+
+std::string hex(std::uint32_t value) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string text = "0x00000000";
+  for (std::size_t i = 0; i < 8; ++i) text[9 - i] = digits[(value >> (4 * i)) & 15];
+  return text;
+}
+
+}  // namespace
+
+Bus::Bus(TimeWheel& wheel, const Timing& timing, NotModelled not_modelled)
+    : wheel_(wheel), not_modelled_(std::move(not_modelled)), sram_(sram_size), rom_(rom_size) {
+  for (std::size_t i = 0; i < apb_names.size(); ++i) {
+    apb_[i].name = apb_names[i];
+    apb_[i].read_wait = timing.apb_read_wait;
+    apb_[i].write_wait = timing.apb_write_wait;
+  }
+  for (const AhbName& entry : ahb_names) {
+    ahb_[entry.index].name = entry.name;
+    ahb_[entry.index].read_wait = ahb_[entry.index].write_wait = timing.ahb_wait;
+  }
+  xip_control_.name = "XIP_CTRL";
+  xip_control_.read_wait = xip_control_.write_wait = timing.ahb_wait;
+  // The SSI's own registers hang on APB inside the XIP block (datasheet, 2.6.3).
+  ssi_.name = "XIP_SSI";
+  ssi_.read_wait = timing.apb_read_wait;
+  ssi_.write_wait = timing.apb_write_wait;
+  for (Slot& slot : sio_) slot.name = "SIO";
+  map_memory(0, rom_, false);
+  map_memory(sram_base, sram_, true);
+}
+
+void Bus::map(std::uint32_t base, Peripheral& block, bool aliases) {
+  if (base == sio_base) return map_sio(block, block);
+  std::uint32_t offset = 0;
+  Slot* slot = slot_at(base, Master::core0, offset);
+  if (slot == nullptr || offset != 0) throw std::invalid_argument("no block at " + hex(base));
+  slot->block = &block;
+  slot->aliases = aliases;
+}
+
+void Bus::map_sio(Peripheral& core0, Peripheral& core1) {
+  sio_[0].block = &core0;
+  sio_[1].block = &core1;
+}
+
+void Bus::map_memory(std::uint32_t base, std::span<std::uint8_t> memory, bool writable) {
+  if (base >= apb_base) {
+    std::uint32_t offset = 0;
+    Slot* slot = slot_at(base, Master::core0, offset);
+    if (slot == nullptr || offset != 0) throw std::invalid_argument("no memory at " + hex(base));
+    slot->memory = memory;
+    slot->writable = writable;
+    return;
+  }
+  if ((base & 0x00ff'ffff) != 0 || memory.size() > 0x0100'0000)
+    throw std::invalid_argument("memory does not fit at " + hex(base));
+  const auto size = static_cast<std::uint32_t>(memory.size());
+  Window window{memory.data(), 0x00ff'ffff, size, writable ? size : 0};
+  if (base == xip_base) {
+    if (!std::has_single_bit(size)) throw std::invalid_argument("flash size not a power of two");
+    window.mask = size - 1;
+    for (unsigned i = 0; i < xip_alias_count; ++i) windows_[(base >> 24) + i] = window;
+  } else {
+    windows_[base >> 24] = window;
+  }
+  map_changed();
+}
+
+void Bus::unmap_memory(std::uint32_t base) {
+  if (base == xip_base)
+    for (unsigned i = 0; i < xip_alias_count; ++i) windows_[(base >> 24) + i] = {};
+  else
+    windows_[base >> 24] = {};
+  map_changed();
+}
+
+void Bus::watch_memory(std::uint32_t base, Stored stored) {
+  std::uint32_t offset = 0;
+  Slot* slot = slot_at(base, Master::core0, offset);
+  if (slot == nullptr || offset != 0) throw std::invalid_argument("no memory at " + hex(base));
+  slot->stored = std::move(stored);
+}
+
+void Bus::map_changed() {
+  for (CodeWindow* window : code_windows_) window->size = 0;
+}
+
+std::span<std::uint8_t> Bus::memory_at(std::uint32_t address) {
+  const Window& window = windows_[address >> 24];
+  const std::uint32_t offset = address & window.mask;
+  if (offset < window.size) return {window.bytes + offset, window.size - offset};
+  std::uint32_t inside = 0;
+  const Slot* slot = slot_at(address, Master::core0, inside);
+  if (slot == nullptr || inside >= slot->memory.size()) return {};
+  return slot->memory.subspan(inside);
+}
+
+Bus::CodeWindow Bus::code_at(std::uint32_t address) const {
+  const Window& window = windows_[address >> 24];
+  const std::uint32_t offset = address & window.mask;
+  if (offset >= window.size) return {};
+  return {window.bytes, address - offset, window.size};
+}
+
+std::uint8_t* Bus::bank_byte(std::uint32_t address) {
+  // Bank b of the four holds every fourth word of the striped region (datasheet, 2.6.2).
+  if ((address >> 18) != (0x2100'0000u >> 18)) return nullptr;
+  const std::uint32_t bank = (address >> 16) & 3;
+  const std::uint32_t word = (address & 0xffff) >> 2;
+  return sram_.data() + (((word << 2) | bank) << 2) + (address & 3);
+}
+
+Bus::Slot* Bus::slot_at(std::uint32_t address, Master master, std::uint32_t& offset) {
+  Slot* slot = nullptr;
+  offset = address & (block_size - 1);
+  switch (address >> 24) {
+    case xip_control_base >> 24:
+      slot = &xip_control_;
+      break;
+    case ssi_base >> 24:
+      slot = &ssi_;
+      break;
+    case apb_base >> 24:
+      if (((address >> 14) & 0x3ff) < apb_.size()) slot = &apb_[(address >> 14) & 31];
+      break;
+    case ahb_base >> 24:
+      if (const std::uint32_t index = (address >> 16) & 0xff; index < ahb_.size()) {
+        slot = &ahb_[index];
+        offset = address & 0xffff;
+      }
+      break;
+    case sio_base >> 24:
+      if (master != Master::dma) slot = &sio_[master == Master::core0 ? 0 : 1];
+      offset = address & 0x00ff'ffff;
+      break;
+    default:
+      break;
+  }
+  if (slot == nullptr || slot->name.empty() || offset >= block_size) return nullptr;
+  return slot;
+}
+
+void Bus::report(const Slot& slot, std::uint32_t address, std::string_view what) {
+  if (not_modelled_)
+    not_modelled_(std::string(slot.name) + " " + std::string(what) + " at " + hex(address & ~3u));
+}
+
+Access Bus::read_block(std::uint32_t address, Width width, Master master, Cycle at) {
+  if (const std::uint8_t* byte = bank_byte(address)) return {load(byte, width), 0, false};
+  std::uint32_t offset = 0;
+  const Slot* slot = slot_at(address, master, offset);
+  if (slot == nullptr) {
+    if ((address >> 26) == (xip_base >> 26) && not_modelled_)
+      not_modelled_("XIP read while no flash is mapped");
+    return {0, 0, true};
+  }
+  if (offset < slot->memory.size())
+    return {load(slot->memory.data() + offset, width), slot->read_wait, false};
+  if (slot->block == nullptr) {
+    report(*slot, address, "read");
+    return {0, slot->read_wait, false};
+  }
+  if (offset > register_mask + 3 && !slot->aliases) return {0, 0, true};
+  if (master != Master::dma) wheel_.advance_to(at);
+  return {lane(slot->block->read(offset & register_mask), address, width), slot->read_wait, false};
+}
+
+Access Bus::write_block(std::uint32_t address, std::uint32_t value, Width width, Master master,
+                        Cycle at) {
+  if (std::uint8_t* byte = bank_byte(address)) {
+    store(byte, value, width);
+    return {};
+  }
+  const Window& window = windows_[address >> 24];
+  if ((address & window.mask) < window.size) {
+    // Read-only memory. A write through the caching alias of flash only drops the cache line;
+    // the other aliases answer with an error (XIP_CTRL CTRL.ERR_BADWRITE at its reset value;
+    // datasheet, 2.6.3). The manual is silent on ROM: taken as ignored.
+    return {0, 0, (address >> 26) == (xip_base >> 26) && (address >> 24) != (xip_base >> 24)};
+  }
+  std::uint32_t offset = 0;
+  Slot* slot = slot_at(address, master, offset);
+  if (slot == nullptr) return {0, 0, true};
+  if (offset < slot->memory.size()) return store_in_slot(*slot, offset, value, width);
+  if (slot->block == nullptr) {
+    report(*slot, address, "written");
+    return {0, slot->write_wait, false};
+  }
+  const std::uint32_t alias = offset >> 12;
+  if (alias != 0 && !slot->aliases) return {0, 0, true};
+  if (master != Master::dma) wheel_.advance_to(at);
+  std::uint32_t word = replicate(value, width);
+  if (alias != 0) {
+    const std::uint32_t as_written = slot->block->write_clear_bits(offset & register_mask);
+    const std::uint32_t combined = combine(slot->block->peek(offset & register_mask), word, alias);
+    word = (combined & ~as_written) | (word & as_written);
+  }
+  slot->block->write(offset & register_mask, word);
+  return {0, slot->write_wait, false};
+}
+
+Access Bus::store_in_slot(Slot& slot, std::uint32_t offset, std::uint32_t value, Width width) {
+  if (!slot.writable) return {0, 0, true};
+  std::uint8_t* word = slot.memory.data() + (offset & ~3u);
+  const std::uint32_t before = load(word, Width::word);
+  store(slot.memory.data() + offset, value, width);
+  if (slot.stored) slot.stored(offset & ~3u, before, load(word, Width::word));
+  return {0, slot.write_wait, false};
+}
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,164 @@
+// The bus fabric: who finds what at which address, and what an access costs.
+//
+// In:  accesses of the cores and of DMA, with the cycle in which they begin.
+// Out: values, wait states, bus faults. Memory is reached directly; registers through the
+//      Peripheral that was mapped there, after time has been brought up to the access.
+// Map (RP2040 datasheet, 2.2): ROM 0x00000000, XIP 0x10000000 (aliases 11 12 13, control 14, SRAM
+// use of the cache 15, SSI 18), SRAM 0x20000000 (striped) 0x20040000 0x20041000 (banks 4, 5)
+// 0x21000000 (banks 0-3 one after the other), APB 0x40000000, AHB-Lite 0x50000000, SIO 0xd0000000
+// (cores only, single cycle, no aliases), PPB 0xe0000000 (inside a core).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sim/chip/peripheral.hpp"
+#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/timing.hpp"
+
+namespace lamplock::sim::chip {
+
+enum class Master : std::uint8_t { core0, core1, dma };
+
+/// Width of an access in bytes.
+enum class Width : std::uint8_t { byte = 1, half = 2, word = 4 };
+
+/// What came of an access.
+struct Access {
+  std::uint32_t value = 0;  ///< of a read, zero-extended
+  std::uint32_t wait = 0;   ///< cycles beyond the one that every access takes
+  bool fault = false;       ///< nobody there, or not permitted
+};
+
+/// The fabric of one chip. Flash is read-only here; the flash chip writes its own storage.
+class Bus {
+ public:
+  static constexpr std::size_t rom_size = 16 * 1024;
+  static constexpr std::size_t sram_size = 264 * 1024;
+  static constexpr std::size_t usb_dpram_size = 4 * 1024;
+
+  Bus(TimeWheel& wheel, const Timing& timing, NotModelled not_modelled);
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+
+  /// Maps a block at its base; `aliases` for APB and AHB-Lite blocks (16 KiB windows).
+  void map(std::uint32_t base, Peripheral& block, bool aliases = true);
+  /// SIO answers each core with registers of its own: one block for each.
+  void map_sio(Peripheral& core0, Peripheral& core1);
+  /// Plain memory at an address (ROM, DPRAM of USB, flash); must outlive the bus. Mapping again
+  /// replaces. Memory at 0x10000000 (a power of two) shows at its four aliases, repeated through
+  /// each of them, as a flash chip does that ignores high address bits.
+  void map_memory(std::uint32_t base, std::span<std::uint8_t> memory, bool writable);
+  /// Nobody answers there any more (flash in command mode): accesses fault and are reported.
+  void unmap_memory(std::uint32_t base);
+  /// Calls `stored` after each store to the memory mapped at `base` on APB or AHB-Lite (the DPRAM
+  /// of USB), with the word's offset and its values before and after.
+  using Stored =
+      std::function<void(std::uint32_t offset, std::uint32_t before, std::uint32_t after)>;
+  void watch_memory(std::uint32_t base, Stored stored);
+
+  /// An aligned access. A core has brought time up to `at` (TimeWheel::advance_to) before a
+  /// register is touched: Bus does it for cores; DMA runs inside time and does not.
+  Access read(std::uint32_t address, Width width, Master master, Cycle at) {
+    const Window& window = windows_[address >> 24];
+    const std::uint32_t offset = address & window.mask;
+    if (offset < window.size) [[likely]]
+      return {load(window.bytes + offset, width), 0, false};
+    return read_block(address, width, master, at);
+  }
+  Access write(std::uint32_t address, std::uint32_t value, Width width, Master master, Cycle at) {
+    const Window& window = windows_[address >> 24];
+    const std::uint32_t offset = address & window.mask;
+    if (offset < window.writable_size) [[likely]] {
+      store(window.bytes + offset, value, width);
+      return {};
+    }
+    return write_block(address, value, width, master, at);
+  }
+
+  /// The memory behind an address, for loaders, debuggers and the USB controller; empty if the
+  /// address is not memory. Runs to the end of the region.
+  std::span<std::uint8_t> memory_at(std::uint32_t address);
+
+  /// Memory that instructions may be fetched from directly, around an address; size 0: none, fetch
+  /// through read(). The bus empties the windows it gave to cores when the map changes.
+  struct CodeWindow {
+    const std::uint8_t* bytes = nullptr;
+    std::uint32_t first = 0;
+    std::uint32_t size = 0;
+  };
+  CodeWindow code_at(std::uint32_t address) const;
+  /// The core keeps its window here for as long as the bus is used.
+  void share_code_window(CodeWindow& window) { code_windows_.push_back(&window); }
+
+  std::span<std::uint8_t> sram() { return sram_; }
+  std::span<std::uint8_t> rom() { return rom_; }
+
+ private:
+  /// Memory reached without asking anybody: one for each value of the top eight address bits.
+  struct Window {
+    std::uint8_t* bytes = nullptr;
+    std::uint32_t mask = 0x00ff'ffff;
+    std::uint32_t size = 0;
+    std::uint32_t writable_size = 0;
+  };
+  /// What answers at a place on APB, AHB-Lite or the core's own port.
+  struct Slot {
+    Peripheral* block = nullptr;
+    std::span<std::uint8_t> memory;
+    bool writable = false;
+    bool aliases = false;
+    Stored stored;
+    std::string_view name;  ///< of a block that exists; empty: nobody there
+    std::uint32_t read_wait = 0;
+    std::uint32_t write_wait = 0;
+  };
+
+  static std::uint32_t load(const std::uint8_t* at, Width width) {
+    switch (width) {
+      case Width::byte:
+        return *at;
+      case Width::half: {
+        std::uint16_t half;
+        std::memcpy(&half, at, sizeof half);
+        return half;
+      }
+      case Width::word:
+        break;
+    }
+    std::uint32_t word;
+    std::memcpy(&word, at, sizeof word);
+    return word;
+  }
+  static void store(std::uint8_t* at, std::uint32_t value, Width width) {
+    std::memcpy(at, &value, static_cast<std::size_t>(width));
+  }
+
+  Access read_block(std::uint32_t address, Width width, Master master, Cycle at);
+  Access write_block(std::uint32_t address, std::uint32_t value, Width width, Master master,
+                     Cycle at);
+  Access store_in_slot(Slot& slot, std::uint32_t offset, std::uint32_t value, Width width);
+  /// Where an address in the register space is answered, and its offset there; null: nobody.
+  Slot* slot_at(std::uint32_t address, Master master, std::uint32_t& offset);
+  /// The byte of the striped SRAM behind an address in the windows of single banks.
+  std::uint8_t* bank_byte(std::uint32_t address);
+  void report(const Slot& slot, std::uint32_t address, std::string_view what);
+  void map_changed();
+
+  TimeWheel& wheel_;
+  NotModelled not_modelled_;
+  std::array<Window, 256> windows_{};
+  std::array<Slot, 32> apb_{};    ///< 0x40000000, 16 KiB each
+  std::array<Slot, 0x41> ahb_{};  ///< 0x50000000, by bits 23..16
+  Slot xip_control_, ssi_;
+  std::array<Slot, 2> sio_{};
+  std::vector<std::uint8_t> sram_, rom_;
+  std::vector<CodeWindow*> code_windows_;
+};
+
+}  // namespace lamplock::sim::chip

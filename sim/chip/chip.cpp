@@ -1,0 +1,142 @@
+#include "sim/chip/chip.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include "sim/chip/rom/rom_on_core.hpp"
+
+namespace lamplock::sim::chip {
+namespace {
+
+// Where blocks lie that System does not know (RP2040 datasheet, 2.2).
+constexpr std::uint32_t io_qspi_base = 0x4001'8000;
+constexpr std::uint32_t pads_qspi_base = 0x4002'0000;
+constexpr std::uint32_t dma_base = 0x5000'0000;
+constexpr std::uint32_t pio0_base = 0x5020'0000;
+constexpr std::uint32_t pio1_base = 0x5030'0000;
+constexpr std::uint32_t rom_vectors = 0;
+
+}  // namespace
+
+Chip::Chip(const ChipOptions& options)
+    : timing_(options.timing),
+      bus_(wheel_, timing_, reporter()),
+      gpio_(wheel_, irqs_, reporter()),
+      flash_(options.flash_size, options.flash_timing, reporter(), options.seed),
+      xip_(wheel_, bus_, flash_, reporter()),
+      rom_(bus_.rom(), xip_.pins(), reporter()),
+      sio_(wheel_, gpio_, irqs_, [this] { return xip_.pins().inputs(); }, reporter()),
+      system_(wheel_, gpio_, sio_, irqs_,
+              {[this](int core, std::uint32_t irqs) {
+                 cores_[static_cast<std::size_t>(core)].set_nmi_mask(irqs);
+               },
+               [this] { ++watchdog_resets_; }},
+              reporter()),
+      pio_dma_(wheel_, bus_, gpio_, irqs_, timing_, reporter()),
+      usb_(wheel_, irqs_, usb_dpram_, reporter(), options.usb_errata),
+      cores_{Core(0, bus_, wheel_, irqs_, timing_, reporter()),
+             Core(1, bus_, wheel_, irqs_, timing_, reporter())},
+      seed_(options.seed) {
+  map();
+  for (int id = 0; id < 2; ++id) attach_core(id);
+}
+
+NotModelled Chip::reporter() {
+  return [this](const std::string& what) {
+    if (known_.insert(what).second) not_modelled_.push_back(what);
+  };
+}
+
+void Chip::map() {
+  Resets& resets = system_.resets;
+  system_.map(bus_, gpio_);
+  bus_.map_sio(sio_.core(0), sio_.core(1));
+  bus_.map(io_qspi_base, resets.attach(ResetBit::io_qspi, xip_.pins().io()));
+  bus_.map(pads_qspi_base, resets.attach(ResetBit::pads_qspi, xip_.pins().pads()));
+  bus_.map(dma_base, resets.attach(ResetBit::dma, pio_dma_.dma()));
+  bus_.map(pio0_base, resets.attach(ResetBit::pio0, pio_dma_.pio0()));
+  bus_.map(pio1_base, resets.attach(ResetBit::pio1, pio_dma_.pio1()));
+  bus_.map(UsbController::base, resets.attach(ResetBit::usbctrl, usb_));
+  bus_.map_memory(UsbController::dpram_base, usb_dpram_, true);
+  bus_.watch_memory(UsbController::dpram_base,
+                    [this](std::uint32_t offset, std::uint32_t before, std::uint32_t after) {
+                      usb_.dpram_stored(offset, before, after);
+                    });
+}
+
+void Chip::attach_core(int id) {
+  const auto i = static_cast<std::size_t>(id);
+  Core& core = cores_[i];
+  attach_rom(rom_, core, bus_);
+  system_.psm.attach(id == 0 ? PsmBit::proc0 : PsmBit::proc1, [this, i](bool held) {
+    held_[i] = held;
+    if (!held) restart_[i] = true;
+    for (Core& each : cores_) each.request_stop();
+  });
+  core.on_reset_request = [this, i] {
+    restart_[i] = true;
+    cores_[i].request_stop();
+  };
+  core.on_event = [this, i] {
+    cores_[1 - i].send_event();
+    cores_[i].request_stop();
+  };
+}
+
+void Chip::load(const Image& image, const std::string& where) {
+  place_image(image, flash_, bus_, where);
+}
+
+void Chip::power_cut() {
+  std::mt19937_64 noise(seed_ + wheel_.now());
+  for (std::uint8_t& byte : bus_.sram()) byte = static_cast<std::uint8_t>(noise());
+  for (std::uint8_t& byte : usb_dpram_) byte = static_cast<std::uint8_t>(noise());
+  xip_.power_cut();
+  system_.reset(ChipReset::power_on);
+}
+
+void Chip::restart_cores() {
+  for (std::size_t i = 0; i < cores_.size(); ++i) {
+    if (!restart_[i] || held_[i]) continue;
+    restart_[i] = false;
+    if (i == 0) rom_.reset();
+    cores_[i].reset(rom_vectors);
+  }
+}
+
+void Chip::run_until(Cycle until) {
+  for (;;) {
+    restart_cores();
+    if (held_[0] && held_[1]) {
+      wheel_.advance_to(std::min(until, wheel_.next()));
+      if (wheel_.now() >= until) return;
+      continue;
+    }
+    // Nothing moves the wheel while cores run from memory.
+    const Cycle reached = std::min(held_[0] ? never_cycle : cores_[0].cycle(),
+                                   held_[1] ? never_cycle : cores_[1].cycle());
+    if (reached >= until) {
+      wheel_.advance_to(until);
+      return;
+    }
+    run_both(until);
+  }
+}
+
+void Chip::run_both(Cycle until) {
+  Core& core0 = cores_[0];
+  Core& core1 = cores_[1];
+  const bool only0 = held_[1] || core1.idle();
+  const bool only1 = held_[0] || core0.idle();
+  if (only0 && !held_[0]) {
+    core0.run_until(until);
+    if (!held_[1]) core1.idle_to(core0.cycle());
+  } else if (only1 && !held_[1]) {
+    core1.run_until(until);
+    if (!held_[0]) core0.idle_to(core1.cycle());
+  } else {
+    (core0.cycle() <= core1.cycle() ? core0 : core1).step();
+  }
+}
+
+}  // namespace lamplock::sim::chip

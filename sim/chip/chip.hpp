@@ -1,0 +1,108 @@
+// The simulated RP2040 as a whole: cores, memories, every block, wired as the datasheet has it.
+//
+// In:  an image in its flash; power, time; levels on its pins (Gpio), a host on its USB cable.
+// Out: levels on its pins, packets, what its UARTs send; reports of what is not modelled.
+// Who: a board (chip_board/), tests. Deterministic: the same calls give the same run to the cycle.
+//
+// The one who is behind makes the next step: cores instruction by instruction, everything else when
+// the wheel says so or when it is looked at. A reset of the chip (watchdog, SYSRESETREQ, power)
+// takes place between two instructions.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "sim/chip/bus.hpp"
+#include "sim/chip/cpu/core.hpp"
+#include "sim/chip/flash/flash_chip.hpp"
+#include "sim/chip/flash/xip.hpp"
+#include "sim/chip/gpio/gpio.hpp"
+#include "sim/chip/image/image.hpp"
+#include "sim/chip/irq_lines.hpp"
+#include "sim/chip/pio/pio_dma_clock.hpp"
+#include "sim/chip/rom/boot_rom.hpp"
+#include "sim/chip/sio/sio.hpp"
+#include "sim/chip/system/system.hpp"
+#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/timing.hpp"
+#include "sim/chip/usb/usb_controller.hpp"
+
+namespace lamplock::sim::chip {
+
+struct ChipOptions {
+  Timing timing{};
+  FlashTiming flash_timing{};
+  std::size_t flash_size = FlashChip::default_size;
+  UsbErrata usb_errata{};
+  std::uint64_t seed = 1;  ///< of what a power cut leaves in the flash
+};
+
+/// One chip with its flash.
+class Chip {
+ public:
+  explicit Chip(const ChipOptions& options = {});
+  Chip(const Chip&) = delete;
+  Chip& operator=(const Chip&) = delete;
+
+  /// Puts an image into the flash (and SRAM, if it says so); before power_on().
+  void load(const Image& image, const std::string& where);
+  /// Power comes, or the RUN pin rises: both cores start in the ROM.
+  void power_on() { system_.reset(ChipReset::power_on); }
+  /// Power fails for a moment, in the middle of whatever happens: flash keeps what it has, SRAM is
+  /// filled with noise, everything starts anew.
+  void power_cut();
+
+  /// Runs until both cores have reached `until`, or a little more.
+  void run_until(Cycle until);
+  Cycle now() const { return wheel_.now(); }
+  Picoseconds time() const { return wheel_.time_of(wheel_.now()); }
+
+  TimeWheel& wheel() { return wheel_; }
+  const TimeWheel& wheel() const { return wheel_; }
+  Bus& bus() { return bus_; }
+  Gpio& gpio() { return gpio_; }
+  Core& core(int id) { return cores_[static_cast<std::size_t>(id)]; }
+  FlashChip& flash() { return flash_; }
+  BootRom& rom() { return rom_; }
+  System& system() { return system_; }
+  UsbController& usb() { return usb_; }
+  PioDmaClock& pio_dma() { return pio_dma_; }
+
+  /// What was touched and is not modelled, each once, in order.
+  const std::vector<std::string>& not_modelled() const { return not_modelled_; }
+  /// Resets by the watchdog since the chip was made.
+  std::uint32_t watchdog_resets() const { return watchdog_resets_; }
+
+ private:
+  NotModelled reporter();
+  void map();
+  void attach_core(int id);
+  void restart_cores();
+  void run_both(Cycle until);
+
+  std::vector<std::string> not_modelled_;
+  std::set<std::string> known_;
+  Timing timing_;
+  TimeWheel wheel_;
+  IrqLines irqs_;
+  Bus bus_;
+  Gpio gpio_;
+  FlashChip flash_;
+  Xip xip_;
+  BootRom rom_;
+  Sio sio_;
+  System system_;
+  PioDmaClock pio_dma_;
+  std::array<std::uint8_t, Bus::usb_dpram_size> usb_dpram_{};
+  UsbController usb_;
+  std::array<Core, 2> cores_;
+  std::array<bool, 2> held_{true, true};      ///< in reset
+  std::array<bool, 2> restart_{false, false}; ///< released, has not started yet
+  std::uint32_t watchdog_resets_ = 0;
+  std::uint64_t seed_;
+};
+
+}  // namespace lamplock::sim::chip

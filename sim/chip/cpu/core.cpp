@@ -1,0 +1,851 @@
+// Instructions of the core (ARMv6-M Architecture Reference Manual, A5 and A6), with the cycles of
+// the Cortex-M0+ Technical Reference Manual, table 3-1.
+#include "sim/chip/cpu/core.hpp"
+
+#include <bit>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "sim/chip/cpu/decode.hpp"
+
+namespace lamplock::sim::chip {
+
+namespace {
+
+constexpr std::uint32_t sio_nibble = 0xd;  // the single-cycle I/O port: 0xd0000000
+constexpr std::uint32_t ppb_base = 0xe000'0000;
+// Code is fetched from code, SRAM and external RAM space; the rest is execute-never (B3.1).
+constexpr bool executable(std::uint32_t address) {
+  return address < 0x4000'0000 || (address >= 0x6000'0000 && address < 0xa000'0000);
+}
+
+constexpr std::uint32_t psr_thumb = 1u << 24;
+
+// Fields of an instruction.
+constexpr unsigned low_d(unsigned op) { return op & 7; }
+constexpr unsigned low_n(unsigned op) { return (op >> 3) & 7; }
+constexpr unsigned low_m(unsigned op) { return (op >> 6) & 7; }
+constexpr unsigned imm5(unsigned op) { return (op >> 6) & 31; }
+constexpr unsigned register8(unsigned op) { return (op >> 8) & 7; }
+constexpr unsigned imm8(unsigned op) { return op & 0xff; }
+constexpr std::uint32_t sign_extend(std::uint32_t value, unsigned bits) {
+  const std::uint32_t sign = 1u << (bits - 1);
+  return ((value & ((sign << 1) - 1)) ^ sign) - sign;
+}
+
+}  // namespace
+
+Core::Core(int id, Bus& bus, TimeWheel& wheel, IrqLines& irqs, const Timing& timing,
+           NotModelled not_modelled)
+    : wheel_(wheel),
+      irqs_(irqs),
+      bus_(bus),
+      id_(id),
+      master_(id == 0 ? Master::core0 : Master::core1),
+      timing_(timing),
+      not_modelled_(std::move(not_modelled)),
+      systick_(wheel, [this] {
+        nvic_.pend(number_of(Exception::systick));
+        refresh(wheel_.now());
+      }) {
+  bus_.share_code_window(window_);
+}
+
+void Core::reset(std::uint32_t vector_table) {
+  r_.fill(0);
+  r_[14] = 0xffff'ffff;
+  n_ = 0;
+  z_ = 1;
+  c_ = v_ = false;
+  takeable_ = locked_up_ = stop_ = primask_ = event_ = nmi_level_ = false;
+  sleep_ = Sleep::awake;
+  ipsr_ = 0;
+  control_ = other_sp_ = vtor_ = scr_ = 0;
+  mpu_ = {};
+  nvic_.reset();
+  cycle_ = std::max(cycle_, wheel_.now());
+  systick_.reset(cycle_);
+  window_.size = 0;
+  const Access stack = read_bus(vector_table, Width::word);
+  const Access entry = read_bus(vector_table + 4, Width::word);
+  r_[13] = stack.value & ~3u;
+  pc_ = entry.value & ~1u;
+  thumb_ = (entry.value & 1) != 0;
+  sample(cycle_);
+  if (stack.fault || entry.fault) lock_up();
+}
+
+void Core::set_reg(unsigned number, std::uint32_t value) {
+  if (number == 15)
+    pc_ = value & ~1u;
+  else
+    r_[number] = number == 13 ? value & ~3u : value;
+}
+
+std::uint32_t Core::xpsr() const {
+  return (n_ & (1u << 31)) | (z_ == 0 ? 1u << 30 : 0) | (c_ ? 1u << 29 : 0) | (v_ ? 1u << 28 : 0) |
+         (thumb_ ? psr_thumb : 0) | ipsr_;
+}
+
+// IPSR between thread and handler changes the stack pointer in use only in entry and return.
+void Core::set_xpsr(std::uint32_t value) {
+  n_ = value;
+  z_ = (value >> 30) & 1 ? 0 : 1;
+  c_ = ((value >> 29) & 1) != 0;
+  v_ = ((value >> 28) & 1) != 0;
+  thumb_ = (value & psr_thumb) != 0;
+  ipsr_ = value & 0x3f;
+  update_attention();
+}
+
+void Core::set_primask(bool masked) {
+  if (masked == primask_) return;
+  primask_ = masked;
+  refresh(never_cycle);
+  if (listener_ != nullptr) listener_->masked(id_, masked, cycle_);
+}
+
+void Core::set_control(std::uint32_t value) {
+  const bool before = uses_psp();
+  control_ = ipsr_ == 0 ? value & (control_npriv | control_spsel) : value & control_npriv;
+  if (uses_psp() != before) std::swap(r_[13], other_sp_);
+}
+
+void Core::set_nmi_mask(std::uint32_t mask) {
+  nmi_mask_ = mask;
+  sample(cycle_);
+}
+
+void Core::add_native(std::uint32_t first, std::uint32_t last, NativeFunction function) {
+  natives_.push_back({first, last, std::move(function)});
+  window_.size = 0;
+}
+
+// --- Fetch ---------------------------------------------------------------------------------------
+
+// The instruction is not in the window: another region, a native function, or nothing at all.
+// False: something else than the instruction happened.
+bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
+  for (const NativeRange& range : natives_) {
+    if (pc < range.first || pc > range.last) continue;
+    call_native(range.function);
+    return false;
+  }
+  if (!executable(pc)) {
+    hard_fault();
+    return false;
+  }
+  Bus::CodeWindow window = bus_.code_at(pc);
+  for (const NativeRange& range : natives_) {
+    // The part of the window around pc that has no native function in it.
+    if (range.last < pc && range.last + 2 > window.first) {
+      const std::uint32_t cut = range.last + 2 - window.first;
+      if (cut >= window.size) continue;
+      window = {window.bytes + cut, range.last + 2, window.size - cut};
+    } else if (range.first > pc && range.first - window.first < window.size) {
+      window.size = range.first - window.first;
+    }
+  }
+  window_ = window;
+  const Access access = bus_.read(pc, Width::half, master_, cycle_);
+  if (access.fault) {
+    hard_fault();
+    return false;
+  }
+  cycle_ += access.wait;
+  instruction = static_cast<std::uint16_t>(access.value);
+  return true;
+}
+
+bool Core::fetch_second(std::uint32_t pc, std::uint16_t& instruction) {
+  const Access access =
+      executable(pc) ? bus_.read(pc, Width::half, master_, cycle_) : Access{0, 0, true};
+  if (access.fault) {
+    hard_fault();
+    return false;
+  }
+  cycle_ += access.wait;
+  instruction = static_cast<std::uint16_t>(access.value);
+  return true;
+}
+
+void Core::call_native(const NativeFunction& function) {
+  const Native result = function(*this, pc_);
+  cycle_ += result.cycles;
+  if (result.then == Then::returns) branch_exchange(r_[14]);
+}
+
+// --- Access --------------------------------------------------------------------------------------
+
+Access Core::read_bus(std::uint32_t address, Width width) {
+  if (address < ppb_base) [[likely]]
+    return bus_.read(address, width, master_, cycle_);
+  // The registers in the core are words only.
+  Access access;
+  access.fault = width != Width::word || !read_system(address, access.value);
+  return access;
+}
+
+Access Core::write_bus(std::uint32_t address, Width width, std::uint32_t value) {
+  if (address < ppb_base) [[likely]]
+    return bus_.write(address, value, width, master_, cycle_);
+  Access access;
+  access.fault = width != Width::word || !write_system(address, value);
+  return access;
+}
+
+// A load or store adds here what it costs beyond one cycle: 1, but nothing on the I/O port.
+inline bool Core::load(std::uint32_t address, Width width, std::uint32_t& value) {
+  Access access{0, 0, true};
+  if ((address & (static_cast<std::uint32_t>(width) - 1)) == 0) [[likely]]
+    access = read_bus(address, width);
+  if (access.fault) [[unlikely]] {
+    hard_fault();
+    return false;
+  }
+  value = access.value;
+  cycle_ += access.wait + ((address >> 28) != sio_nibble ? 1u : 0u);
+  return true;
+}
+
+inline bool Core::store(std::uint32_t address, Width width, std::uint32_t value) {
+  Access access{0, 0, true};
+  if ((address & (static_cast<std::uint32_t>(width) - 1)) == 0) [[likely]]
+    access = write_bus(address, width, value);
+  if (access.fault) [[unlikely]] {
+    hard_fault();
+    return false;
+  }
+  cycle_ += access.wait + ((address >> 28) != sio_nibble ? 1u : 0u);
+  return true;
+}
+
+// Between two words of a multiple access: an interrupt abandons the instruction, which starts
+// anew after the handler.
+bool Core::abandon_for_interrupt() {
+  if (wheel_.next() > cycle_ && irqs_.changes() == seen_changes_ && !takeable_) return false;
+  run_events();
+  return takeable_;
+}
+
+bool Core::load_block(std::uint32_t address, unsigned count, std::array<std::uint32_t, 9>& words) {
+  for (unsigned i = 0; i < count; ++i) {
+    if (i != 0 && abandon_for_interrupt()) return false;
+    const Access access =
+        (address & 3) == 0 ? read_bus(address + 4 * i, Width::word) : Access{0, 0, true};
+    if (access.fault) {
+      hard_fault();
+      return false;
+    }
+    words[i] = access.value;
+    cycle_ += 1 + access.wait;
+  }
+  return true;
+}
+
+bool Core::store_block(std::uint32_t address, unsigned count,
+                       const std::array<std::uint32_t, 9>& words) {
+  for (unsigned i = 0; i < count; ++i) {
+    if (i != 0 && abandon_for_interrupt()) return false;
+    const Access access =
+        (address & 3) == 0 ? write_bus(address + 4 * i, Width::word, words[i]) : Access{0, 0, true};
+    if (access.fault) {
+      hard_fault();
+      return false;
+    }
+    cycle_ += 1 + access.wait;
+  }
+  return true;
+}
+
+// --- Multiple accesses: 1 + N cycles, the N counted by the blocks
+// -----------------------------------
+
+bool Core::load_multiple(std::uint16_t op) {
+  const unsigned list = imm8(op), base = register8(op);
+  if (list == 0) return unpredictable(op);
+  const auto count = static_cast<unsigned>(std::popcount(list));
+  std::array<std::uint32_t, 9> words;
+  const std::uint32_t address = r_[base];
+  if (!load_block(address, count, words)) return false;
+  r_[base] = address + 4 * count;
+  unsigned next = 0;
+  for (unsigned i = 0; i < 8; ++i)
+    if ((list >> i & 1) != 0) r_[i] = words[next++];
+  return true;
+}
+
+bool Core::store_multiple(std::uint16_t op) {
+  const unsigned list = imm8(op), base = register8(op);
+  if (list == 0) return unpredictable(op);
+  const auto count = static_cast<unsigned>(std::popcount(list));
+  std::array<std::uint32_t, 9> words;
+  unsigned next = 0;
+  for (unsigned i = 0; i < 8; ++i)
+    if ((list >> i & 1) != 0) words[next++] = r_[i];
+  const std::uint32_t address = r_[base];
+  if (!store_block(address, count, words)) return false;
+  r_[base] = address + 4 * count;
+  return true;
+}
+
+bool Core::push(std::uint16_t op) {
+  const unsigned list = op & 0x1ff;
+  if (list == 0) return unpredictable(op);
+  const auto count = static_cast<unsigned>(std::popcount(list));
+  std::array<std::uint32_t, 9> words;
+  unsigned next = 0;
+  for (unsigned i = 0; i < 8; ++i)
+    if ((list >> i & 1) != 0) words[next++] = r_[i];
+  if ((list & 0x100) != 0) words[next] = r_[14];
+  const std::uint32_t address = r_[13] - 4 * count;
+  if (!store_block(address, count, words)) return false;
+  r_[13] = address;
+  return true;
+}
+
+// Moves the program counter itself: POP {..., PC} is a branch.
+void Core::pop(std::uint16_t op) {
+  const unsigned list = op & 0x1ff;
+  if (list == 0) {
+    unpredictable(op);
+    return;
+  }
+  const auto count = static_cast<unsigned>(std::popcount(list));
+  std::array<std::uint32_t, 9> words;
+  if (!load_block(r_[13], count, words)) return;
+  r_[13] += 4 * count;
+  unsigned next = 0;
+  for (unsigned i = 0; i < 8; ++i)
+    if ((list >> i & 1) != 0) r_[i] = words[next++];
+  cycle_ += 1;
+  if ((list & 0x100) == 0)
+    pc_ += 2;
+  else
+    branch_exchange(words[next]);
+}
+
+// --- Branches ------------------------------------------------------------------------------------
+
+// BX, POP: two cycles, or a return from an exception.
+void Core::branch_exchange(std::uint32_t target) {
+  if (ipsr_ != 0 && (target >> 28) == 15) return exception_return(target);
+  cycle_ += 2;
+  pc_ = target & ~1u;
+  if ((target & 1) == 0) {
+    thumb_ = false;
+    update_attention();
+  }
+  if (listener_ != nullptr) listener_->branched(id_, pc_, cycle_);
+}
+
+inline bool Core::condition(unsigned code) const {
+  const bool n = (n_ >> 31) != 0, z = z_ == 0;
+  bool met = false;
+  switch (code >> 1) {
+    case 0:
+      met = z;
+      break;
+    case 1:
+      met = c_;
+      break;
+    case 2:
+      met = n;
+      break;
+    case 3:
+      met = v_;
+      break;
+    case 4:
+      met = c_ && !z;
+      break;
+    case 5:
+      met = n == v_;
+      break;
+    default:
+      met = n == v_ && !z;
+      break;
+  }
+  return met != ((code & 1) != 0);
+}
+
+// --- Shifts by register: amounts 0..255
+// -------------------------------------------------------------
+
+std::uint32_t Core::shift_left(std::uint32_t value, std::uint32_t amount) {
+  if (amount == 0) return value;
+  c_ = amount <= 32 && (value >> (32 - amount) & 1) != 0;
+  return amount < 32 ? value << amount : 0;
+}
+
+std::uint32_t Core::shift_right(std::uint32_t value, std::uint32_t amount) {
+  if (amount == 0) return value;
+  c_ = amount <= 32 && (value >> (amount - 1) & 1) != 0;
+  return amount < 32 ? value >> amount : 0;
+}
+
+std::uint32_t Core::shift_right_signed(std::uint32_t value, std::uint32_t amount) {
+  if (amount == 0) return value;
+  const unsigned capped = amount < 32 ? amount : 32;
+  c_ = (value >> (capped - 1) & 1) != 0;
+  const auto sign = static_cast<std::uint32_t>(-static_cast<std::int32_t>(value >> 31));
+  return capped < 32 ? (value >> capped) | (sign << (32 - capped)) : sign;
+}
+
+std::uint32_t Core::rotate_right(std::uint32_t value, std::uint32_t amount) {
+  if (amount == 0) return value;
+  const std::uint32_t result = std::rotr(value, static_cast<int>(amount & 31));
+  c_ = (result >> 31) != 0;
+  return result;
+}
+
+// --- Faulting and rare instructions
+// -----------------------------------------------------------------
+
+bool Core::undefined() {
+  hard_fault();
+  return false;
+}
+
+bool Core::unpredictable(std::uint16_t instruction) {
+  if (not_modelled_) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    std::string text = "unpredictable instruction 0x0000 executed";
+    for (std::size_t i = 0; i < 4; ++i) text[27 + 3 - i] = digits[(instruction >> (4 * i)) & 15u];
+    not_modelled_(text);
+  }
+  return undefined();
+}
+
+// ADD, CMP and MOV on all registers.
+bool Core::execute_high(std::uint16_t op, std::uint32_t& next, std::uint32_t& cycles) {
+  const unsigned d = (op & 7u) | (op >> 4 & 8u), m = op >> 3 & 15u;
+  const std::uint32_t right = m == 15 ? pc_ + 4 : r_[m];
+  const std::uint32_t left = d == 15 ? pc_ + 4 : r_[d];
+  const Op kind = decode(op);
+  if (kind == Op::cmp_high) {
+    if ((d < 8 && m < 8) || d == 15 || m == 15) return unpredictable(op);
+    add_with_carry(left, ~right, true);
+    return true;
+  }
+  if (kind == Op::add_high && d == 15 && m == 15) return unpredictable(op);
+  const std::uint32_t result = kind == Op::add_high ? left + right : right;
+  if (d != 15) {
+    r_[d] = d == 13 ? result & ~3u : result;
+    return true;
+  }
+  next = result & ~1u;
+  cycles = 2;
+  if (listener_ != nullptr) listener_->branched(id_, next, cycle_ + cycles);
+  return true;
+}
+
+bool Core::execute_hint(std::uint16_t op, std::uint32_t& cycles) {
+  if ((op & 15) != 0) return undefined();  // IT of ARMv7-M
+  switch (op >> 4 & 15) {
+    case 2:  // WFE
+      cycles = 2;
+      if (event_)
+        event_ = false;
+      else
+        sleep(Sleep::wfe);
+      break;
+    case 3:  // WFI
+      cycles = 2;
+      sleep(Sleep::wfi);
+      break;
+    case 4:  // SEV
+      event_ = true;
+      if (on_event) on_event();
+      break;
+    default:  // NOP, YIELD and hints to come
+      break;
+  }
+  return true;
+}
+
+// BL, MRS, MSR, barriers: three cycles each.
+bool Core::execute_wide(std::uint16_t first, std::uint32_t& next, std::uint32_t& cycles) {
+  std::uint16_t second = 0;
+  if (!fetch_second(pc_ + 2, second)) return false;
+  next = pc_ + 4;
+  cycles = 3;
+  if ((second & 0xd000) == 0xd000) {
+    const std::uint32_t s = first >> 10 & 1u, j1 = second >> 13 & 1u, j2 = second >> 11 & 1u;
+    const std::uint32_t i1 = ~(j1 ^ s) & 1u, i2 = ~(j2 ^ s) & 1u;
+    const std::uint32_t offset =
+        (s << 24) | (i1 << 23) | (i2 << 22) | ((first & 0x3ffu) << 12) | ((second & 0x7ffu) << 1);
+    r_[14] = next | 1;
+    next += sign_extend(offset, 25);
+    if (listener_ != nullptr) listener_->called(id_, pc_, next, cycle_ + cycles);
+    return true;
+  }
+  if ((second & 0xd000) != 0x8000) return undefined();
+  const unsigned control = first >> 4 & 0x7fu;
+  const bool reserved = (second & 0x2000) != 0;
+  if ((control & 0x7e) == 0x38)
+    return reserved || (first & 0x10) != 0 || (second & 0xff00) != 0x8800
+               ? unpredictable(first)
+               : execute_msr(first, second);
+  if ((control & 0x7e) == 0x3e)
+    return reserved || first != 0xf3ef ? unpredictable(first) : execute_mrs(second);
+  if (control == 0x3b) {
+    const unsigned barrier = second >> 4 & 15u;  // 4 DSB, 5 DMB, 6 ISB
+    if (barrier < 4 || barrier > 6) return undefined();
+    return reserved || first != 0xf3bf || (second & 0x0f00) != 0x0f00 ? unpredictable(first) : true;
+  }
+  return undefined();
+}
+
+bool Core::execute_mrs(std::uint16_t second) {
+  const unsigned d = second >> 8 & 15u, special = second & 0xffu;
+  if (d == 13 || d == 15) return unpredictable(second);
+  std::uint32_t value = 0;
+  switch (special) {
+    case 0:
+    case 1:
+    case 2:
+    case 3:  // APSR, with IPSR if bit 0 is set; EPSR reads zero
+      value = xpsr() & 0xf000'0000;
+      [[fallthrough]];
+    case 5:
+    case 6:
+    case 7:
+      if ((special & 1) != 0) value |= ipsr_;
+      break;
+    case 8:
+      value = privileged() ? msp() : 0;
+      break;
+    case 9:
+      value = privileged() ? psp() : 0;
+      break;
+    case 16:
+      value = privileged() && primask_ ? 1 : 0;
+      break;
+    case 20:
+      value = control_;
+      break;
+    default:
+      return unpredictable(second);
+  }
+  r_[d] = value;
+  return true;
+}
+
+bool Core::execute_msr(std::uint16_t first, std::uint16_t second) {
+  const unsigned n = first & 15u, special = second & 0xffu;
+  if (n == 13 || n == 15) return unpredictable(first);
+  const std::uint32_t value = r_[n];
+  switch (special) {
+    case 0:
+    case 1:
+    case 2:
+    case 3:
+      set_xpsr((value & 0xf000'0000) | (xpsr() & 0x0fff'ffff));
+      break;
+    case 5:
+    case 6:
+    case 7:
+      break;  // IPSR and EPSR cannot be written
+    case 8:
+      if (privileged()) set_msp(value);
+      break;
+    case 9:
+      if (privileged()) set_psp(value);
+      break;
+    case 16:
+      if (privileged()) set_primask((value & 1) != 0);
+      break;
+    case 20:
+      if (privileged()) set_control(value);
+      break;
+    default:
+      return unpredictable(second);
+  }
+  return true;
+}
+
+// --- One instruction
+// -------------------------------------------------------------------------------
+
+// A switch over all instructions: long, but each case is a line of the manual. An instruction that
+// faults, sleeps or returns from an exception has moved the program counter itself and returns.
+void Core::execute() {
+  const std::uint32_t pc = pc_;
+  const std::uint32_t place = pc - window_.first;
+  std::uint16_t op = 0;
+  if (place < window_.size) [[likely]]
+    std::memcpy(&op, window_.bytes + place, sizeof op);
+  else if (!fetch_outside(pc, op))
+    return;
+  std::uint32_t next = pc + 2;
+  std::uint32_t cycles = 1;
+  const auto arithmetic = [&](std::uint32_t left, std::uint32_t right, bool carry) {
+    r_[low_d(op)] = add_with_carry(left, right, carry);
+  };
+  const auto logic = [&](std::uint32_t result) {
+    r_[low_d(op)] = result;
+    set_nz(result);
+  };
+  const auto load_at = [&](std::uint32_t address, Width width) {
+    return load(address, width, r_[low_d(op)]);
+  };
+  const std::uint32_t d = r_[low_d(op)], n = r_[low_n(op)], m = r_[low_m(op)];
+  const unsigned top = register8(op);
+  const Op kind = decode(op);
+  switch (kind) {
+    // Shift, add, subtract, move, compare
+    case Op::lsl_imm:
+      logic(shift_left(n, imm5(op)));
+      break;
+    case Op::lsr_imm:
+      logic(shift_right(n, imm5(op) == 0 ? 32 : imm5(op)));
+      break;
+    case Op::asr_imm:
+      logic(shift_right_signed(n, imm5(op) == 0 ? 32 : imm5(op)));
+      break;
+    case Op::add_reg:
+      arithmetic(n, m, false);
+      break;
+    case Op::sub_reg:
+      arithmetic(n, ~m, true);
+      break;
+    case Op::add_imm3:
+      arithmetic(n, low_m(op), false);
+      break;
+    case Op::sub_imm3:
+      arithmetic(n, ~low_m(op), true);
+      break;
+    case Op::mov_imm:
+      r_[top] = imm8(op);
+      set_nz(imm8(op));
+      break;
+    case Op::cmp_imm:
+      add_with_carry(r_[top], ~imm8(op), true);
+      break;
+    case Op::add_imm8:
+      r_[top] = add_with_carry(r_[top], imm8(op), false);
+      break;
+    case Op::sub_imm8:
+      r_[top] = add_with_carry(r_[top], ~imm8(op), true);
+      break;
+    // Data processing on two registers
+    case Op::and_reg:
+      logic(d & n);
+      break;
+    case Op::eor_reg:
+      logic(d ^ n);
+      break;
+    case Op::lsl_reg:
+      logic(shift_left(d, n & 0xff));
+      break;
+    case Op::lsr_reg:
+      logic(shift_right(d, n & 0xff));
+      break;
+    case Op::asr_reg:
+      logic(shift_right_signed(d, n & 0xff));
+      break;
+    case Op::adc_reg:
+      arithmetic(d, n, c_);
+      break;
+    case Op::sbc_reg:
+      arithmetic(d, ~n, c_);
+      break;
+    case Op::ror_reg:
+      logic(rotate_right(d, n & 0xff));
+      break;
+    case Op::tst_reg:
+      set_nz(d & n);
+      break;
+    case Op::rsb_imm:
+      arithmetic(~n, 0, true);
+      break;
+    case Op::cmp_reg:
+      add_with_carry(d, ~n, true);
+      break;
+    case Op::cmn_reg:
+      add_with_carry(d, n, false);
+      break;
+    case Op::orr_reg:
+      logic(d | n);
+      break;
+    case Op::mul_reg:
+      logic(d * n);
+      break;
+    case Op::bic_reg:
+      logic(d & ~n);
+      break;
+    case Op::mvn_reg:
+      logic(~n);
+      break;
+    // High registers and branch exchange
+    case Op::add_high:
+    case Op::cmp_high:
+    case Op::mov_high:
+      if (!execute_high(op, next, cycles)) return;
+      break;
+    case Op::bx:
+    case Op::blx: {
+      const unsigned register_m = op >> 3 & 15u;
+      if ((op & 7) != 0 || (kind == Op::blx && register_m == 15)) {
+        unpredictable(op);
+        return;
+      }
+      const std::uint32_t target = register_m == 15 ? pc + 4 : r_[register_m];
+      if (kind == Op::bx) return branch_exchange(target);
+      r_[14] = next | 1;
+      next = target & ~1u;
+      cycles = 2;
+      thumb_ = (target & 1) != 0;
+      update_attention();
+      if (listener_ != nullptr) listener_->called(id_, pc, next, cycle_ + cycles);
+      break;
+    }
+    // Loads and stores
+    case Op::ldr_literal:
+      if (!load(((pc + 4) & ~3u) + 4 * imm8(op), Width::word, r_[top])) return;
+      break;
+    case Op::str_reg:
+      if (!store(n + m, Width::word, d)) return;
+      break;
+    case Op::strh_reg:
+      if (!store(n + m, Width::half, d)) return;
+      break;
+    case Op::strb_reg:
+      if (!store(n + m, Width::byte, d)) return;
+      break;
+    case Op::ldrsb_reg:
+      if (!load_at(n + m, Width::byte)) return;
+      r_[low_d(op)] = sign_extend(r_[low_d(op)], 8);
+      break;
+    case Op::ldr_reg:
+      if (!load_at(n + m, Width::word)) return;
+      break;
+    case Op::ldrh_reg:
+      if (!load_at(n + m, Width::half)) return;
+      break;
+    case Op::ldrb_reg:
+      if (!load_at(n + m, Width::byte)) return;
+      break;
+    case Op::ldrsh_reg:
+      if (!load_at(n + m, Width::half)) return;
+      r_[low_d(op)] = sign_extend(r_[low_d(op)], 16);
+      break;
+    case Op::str_imm:
+      if (!store(n + 4 * imm5(op), Width::word, d)) return;
+      break;
+    case Op::ldr_imm:
+      if (!load_at(n + 4 * imm5(op), Width::word)) return;
+      break;
+    case Op::strb_imm:
+      if (!store(n + imm5(op), Width::byte, d)) return;
+      break;
+    case Op::ldrb_imm:
+      if (!load_at(n + imm5(op), Width::byte)) return;
+      break;
+    case Op::strh_imm:
+      if (!store(n + 2 * imm5(op), Width::half, d)) return;
+      break;
+    case Op::ldrh_imm:
+      if (!load_at(n + 2 * imm5(op), Width::half)) return;
+      break;
+    case Op::str_sp:
+      if (!store(r_[13] + 4 * imm8(op), Width::word, r_[top])) return;
+      break;
+    case Op::ldr_sp:
+      if (!load(r_[13] + 4 * imm8(op), Width::word, r_[top])) return;
+      break;
+    // Addresses, extension, stack
+    case Op::adr:
+      r_[top] = ((pc + 4) & ~3u) + 4 * imm8(op);
+      break;
+    case Op::add_sp_imm8:
+      r_[top] = r_[13] + 4 * imm8(op);
+      break;
+    case Op::add_sp:
+      r_[13] += 4 * (op & 0x7fu);
+      break;
+    case Op::sub_sp:
+      r_[13] -= 4 * (op & 0x7fu);
+      break;
+    case Op::sxth:
+      r_[low_d(op)] = sign_extend(n, 16);
+      break;
+    case Op::sxtb:
+      r_[low_d(op)] = sign_extend(n, 8);
+      break;
+    case Op::uxth:
+      r_[low_d(op)] = n & 0xffff;
+      break;
+    case Op::uxtb:
+      r_[low_d(op)] = n & 0xff;
+      break;
+    case Op::push:
+      if (!push(op)) return;
+      break;
+    case Op::pop:
+      return pop(op);
+    case Op::stm:
+      if (!store_multiple(op)) return;
+      break;
+    case Op::ldm:
+      if (!load_multiple(op)) return;
+      break;
+    case Op::rev:
+      r_[low_d(op)] = (n << 24) | ((n & 0xff00) << 8) | ((n >> 8) & 0xff00) | (n >> 24);
+      break;
+    case Op::rev16:
+      r_[low_d(op)] = ((n & 0x00ff'00ff) << 8) | ((n >> 8) & 0x00ff'00ff);
+      break;
+    case Op::revsh:
+      r_[low_d(op)] = sign_extend(((n & 0xff) << 8) | ((n >> 8) & 0xff), 16);
+      break;
+    // System
+    case Op::cps:
+      if ((op & 0xffef) != 0xb662) {
+        (op & 0xffe0) == 0xb660 ? unpredictable(op) : undefined();
+        return;
+      }
+      if (privileged()) set_primask((op & 0x10) != 0);
+      break;
+    case Op::hint:
+      if (!execute_hint(op, cycles)) return;
+      break;
+    case Op::bkpt:  // no debugger: escalated
+    case Op::undefined:
+      return hard_fault();
+    case Op::svc:
+      return supervisor_call(next);
+    // Branches
+    case Op::b_eq:
+    case Op::b_ne:
+    case Op::b_cs:
+    case Op::b_cc:
+    case Op::b_mi:
+    case Op::b_pl:
+    case Op::b_vs:
+    case Op::b_vc:
+    case Op::b_hi:
+    case Op::b_ls:
+    case Op::b_ge:
+    case Op::b_lt:
+    case Op::b_gt:
+    case Op::b_le:
+      if (condition(op >> 8 & 15u)) {
+        next = pc + 4 + sign_extend((op & 0xffu) << 1, 9);
+        cycles = 2;
+      }
+      break;
+    case Op::b:
+      next = pc + 4 + sign_extend((op & 0x7ffu) << 1, 12);
+      cycles = 2;
+      break;
+    case Op::wide:
+      if (!execute_wide(op, next, cycles)) return;
+      break;
+  }
+  pc_ = next;
+  cycle_ += cycles;
+}
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,260 @@
+// A Cortex-M0+ (r0p1, single-cycle multiplier) of the simulated chip: instructions, exceptions,
+// NVIC, SysTick and the system registers at 0xe000e000.
+//
+// In:  instructions and data through Bus, levels of the interrupt lines, events of the other core.
+// Out: the registers, accesses, and time: cycle() moves by what each instruction costs (Cortex-M0+
+//      Technical Reference Manual, 3.3) and what the bus adds.
+// Who: the loop of the chip. With one core running:
+//
+//        core.reset(vector_table);              // also after a reset of the chip
+//        while (...) core.run_until(limit);     // sleeps, events and interrupts included
+//
+//      with two, the one that is behind makes the next step:
+//
+//        Core& core = (core0.cycle() <= core1.cycle()) ? core0 : core1;
+//        if (core.idle()) core.idle_to(other.cycle()); else core.step();
+//
+//      and if both are idle, both idle_to() the next event of the wheel (TimeWheel::next()).
+//
+// A core runs the events of the wheel that are due before each of its instructions, and Bus brings
+// time up to each register access. reset() must not be called from inside an access or an event
+// (watchdog, SYSRESETREQ): note it, request_stop(), and reset when step() or run_until() is back.
+//
+// Functions of the ROM are native: add_native() covers addresses, and when the program counter gets
+// there the function is called instead, takes its arguments from r0..r3 (reg, set_reg), says how
+// many cycles it took, and the core goes on at LR.
+//
+// What an instruction does where the manual says UNPREDICTABLE: a HardFault, and a report; what it
+// does to time where the manual is silent is in Timing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "sim/chip/bus.hpp"
+#include "sim/chip/cpu/nvic.hpp"
+#include "sim/chip/cpu/systick.hpp"
+#include "sim/chip/irq_lines.hpp"
+#include "sim/chip/peripheral.hpp"
+#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/timing.hpp"
+
+namespace lamplock::sim::chip {
+
+/// Told what a core does, for profiles and traces. Costs a predictable branch when nobody listens.
+class CoreListener {
+ public:
+  virtual ~CoreListener() = default;
+  /// The first instruction of the handler runs at `at`; entry (or the chain) began at `since`.
+  virtual void exception_entered(int core, unsigned number, Cycle since, Cycle at) = 0;
+  /// The handler's last instruction has run at `at`.
+  virtual void exception_left(int core, unsigned number, Cycle at) = 0;
+  /// BL, BLX: the first instruction of `to` runs at `at`.
+  virtual void called(int core, std::uint32_t from, std::uint32_t to, Cycle at) = 0;
+  /// BX, POP of the program counter and MOV to it, but not exception returns.
+  virtual void branched(int core, std::uint32_t to, Cycle at) = 0;
+  /// WFI, WFE, SLEEPONEXIT.
+  virtual void slept(int core, Cycle at) = 0;
+  virtual void woke(int core, Cycle at) = 0;
+  /// PRIMASK has changed.
+  virtual void masked(int core, bool interrupts_off, Cycle at) = 0;
+};
+
+/// One core.
+class Core {
+ public:
+  Core(int id, Bus& bus, TimeWheel& wheel, IrqLines& irqs, const Timing& timing,
+       NotModelled not_modelled = {});
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+
+  /// Reset state; stack pointer and entry point from the vector table there (VTOR stays 0). Time
+  /// goes on from the wheel's.
+  void reset(std::uint32_t vector_table);
+  /// Runs what is due, then one instruction or one exception entry. Cycles it took; 0: idle().
+  Cycle step();
+  /// Steps and sleeps until cycle() is `limit` or a little more, or until request_stop().
+  void run_until(Cycle limit);
+  /// A core that sleeps or has locked up lets time pass, events included, until it can go on or
+  /// its cycle() is `to`.
+  void idle_to(Cycle to);
+  /// run_until() returns after the current step.
+  void request_stop();
+
+  Cycle cycle() const { return cycle_; }
+  /// In WFI, WFE or after SLEEPONEXIT, and nothing has happened yet to end it.
+  bool sleeping() const { return sleep_ != Sleep::awake && !can_wake(); }
+  bool locked_up() const { return locked_up_ && !takeable_; }
+  bool idle() const { return sleeping() || locked_up(); }
+
+  /// r0..r15; 13 the stack pointer in use, 15 the address of the next instruction.
+  std::uint32_t reg(unsigned number) const { return number == 15 ? pc_ : r_[number]; }
+  void set_reg(unsigned number, std::uint32_t value);
+  std::uint32_t xpsr() const;
+  void set_xpsr(std::uint32_t value);
+  std::uint32_t msp() const { return uses_psp() ? other_sp_ : r_[13]; }
+  std::uint32_t psp() const { return uses_psp() ? r_[13] : other_sp_; }
+  void set_msp(std::uint32_t value) { (uses_psp() ? other_sp_ : r_[13]) = value & ~3u; }
+  void set_psp(std::uint32_t value) { (uses_psp() ? r_[13] : other_sp_) = value & ~3u; }
+  bool primask() const { return primask_; }
+  void set_primask(bool masked);
+  std::uint32_t control() const { return control_; }
+  void set_control(std::uint32_t value);
+  std::uint32_t vtor() const { return vtor_; }
+  void set_vtor(std::uint32_t value) { vtor_ = value & ~0xffu; }
+  /// Exception number of the handler that runs, 0 in thread mode.
+  unsigned exception() const { return ipsr_; }
+  int id() const { return id_; }
+
+  /// What a native function says of itself.
+  enum class Then : std::uint8_t {
+    returns,  ///< goes on at LR
+    again,    ///< is called again at the same address after its cycles; interrupts run between
+    jumped    ///< has set the program counter itself
+  };
+  struct Native {
+    std::uint32_t cycles = 1;
+    Then then = Then::returns;
+  };
+  using NativeFunction = std::function<Native(Core& core, std::uint32_t address)>;
+  /// Addresses first..last (even, both included) are native. Not to be called while running.
+  void add_native(std::uint32_t first, std::uint32_t last, NativeFunction function);
+
+  /// SEV of the other core, or whatever else sets the event register.
+  void send_event() { event_ = true; }
+  /// This core's SEV; it has set its own event register already.
+  std::function<void()> on_event;
+  /// AIRCR.SYSRESETREQ was written; see reset().
+  std::function<void()> on_reset_request;
+  /// The lines that raise NMI (SYSCFG PROC0_NMI_MASK, PROC1_NMI_MASK).
+  void set_nmi_mask(std::uint32_t mask);
+  SysTick& systick() { return systick_; }
+  /// One listener; null: none.
+  void listen(CoreListener* listener) { listener_ = listener; }
+
+ private:
+  enum class Sleep : std::uint8_t { awake, wfi, wfe };
+
+  // core.cpp: instructions
+  void execute();
+  bool fetch_outside(std::uint32_t pc, std::uint16_t& instruction);
+  bool fetch_second(std::uint32_t pc, std::uint16_t& instruction);
+  void call_native(const NativeFunction& function);
+  bool execute_wide(std::uint16_t first, std::uint32_t& next, std::uint32_t& cycles);
+  bool execute_mrs(std::uint16_t second);
+  bool execute_msr(std::uint16_t first, std::uint16_t second);
+  bool execute_hint(std::uint16_t instruction, std::uint32_t& cycles);
+  bool execute_high(std::uint16_t instruction, std::uint32_t& next, std::uint32_t& cycles);
+  bool load_multiple(std::uint16_t instruction);
+  bool store_multiple(std::uint16_t instruction);
+  bool push(std::uint16_t instruction);
+  void pop(std::uint16_t instruction);
+  bool load_block(std::uint32_t address, unsigned count, std::array<std::uint32_t, 9>& words);
+  bool store_block(std::uint32_t address, unsigned count,
+                   const std::array<std::uint32_t, 9>& words);
+  bool abandon_for_interrupt();
+  bool load(std::uint32_t address, Width width, std::uint32_t& value);
+  bool store(std::uint32_t address, Width width, std::uint32_t value);
+  Access read_bus(std::uint32_t address, Width width);
+  Access write_bus(std::uint32_t address, Width width, std::uint32_t value);
+  void branch_exchange(std::uint32_t target);
+  bool undefined();
+  bool unpredictable(std::uint16_t instruction);
+  bool condition(unsigned code) const;
+
+  void set_nz(std::uint32_t result) { n_ = z_ = result; }
+  std::uint32_t add_with_carry(std::uint32_t a, std::uint32_t b, bool carry) {
+    const std::uint64_t sum = std::uint64_t{a} + b + (carry ? 1u : 0u);
+    const auto result = static_cast<std::uint32_t>(sum);
+    c_ = (sum >> 32) != 0;
+    v_ = ((~(a ^ b) & (a ^ result)) >> 31) != 0;
+    set_nz(result);
+    return result;
+  }
+  std::uint32_t shift_left(std::uint32_t value, std::uint32_t amount);
+  std::uint32_t shift_right(std::uint32_t value, std::uint32_t amount);
+  std::uint32_t shift_right_signed(std::uint32_t value, std::uint32_t amount);
+  std::uint32_t rotate_right(std::uint32_t value, std::uint32_t amount);
+
+  // exceptions.cpp
+  bool attend();
+  bool attention_needed() const {
+    return attention_ || wheel_.next() <= cycle_ || irqs_.changes() != seen_changes_;
+  }
+  void run_events();
+  void sample(Cycle when);
+  void refresh(Cycle when);
+  void update_attention();
+  int execution_priority() const;
+  bool can_wake() const;
+  void sleep(Sleep kind);
+  void hard_fault();
+  void lock_up();
+  void supervisor_call(std::uint32_t next);
+  void enter(unsigned number, std::uint32_t return_address);
+  bool push_frame(std::uint32_t return_address, std::uint32_t& waits);
+  void start_handler(unsigned number, Cycle since, Cycle end);
+  void exception_return(std::uint32_t value);
+  void chain(unsigned number, std::uint32_t exc_return, Cycle at);
+  bool pop_frame(std::uint32_t exc_return, std::uint32_t& waits);
+  bool uses_psp() const { return ipsr_ == 0 && (control_ & control_spsel) != 0; }
+  bool privileged() const { return ipsr_ != 0 || (control_ & control_npriv) == 0; }
+
+  // system_registers.cpp
+  bool read_system(std::uint32_t address, std::uint32_t& value);
+  bool write_system(std::uint32_t address, std::uint32_t value);
+  std::uint32_t read_icsr() const;
+  void write_icsr(std::uint32_t value);
+  bool write_nvic(std::uint32_t offset, std::uint32_t value);
+  void report(std::uint32_t address);
+
+  static constexpr std::uint32_t control_npriv = 1, control_spsel = 2;
+
+  // What every instruction touches, together.
+  std::array<std::uint32_t, 15> r_{};
+  std::uint32_t pc_ = 0;
+  std::uint32_t n_ = 0;  ///< bit 31 is the N flag
+  std::uint32_t z_ = 1;  ///< zero: Z is set
+  bool c_ = false, v_ = false;
+  bool attention_ = false;  ///< one of the states below wants attend()
+  Cycle cycle_ = 0;
+  Bus::CodeWindow window_;
+  std::uint32_t seen_changes_ = 0;
+  TimeWheel& wheel_;
+  IrqLines& irqs_;
+  Bus& bus_;
+  CoreListener* listener_ = nullptr;
+
+  bool thumb_ = true;      ///< EPSR.T
+  bool takeable_ = false;  ///< an exception is pending that the present priority lets through
+  bool locked_up_ = false;
+  bool stop_ = false;
+  bool primask_ = false;
+  bool event_ = false;  ///< the event register of WFE
+  bool nmi_level_ = false;
+  Sleep sleep_ = Sleep::awake;
+  Cycle since_ = 0;  ///< when takeable_ became true
+  unsigned ipsr_ = 0;
+  std::uint32_t control_ = 0;
+  std::uint32_t other_sp_ = 0;  ///< the one of MSP and PSP that is not r13
+  std::uint32_t vtor_ = 0;
+  std::uint32_t scr_ = 0;
+  std::uint32_t nmi_mask_ = 0;
+  std::array<std::uint32_t, 4> mpu_{};  ///< CTRL, RNR, RBAR, RASR as written
+
+  int id_;
+  Master master_;
+  const Timing& timing_;
+  NotModelled not_modelled_;
+  Nvic nvic_;
+  SysTick systick_;
+  struct NativeRange {
+    std::uint32_t first, last;
+    NativeFunction function;
+  };
+  std::vector<NativeRange> natives_;
+};
+
+}  // namespace lamplock::sim::chip

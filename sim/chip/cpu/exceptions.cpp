@@ -1,0 +1,310 @@
+// Exceptions of the core: entry, return, chaining, sleep, lock-up (ARMv6-M Architecture Reference
+// Manual, B1.5).
+#include <algorithm>
+
+#include "sim/chip/cpu/core.hpp"
+
+namespace lamplock::sim::chip {
+
+namespace {
+
+// Cortex-M0+ Technical Reference Manual: 15 cycles from the assertion of an interrupt to the first
+// instruction of its handler, memory without wait states. Up to two cycles of it pass under the
+// instruction in progress: no instruction that is not abandoned has more left.
+constexpr Cycle entry_cycles = 15;
+constexpr Cycle entry_overlap = 2;
+
+constexpr std::uint32_t frame_size = 32;
+constexpr std::uint32_t frame_align = 4;
+constexpr std::uint32_t psr_aligned = 1u << 9;
+constexpr std::uint32_t psr_exception = 0x3f;
+
+constexpr std::uint32_t return_to_handler = 0xffff'fff1;
+constexpr std::uint32_t return_to_thread_msp = 0xffff'fff9;
+constexpr std::uint32_t return_to_thread_psp = 0xffff'fffd;
+
+constexpr std::uint32_t scr_sleep_on_exit = 1u << 1;
+constexpr std::uint32_t scr_sev_on_pend = 1u << 4;
+
+constexpr std::uint32_t lock_up_address = 0xffff'fffe;
+
+constexpr unsigned hard_fault_number = number_of(Exception::hard_fault);
+
+}  // namespace
+
+int Core::execution_priority() const {
+  const int active = nvic_.active_priority();
+  return primask_ ? std::min(active, 0) : active;
+}
+
+void Core::refresh(Cycle when) {
+  const unsigned best = nvic_.best();
+  const bool take = best != 0 && nvic_.priority(best) < execution_priority();
+  if (take && !takeable_) since_ = when;
+  takeable_ = take;
+  update_attention();
+}
+
+void Core::update_attention() {
+  attention_ = takeable_ || stop_ || locked_up_ || !thumb_ || sleep_ != Sleep::awake;
+}
+
+void Core::sample(Cycle when) {
+  seen_changes_ = irqs_.changes();
+  const std::uint32_t levels = irqs_.levels(id_);
+  bool pended = nvic_.sample(levels);
+  const bool nmi = (levels & nmi_mask_) != 0;
+  if (nmi && !nmi_level_) {
+    nvic_.pend(number_of(Exception::nmi));
+    pended = true;
+  }
+  nmi_level_ = nmi;
+  if (pended && (scr_ & scr_sev_on_pend) != 0) event_ = true;
+  refresh(when);
+}
+
+// One event after the other, so that it is known when a line rose.
+void Core::run_events() {
+  while (wheel_.next() <= cycle_) {
+    const Cycle when = wheel_.next();
+    wheel_.advance_to(when);
+    if (irqs_.changes() != seen_changes_) sample(when);
+  }
+  if (irqs_.changes() != seen_changes_) sample(cycle_);
+}
+
+bool Core::can_wake() const {
+  if (takeable_) return true;
+  if (sleep_ == Sleep::wfe) return event_;
+  // WFI ends for what PRIMASK alone holds back.
+  const unsigned best = nvic_.best();
+  return best != 0 && nvic_.priority(best) < nvic_.active_priority();
+}
+
+void Core::sleep(Sleep kind) {
+  sleep_ = kind;
+  update_attention();
+  if (listener_ != nullptr) listener_->slept(id_, cycle_);
+}
+
+// Whatever comes before the next instruction; true if the step is used up.
+bool Core::attend() {
+  run_events();
+  if (stop_) {
+    stop_ = false;
+    update_attention();
+  }
+  if (!attention_) return false;
+  if (sleep_ != Sleep::awake) {
+    if (!can_wake()) return true;
+    if (sleep_ == Sleep::wfe) event_ = false;
+    sleep_ = Sleep::awake;
+    update_attention();
+    if (listener_ != nullptr) listener_->woke(id_, cycle_);
+  }
+  if (takeable_) {
+    enter(nvic_.best(), pc_);
+    return true;
+  }
+  if (locked_up_) return true;
+  if (!thumb_) {
+    hard_fault();
+    return true;
+  }
+  return false;
+}
+
+void Core::idle_to(Cycle to) {
+  while (true) {
+    if (irqs_.changes() != seen_changes_) sample(std::max(cycle_, wheel_.now()));
+    if (!idle() || stop_) return;
+    const Cycle next = wheel_.next();
+    if (next > to) break;
+    cycle_ = std::max(cycle_, next);
+    wheel_.advance_to(next);
+  }
+  cycle_ = std::max(cycle_, to);
+}
+
+Cycle Core::step() {
+  const Cycle start = cycle_;
+  if (attention_needed() && attend()) return cycle_ - start;
+  execute();
+  return cycle_ - start;
+}
+
+void Core::run_until(Cycle limit) {
+  while (cycle_ < limit) {
+    if (attention_needed()) {
+      run_events();
+      if (stop_) break;
+      if (idle()) {
+        idle_to(limit);
+        continue;
+      }
+      if (attend()) continue;
+    }
+    execute();
+  }
+  stop_ = false;
+  update_attention();
+}
+
+void Core::request_stop() {
+  stop_ = true;
+  update_attention();
+}
+
+// A fault of the current instruction (or of its fetch); it runs again after a return.
+void Core::hard_fault() {
+  if (execution_priority() <= -1)
+    lock_up();
+  else
+    enter(hard_fault_number, pc_);
+}
+
+void Core::lock_up() {
+  locked_up_ = true;
+  pc_ = lock_up_address;
+  refresh(cycle_);
+}
+
+void Core::supervisor_call(std::uint32_t next) {
+  constexpr unsigned number = number_of(Exception::svcall);
+  if (nvic_.priority(number) < execution_priority())
+    enter(number, next);
+  else
+    hard_fault();
+}
+
+void Core::enter(unsigned number, std::uint32_t return_address) {
+  const Cycle since = cycle_;
+  const Cycle overlap = takeable_ && since_ < cycle_ ? std::min(cycle_ - since_, entry_overlap) : 0;
+  std::uint32_t waits = 0;
+  locked_up_ = false;
+  if (!push_frame(return_address, waits)) {
+    if (number == hard_fault_number || execution_priority() <= -1) {
+      cycle_ += entry_cycles;
+      return lock_up();
+    }
+    number = hard_fault_number;
+  }
+  start_handler(number, since - overlap, since - overlap + entry_cycles + waits);
+}
+
+bool Core::push_frame(std::uint32_t return_address, std::uint32_t& waits) {
+  const std::uint32_t sp = r_[13];
+  const std::uint32_t frame = (sp - frame_size) & ~frame_align;
+  const std::uint32_t psr = xpsr() | ((sp & frame_align) != 0 ? psr_aligned : 0);
+  const std::array<std::uint32_t, 8> words = {r_[0],  r_[1],  r_[2],          r_[3],
+                                              r_[12], r_[14], return_address, psr};
+  const std::uint32_t link = ipsr_ != 0   ? return_to_handler
+                             : uses_psp() ? return_to_thread_psp
+                                          : return_to_thread_msp;
+  bool good = true;
+  for (std::uint32_t i = 0; i < words.size() && good; ++i) {
+    const Access access = write_bus(frame + 4 * i, Width::word, words[i]);
+    good = !access.fault;
+    waits += access.wait;
+  }
+  r_[13] = frame;
+  if (uses_psp()) std::swap(r_[13], other_sp_);
+  control_ &= ~control_spsel;
+  r_[14] = link;
+  return good;
+}
+
+// The end of an entry or a chain: until the handler's first instruction runs, a higher priority may
+// still take its place.
+void Core::start_handler(unsigned number, Cycle since, Cycle end) {
+  while (wheel_.next() < end) {
+    const Cycle when = wheel_.next();
+    wheel_.advance_to(when);
+    if (irqs_.changes() != seen_changes_) sample(when);
+    const unsigned best = nvic_.best();
+    if (best == 0 || nvic_.priority(best) >= nvic_.priority(number)) continue;
+    number = best;
+    end = std::max(end, when + timing_.tail_chain);
+  }
+  std::uint32_t vector = 0;
+  Access access = read_bus(vtor_ + 4 * number, Width::word);
+  if (access.fault && number != hard_fault_number && execution_priority() > -1) {
+    number = hard_fault_number;
+    access = read_bus(vtor_ + 4 * number, Width::word);
+  }
+  vector = access.value;
+  cycle_ = end + access.wait;
+  nvic_.activate(number);
+  ipsr_ = number;
+  event_ = true;
+  thumb_ = (vector & 1) != 0;
+  pc_ = vector & ~1u;
+  if (access.fault) return lock_up();
+  refresh(cycle_);
+  if (listener_ != nullptr) listener_->exception_entered(id_, number, since, cycle_);
+}
+
+void Core::exception_return(std::uint32_t value) {
+  const unsigned returning = ipsr_;
+  const bool to_thread = value == return_to_thread_msp || value == return_to_thread_psp;
+  const bool nested = nvic_.active_count() > 1;
+  if (!nvic_.active(returning) || !(to_thread ? !nested : nested && value == return_to_handler))
+    return hard_fault();
+  if (listener_ != nullptr) listener_->exception_left(id_, returning, cycle_);
+  nvic_.deactivate(returning);
+  refresh(cycle_);
+  run_events();
+  if (takeable_) return chain(nvic_.best(), value, cycle_);
+  // What comes while the registers are on their way back ends that, and is chained too.
+  const Cycle end = cycle_ + timing_.exception_return;
+  while (wheel_.next() < end) {
+    const Cycle when = wheel_.next();
+    wheel_.advance_to(when);
+    if (irqs_.changes() != seen_changes_) sample(when);
+    if (takeable_) return chain(nvic_.best(), value, std::max(when, cycle_));
+  }
+  std::uint32_t waits = 0;
+  if (!pop_frame(value, waits)) {
+    if (execution_priority() <= -1) return lock_up();
+    return chain(hard_fault_number, value, end);
+  }
+  cycle_ = end + waits;
+  event_ = true;
+  refresh(cycle_);
+  if (to_thread && (scr_ & scr_sleep_on_exit) != 0) sleep(Sleep::wfi);
+}
+
+void Core::chain(unsigned number, std::uint32_t exc_return, Cycle at) {
+  r_[14] = exc_return;
+  start_handler(number, at, at + timing_.tail_chain);
+}
+
+bool Core::pop_frame(std::uint32_t exc_return, std::uint32_t& waits) {
+  const bool psp = exc_return == return_to_thread_psp;
+  const std::uint32_t frame = psp ? other_sp_ : r_[13];
+  std::array<std::uint32_t, 8> words{};
+  for (std::uint32_t i = 0; i < words.size(); ++i) {
+    const Access access = read_bus(frame + 4 * i, Width::word);
+    if (access.fault) return false;
+    words[i] = access.value;
+    waits += access.wait;
+  }
+  const std::uint32_t psr = words[7];
+  const unsigned number = psr & psr_exception;
+  if ((number != 0) != (exc_return == return_to_handler)) return false;
+  const std::uint32_t sp = (frame + frame_size) | ((psr & psr_aligned) != 0 ? frame_align : 0);
+  if (psp) {
+    other_sp_ = r_[13];
+    control_ |= control_spsel;
+  }
+  r_[13] = sp;
+  std::copy_n(words.begin(), 4, r_.begin());
+  r_[12] = words[4];
+  r_[14] = words[5];
+  pc_ = words[6] & ~1u;
+  ipsr_ = 0;
+  set_xpsr(psr);
+  return true;
+}
+
+}  // namespace lamplock::sim::chip

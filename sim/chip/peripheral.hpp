@@ -1,0 +1,37 @@
+// A block of registers on the APB or AHB-Lite bus of the simulated chip.
+//
+// The bus turns the atomic aliases into plain writes (RP2040 datasheet, 2.1.2: +0x1000 XOR,
+// +0x2000 set, +0x3000 clear) and widens narrow writes (2.1.4), so that a block sees whole words at
+// offsets 0..0xffc. It has brought time up to the cycle of the access before it calls.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace lamplock::sim::chip {
+
+/// One block.
+class Peripheral {
+ public:
+  virtual ~Peripheral() = default;
+  /// Name as the datasheet has it, such as "TIMER".
+  virtual std::string_view name() const = 0;
+  /// A read with its side effects (FIFOs pop).
+  virtual std::uint32_t read(std::uint32_t offset) = 0;
+  /// The word that an atomic alias modifies: no side effects.
+  virtual std::uint32_t peek(std::uint32_t offset) const = 0;
+  virtual void write(std::uint32_t offset, std::uint32_t value) = 0;
+  /// Bits that a written 1 clears. An alias passes them on as they were written instead of
+  /// combining them with what peek() gives: firmware clears such a bit through any alias but XOR.
+  virtual std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const { return 0; }
+  /// Held in reset by RESETS: registers take their reset values.
+  virtual void reset() = 0;
+};
+
+/// Told of an access to a register, a bit or a mode that is not modelled. Whoever listens reports
+/// each text once; nothing is silently zero. Example: "PWM CH3_DIV written".
+using NotModelled = std::function<void(const std::string& what)>;
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,76 @@
+// The clock that PIO0, PIO1 and the DMA have in common with the cores.
+//
+// In:  time from the wheel; accesses to their registers (which bring them up to the present first);
+//      changes of the pins; DREQs of other blocks.
+// Out: pins, interrupt lines, bus accesses of the DMA, in the right cycle and order.
+//
+// In each clock: levels that the PIO latches took in the clock before appear on the pads; both
+// blocks run their machines; the DMA does one write and one read. What the DMA or a core writes in
+// a clock the machines see in the next; what machines push in a clock can be read at its end.
+// Clocks in which nobody is due are skipped.
+//
+// So an instruction that executes in cycle c changes its pad in cycle c + 1 (the output latch), and
+// a pin that changes in cycle e is seen by the instruction that executes in cycle e + 2 (two
+// flip-flops): from an edge at one machine's pin to the edge at the pin of another that waits for
+// it are 4 cycles (wait 2 after the edge, OUT 3, pad 4).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/chip/bus.hpp"
+#include "sim/chip/dma/dma.hpp"
+#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/gpio/gpio.hpp"
+#include "sim/chip/pio/pio_block.hpp"
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip {
+
+/// Owns both PIO blocks, the DMA and the DREQ lines.
+class PioDmaClock final : private Timed,
+                          private InputListener,
+                          private ClockOwner,
+                          private DreqListener {
+ public:
+  PioDmaClock(TimeWheel& wheel, Bus& bus, Gpio& gpio, IrqLines& irqs, const Timing& timing,
+              const NotModelled& not_modelled);
+  PioDmaClock(const PioDmaClock&) = delete;
+  PioDmaClock& operator=(const PioDmaClock&) = delete;
+
+  PioBlock& pio0() { return pio_[0]; }
+  PioBlock& pio1() { return pio_[1]; }
+  Dma& dma() { return dma_; }
+  /// Requests of the other blocks (UART, SPI, ADC, PWM wrap, XIP).
+  DreqLines& dreqs() { return dreqs_; }
+
+  /// Runs every clock of every machine instead of sleeping. Slow; the trace is the same.
+  void set_step_every_clock(bool on);
+
+ private:
+  void run(Cycle to) override;
+  void inputs_changed(Cycle at) override;
+  void catch_up(Cycle at) override;
+  Cycle bring_up_to_date() override;
+  void changed() override;
+  void dreq_pulsed(unsigned dreq) override;
+  void dreq_level_changed() override;
+
+  void through(Cycle to);
+  void one_clock(Cycle clock);
+  void put_on_pads(Cycle clock);
+  Cycle next_due() const;
+  void tell_wheel();
+
+  TimeWheel& wheel_;
+  Gpio& gpio_;
+  DreqLines dreqs_;
+  std::array<PioBlock, 2> pio_;
+  Dma dma_;
+  TimeWheel::Slot slot_;
+  Cycle next_ = 0;  ///< the first clock that has not been run
+  bool running_ = false;
+  bool every_clock_ = false;
+};
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,139 @@
+// The boot ROM's behaviour (RP2040 datasheet, 2.8) by own code: nothing of the real ROM is in here.
+//
+// In:  a core that executes an address in the ROM at which a trap stands; the registers and the bus
+//      of that core.
+// Out: the image of 16 KiB with vectors, tables and short Thumb frames; what the functions do, in
+//      steps of some tens of cycles, through the same registers as the real ROM (SSI, QSPI pins,
+//      SIO FIFO, watchdog), so that time, flash and interrupts behave.
+// Who: a core, when it executes an undefined instruction (UDF #n) inside the ROM, calls step().
+//
+// A function's state lives in the core's registers and on its stack, as it does on the chip: it may
+// be interrupted between any two steps, both cores may be inside at once, and nothing is hidden
+// here.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/chip/bus.hpp"
+#include "sim/chip/flash/qspi_pins.hpp"
+#include "sim/chip/peripheral.hpp"
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip {
+
+/// What the ROM needs of a core; made from the core by whoever wires the chip.
+class RomCore {
+ public:
+  virtual ~RomCore() = default;
+  /// r0..r12, 13 = current stack pointer, 14 = link, 15 = address of the trap (a write jumps).
+  virtual std::uint32_t reg(unsigned number) const = 0;
+  virtual void set_reg(unsigned number, std::uint32_t value) = 0;
+  /// An aligned access, the core's own registers at 0xe0000000 included.
+  virtual Access load(std::uint32_t address, Width width, Cycle at) = 0;
+  virtual Access store(std::uint32_t address, std::uint32_t value, Width width, Cycle at) = 0;
+  /// 0 or 1.
+  virtual unsigned id() const = 0;
+};
+
+/// Cycles of the functions. The datasheet gives none that are exact; the averages over all inputs
+/// are those noted in the published source of the ROM, the rest is assumed.
+struct RomTiming {
+  std::uint32_t popcount = 20;
+  std::uint32_t reverse = 13;
+  std::uint32_t leading_zeros = 15;
+  std::uint32_t trailing_zeros = 14;
+  std::uint32_t lookup_entry = 11;        ///< per table entry looked at
+  std::uint32_t copy_start = 20;          ///< memset, memcpy: entry and exit
+  std::uint32_t copy_block = 18;          ///< 16 bytes by LDM/STM
+  std::uint32_t copy_byte = 7;            ///< LDRB, STRB, SUB, BNE
+  std::uint32_t flash_step = 14;          ///< around a status read or a byte moved
+  std::uint32_t boot2_checksum = 13'500;  ///< from "about 4 ms an attempt at 6.5 MHz"
+};
+
+/// Where a chip is in its start.
+enum class RomState : std::uint8_t {
+  reset,    ///< no instruction of the ROM has run since the reset
+  booting,  ///< in the ROM
+  running,  ///< gone to boot2 or to a boot vector
+  bootsel,  ///< in the USB boot loader: pins at their reset state; nothing more is modelled
+  rescue,   ///< halted by the rescue flag
+};
+
+/// One ROM, for both cores.
+class BootRom {
+ public:
+  static constexpr std::uint32_t boot2_address = 0x2004'1f00;
+  static constexpr std::uint32_t boot2_size = 256;
+  /// An undefined instruction that is no trap.
+  static constexpr std::uint32_t fault_address = 0x3ffe;
+
+  /// Writes the image into `memory` (16 KiB, Bus::rom()). `pins` tells whether BOOTSEL is pressed.
+  BootRom(std::span<std::uint8_t> memory, const QspiPins& pins, NotModelled not_modelled,
+          RomTiming timing = {});
+  BootRom(const BootRom&) = delete;
+  BootRom& operator=(const BootRom&) = delete;
+
+  struct Step {
+    std::uint32_t cycles = 1;  ///< all of it, waits of the accesses included
+    bool fault = false;        ///< an access failed: the core takes a HardFault
+  };
+  /// Whether a trap of the ROM stands at an address.
+  bool is_trap(std::uint32_t address) const;
+  /// Executes the trap at r15 in the cycle `now`; leaves the next address in r15.
+  Step step(RomCore& core, Cycle now);
+
+  RomState state() const { return state_; }
+  /// The chip has been reset.
+  void reset() { state_ = RomState::reset; }
+  /// Address of a function or datum (with the Thumb bit for functions); 0 if there is none.
+  std::uint32_t function(char first, char second) const;
+  std::uint32_t datum(char first, char second) const;
+  /// Names and addresses of what is in the ROM, for profiles.
+  struct Symbol {
+    std::string name;
+    std::uint32_t address;
+  };
+  const std::vector<Symbol>& symbols() const { return symbols_; }
+
+ private:
+  enum class Trap : std::uint8_t;
+  class Context;
+  class Assembler;
+
+  void build();
+  void run(Trap trap, Context& context);
+  void lookup(Context& context);
+  void fill_start(Context& context, bool copy);
+  void fill_block(Context& context, bool copy, bool words);
+  void connect_flash(Context& context);
+  void exit_xip_start(Context& context);
+  void exit_xip(Context& context);
+  void flash_write(Context& context);
+  void next_write(Context& context);
+  void flush_cache(Context& context);
+  void enter_command_xip(Context& context);
+  void usb_boot(Context& context);
+  void boot_start(Context& context);
+  void boot_attempt(Context& context);
+  void boot_read(Context& context);
+  void boot_check(Context& context);
+  void wait_for_vector(Context& context);
+  /// Moves a byte each way; true when nothing is left. r5 = bytes to send, r6 = bytes to take.
+  enum class Send : std::uint8_t { zeros, ones, memory };
+  bool put_get(Context& context, Send send, std::uint32_t skip, bool keep, std::uint32_t& last);
+
+  std::span<std::uint8_t> memory_;
+  const QspiPins& pins_;
+  NotModelled not_modelled_;
+  RomTiming timing_;
+  RomState state_ = RomState::reset;
+  std::vector<Symbol> symbols_;
+  std::uint32_t function_table_ = 0, data_table_ = 0;
+  std::uint32_t main_ = 0, dead_ = 0, usb_boot_ = 0, wait_ = 0, attempt_ = 0;
+};
+
+}  // namespace lamplock::sim::chip

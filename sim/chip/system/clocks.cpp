@@ -1,0 +1,375 @@
+#include "sim/chip/system/clocks.hpp"
+
+#include <utility>
+
+#include "sim/chip/system/wide.hpp"
+
+namespace lamplock::sim::chip {
+
+namespace {
+
+// Offsets (2.15.7): ten generators of CTRL, DIV, SELECTED, then the rest.
+constexpr std::uint32_t generator_bytes = 0x0c;
+constexpr std::uint32_t offset_resus_control = 0x78;
+constexpr std::uint32_t offset_resus_status = 0x7c;
+constexpr std::uint32_t offset_fc0 = 0x80;  // REF_KHZ, MIN_KHZ, MAX_KHZ, DELAY, INTERVAL, SRC
+constexpr std::uint32_t offset_fc0_source = 0x94;
+constexpr std::uint32_t offset_fc0_status = 0x98;
+constexpr std::uint32_t offset_fc0_result = 0x9c;
+constexpr std::uint32_t offset_wake = 0xa0;
+constexpr std::uint32_t offset_sleep = 0xa8;
+constexpr std::uint32_t offset_enabled = 0xb0;
+constexpr std::uint32_t offset_intr = 0xb8;
+constexpr std::uint32_t offset_inte = 0xbc;
+constexpr std::uint32_t offset_intf = 0xc0;
+constexpr std::uint32_t offset_ints = 0xc4;
+
+// Writable bits of CTRL and DIV of each generator; clk_peri has no divider.
+constexpr std::array<std::uint32_t, clock_count> control_masks{
+    0x00131de0, 0x00131de0, 0x00131de0, 0x00131de0, 0x00000063,
+    0x000000e1, 0x00000ce0, 0x00130ce0, 0x00130ce0, 0x00130ce0};
+constexpr std::array<std::uint32_t, clock_count> divider_masks{
+    0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff, 0x00000300,
+    0xffffffff, 0x00000000, 0x00000300, 0x00000300, 0xffffffff};
+constexpr std::uint32_t divider_one = 0x100;  // 24.8 fixed point
+constexpr std::uint32_t control_enable = 1u << 11;
+constexpr std::uint32_t control_kill = 1u << 10;
+
+constexpr std::uint32_t resus_reset = 0xff;
+constexpr std::uint32_t resus_mask = 0x000111ff;  // TIMEOUT 7:0, ENABLE 8, FRCE 12, CLEAR 16
+constexpr std::array<std::uint32_t, 6> fc0_masks{0xfffff, 0x1ffffff, 0x1ffffff, 7, 15, 0xff};
+constexpr std::array<std::uint32_t, 6> fc0_resets{0, 0, 0x1ffffff, 1, 8, 0};
+constexpr std::array<std::uint32_t, 2> enable_masks{0xffffffff, 0x7fff};
+
+constexpr std::size_t index_of(Clock clock) { return static_cast<std::size_t>(clock); }
+constexpr bool has_mux(Clock clock) { return clock == Clock::ref || clock == Clock::sys; }
+
+}  // namespace
+
+Clocks::Clocks(TimeWheel& wheel, Xosc& xosc, Rosc& rosc, Pll& pll_sys, Pll& pll_usb, IrqLines& irqs,
+               NotModelled not_modelled)
+    : wheel_(wheel),
+      slot_(wheel.add(*this)),
+      xosc_(xosc),
+      rosc_(rosc),
+      pll_sys_(pll_sys),
+      pll_usb_(pll_usb),
+      irqs_(irqs),
+      not_modelled_(std::move(not_modelled)) {
+  xosc_.on_change([this] {
+    pll_sys_.reference_changed();
+    pll_usb_.reference_changed();
+    refresh();
+  });
+  rosc_.on_change([this] { refresh(); });
+  pll_sys_.on_change([this] { refresh(); });
+  pll_usb_.on_change([this] { refresh(); });
+  reset();
+}
+
+void Clocks::reset() {
+  for (Generator& generator : generators_) generator = {0, divider_one, 0};
+  generators_[index_of(Clock::peri)].divider = 0;
+  resus_control_ = resus_reset;
+  counter_ = fc0_resets;
+  counted_hz_ = 0;
+  wake_enable_ = sleep_enable_ = enable_masks;
+  interrupt_enable_ = interrupt_force_ = 0;
+  wheel_.set(slot_, never_cycle);
+  refresh();
+  update_irq();
+}
+
+void Clocks::update_irq() { irqs_.set(Irq::clocks, interrupt_force_ != 0); }
+
+// --- frequencies
+
+std::uint64_t Clocks::auxiliary_hz(Clock clock) const {
+  enum Source : std::uint8_t {
+    sys_pll,
+    usb_pll,
+    ring,
+    crystal,
+    pin,
+    of_sys,
+    of_usb,
+    of_adc,
+    of_rtc,
+    of_ref
+  };
+  static constexpr std::array<Source, 11> for_gpout{
+      sys_pll, pin, pin, usb_pll, ring, crystal, of_sys, of_usb, of_adc, of_rtc, of_ref};
+  static constexpr std::array<Source, 3> for_ref{usb_pll, pin, pin};
+  static constexpr std::array<Source, 6> for_sys{sys_pll, usb_pll, ring, crystal, pin, pin};
+  static constexpr std::array<Source, 7> for_peri{of_sys,  sys_pll, usb_pll, ring,
+                                                  crystal, pin,     pin};
+  static constexpr std::array<Source, 6> for_others{usb_pll, sys_pll, ring, crystal, pin, pin};
+
+  const auto field = generators_[index_of(clock)].control >> 5;
+  const auto pick = [](const auto& table, std::uint32_t index) {
+    return index < table.size() ? table[index] : pin;
+  };
+  Source source = pin;
+  switch (clock) {
+    case Clock::ref:
+      source = pick(for_ref, field & 3u);
+      break;
+    case Clock::sys:
+      source = pick(for_sys, field & 7u);
+      break;
+    case Clock::peri:
+      source = pick(for_peri, field & 7u);
+      break;
+    case Clock::usb:
+    case Clock::adc:
+    case Clock::rtc:
+      source = pick(for_others, field & 7u);
+      break;
+    default:
+      source = pick(for_gpout, field & 15u);
+  }
+  switch (source) {
+    case sys_pll:
+      return pll_sys_.hz();
+    case usb_pll:
+      return pll_usb_.hz();
+    case ring:
+      return rosc_.hz();
+    case crystal:
+      return xosc_.hz();
+    case of_sys:
+      return hz(Clock::sys);
+    case of_usb:
+      return hz(Clock::usb);
+    case of_adc:
+      return hz(Clock::adc);
+    case of_rtc:
+      return hz(Clock::rtc);
+    case of_ref:
+      return hz(Clock::ref);
+    default:
+      return 0;  // GPIN0, GPIN1: nothing is connected
+  }
+}
+
+std::uint64_t Clocks::source_hz(Clock clock) const {
+  const std::uint32_t selected = generators_[index_of(clock)].selected;
+  if (clock == Clock::ref) {
+    if (selected == 0) return rosc_.hz();
+    return selected == 2 ? xosc_.hz() : auxiliary_hz(clock);
+  }
+  if (clock == Clock::sys && selected == 0) return hz(Clock::ref);
+  return auxiliary_hz(clock);
+}
+
+std::uint64_t Clocks::generated(Clock clock) const {
+  const Generator& generator = generators_[index_of(clock)];
+  const bool is_on = has_mux(clock) || ((generator.control & control_enable) != 0 &&
+                                        (generator.control & control_kill) == 0);
+  if (!is_on) return 0;
+  if (clock == Clock::peri) return source_hz(clock);
+  // An integer part of zero divides by the largest number plus one (2^16, 2^2 for two bits).
+  const std::uint64_t whole = generator.divider >> 8;
+  const bool two_bits = divider_masks[index_of(clock)] == 0x300;
+  const std::uint64_t divisor =
+      (whole != 0 ? whole : (two_bits ? 4u : 0x10000u)) << 8 | (generator.divider & 0xffu);
+  return (source_hz(clock) << 8) / divisor;
+}
+
+// Frequencies anew, each after those it depends on.
+void Clocks::refresh() {
+  if (refreshing_) return;
+  refreshing_ = true;
+  constexpr std::array<Clock, clock_count> order{
+      Clock::ref, Clock::sys,    Clock::peri,   Clock::usb,    Clock::adc,
+      Clock::rtc, Clock::gpout0, Clock::gpout1, Clock::gpout2, Clock::gpout3};
+  const std::array<std::uint64_t, clock_count> before = hz_;
+  for (const Clock clock : order) hz_[index_of(clock)] = generated(clock);
+  if (hz(Clock::sys) != 0)
+    wheel_.set_frequency(hz(Clock::sys));
+  else
+    not_modelled_("CLOCKS: clk_sys stands still; it is run on at its last frequency");
+  refreshing_ = false;
+  if (before == hz_) return;
+  for (ClockListener* listener : listeners_) listener->clocks_changed();
+}
+
+// The glitchless multiplexers follow SRC, but stay where they are when the new source stands still.
+void Clocks::change_over() {
+  for (const Clock clock : {Clock::ref, Clock::sys}) {
+    Generator& generator = generators_[index_of(clock)];
+    const std::uint32_t wanted = generator.control & (clock == Clock::ref ? 3u : 1u);
+    if (wanted == generator.selected) continue;
+    const std::uint32_t old = std::exchange(generator.selected, wanted);
+    if (source_hz(clock) == 0) {
+      generator.selected = old;
+      not_modelled_("CLOCKS: a glitchless multiplexer was set to a source that stands still");
+    }
+  }
+  refresh();
+}
+
+void Clocks::run(Cycle) { change_over(); }
+
+// --- registers
+
+void Clocks::write_generator(std::size_t index, std::uint32_t reg, std::uint32_t value) {
+  Generator& generator = generators_[index];
+  if (reg == 0) {
+    generator.control = value & control_masks[index];
+    if (index <= index_of(Clock::gpout3) && (generator.control & control_enable) != 0)
+      not_modelled_("CLOCKS GPOUT: the clock is not put on its pin");
+    const std::uint32_t source = index == index_of(Clock::ref) ? 3u : 1u;
+    if (has_mux(static_cast<Clock>(index)) && (generator.control & source) != generator.selected)
+      wheel_.set(slot_, wheel_.now() + mux_cycles);
+  } else if (reg == 4) {
+    generator.divider = value & divider_masks[index];
+  }
+  refresh();
+}
+
+std::uint32_t Clocks::peek(std::uint32_t offset) const {
+  if (offset < offset_resus_control) {
+    const Generator& generator = generators_[offset / generator_bytes];
+    switch (offset % generator_bytes) {
+      case 0:
+        return generator.control;
+      case 4:
+        return generator.divider;
+      default:
+        return 1u << generator.selected;
+    }
+  }
+  if (offset >= offset_fc0 && offset <= offset_fc0_source)
+    return counter_[(offset - offset_fc0) / 4];
+  switch (offset) {
+    case offset_resus_control:
+      return resus_control_;
+    case offset_resus_status:
+      return 0;
+    case offset_fc0_status:
+      return counter_status();
+    case offset_fc0_result:
+      return counter_result();
+    case offset_wake:
+    case offset_wake + 4:
+      return wake_enable_[(offset - offset_wake) / 4];
+    case offset_sleep:
+    case offset_sleep + 4:
+      return sleep_enable_[(offset - offset_sleep) / 4];
+    case offset_enabled:
+    case offset_enabled + 4:
+      return wake_enable_[(offset - offset_enabled) / 4];
+    case offset_intr:
+      return 0;
+    case offset_inte:
+      return interrupt_enable_;
+    case offset_intf:
+    case offset_ints:
+      return interrupt_force_;
+    default:
+      return 0;
+  }
+}
+
+std::uint32_t Clocks::read(std::uint32_t offset) {
+  if (offset > offset_ints) not_modelled_("CLOCKS: no register at this offset");
+  return peek(offset);
+}
+
+void Clocks::write_enables(std::uint32_t offset, std::uint32_t value) {
+  const std::size_t word = offset / 4 % 2;
+  auto& enables = offset < offset_sleep ? wake_enable_ : sleep_enable_;
+  enables[word] = value & enable_masks[word];
+  if (enables[word] != enable_masks[word])
+    not_modelled_("CLOCKS WAKE_EN, SLEEP_EN: clocks of single blocks are not stopped");
+}
+
+void Clocks::write(std::uint32_t offset, std::uint32_t value) {
+  if (offset < offset_resus_control) {
+    write_generator(offset / generator_bytes, offset % generator_bytes, value);
+  } else if (offset == offset_resus_control) {
+    resus_control_ = value & resus_mask;
+    if ((resus_control_ & 0x1100u) != 0) not_modelled_("CLOCKS RESUS: never takes effect");
+  } else if (offset >= offset_fc0 && offset <= offset_fc0_source) {
+    const std::size_t index = (offset - offset_fc0) / 4;
+    counter_[index] = value & fc0_masks[index];
+    if (offset == offset_fc0_source) start_counter(counter_[index]);
+  } else if (offset >= offset_wake && offset < offset_enabled) {
+    write_enables(offset, value);
+  } else if (offset == offset_inte) {
+    interrupt_enable_ = value & 1u;
+  } else if (offset == offset_intf) {
+    interrupt_force_ = value & 1u;
+    update_irq();
+  } else if (offset > offset_ints) {
+    not_modelled_("CLOCKS: no register at this offset");
+  }
+}
+
+// --- frequency counter (2.15.6)
+
+std::uint64_t Clocks::counted_hz() const {
+  switch (counter_[5]) {
+    case 1:
+      return pll_sys_.hz();
+    case 2:
+      return pll_usb_.hz();
+    case 3:
+    case 4:
+      return rosc_.hz();
+    case 5:
+      return xosc_.hz();
+    case 8:
+      return hz(Clock::ref);
+    case 9:
+      return hz(Clock::sys);
+    case 10:
+      return hz(Clock::peri);
+    case 11:
+      return hz(Clock::usb);
+    case 12:
+      return hz(Clock::adc);
+    case 13:
+      return hz(Clock::rtc);
+    default:
+      return 0;
+  }
+}
+
+// The interval is 0.98 us times a power of two; DELAY are cycles of clk_ref before it.
+void Clocks::start_counter(std::uint32_t source) {
+  counted_hz_ = source == 0 ? 0 : counted_hz();
+  const auto interval = static_cast<Picoseconds>(980'000) << counter_[4];
+  const std::uint64_t reference = hz(Clock::ref);
+  const Picoseconds delay = reference == 0 ? 0
+                                           : static_cast<Picoseconds>(counter_[3]) * ps_per_s /
+                                                 static_cast<Picoseconds>(reference);
+  counter_end_ = wheel_.time_of(wheel_.now()) + delay + interval;
+}
+
+bool Clocks::counter_done() const {
+  return counter_[5] != 0 && wheel_.time_of(wheel_.now()) >= counter_end_;
+}
+
+/// Kilohertz with five fractional bits, measured against what REF_KHZ says clk_ref is.
+std::uint32_t Clocks::counter_result() const {
+  const std::uint64_t reference = hz(Clock::ref);
+  if (!counter_done() || reference == 0) return 0;
+  const Wide scaled =
+      static_cast<Wide>(counted_hz_) * counter_[0] * 32 / static_cast<Wide>(reference);
+  return static_cast<std::uint32_t>(scaled) & 0x3fffffffu;
+}
+
+/// PASS 0, DONE 4, RUNNING 8, WAITING 12, FAIL 16, SLOW 20, FAST 24, DIED 28.
+std::uint32_t Clocks::counter_status() const {
+  if (counter_[5] == 0) return 0;
+  if (!counter_done()) return 1u << 8;
+  const std::uint32_t khz = counter_result() >> 5;
+  const bool slow = khz < counter_[1];
+  const bool fast = khz > counter_[2];
+  return 1u << 4 | (slow || fast ? 1u << 16 : 1u) | (slow ? 1u << 20 : 0u) |
+         (fast ? 1u << 24 : 0u) | (counted_hz_ == 0 ? 1u << 28 : 0u);
+}
+
+}  // namespace lamplock::sim::chip

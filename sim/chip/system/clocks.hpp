@@ -1,0 +1,95 @@
+// CLOCKS: which source, divided by what, drives which part (RP2040 datasheet, 2.15).
+//
+// In:  frequencies of the sources; registers.
+// Out: the frequency of each clock; clk_sys is the wheel's. Others are told of changes.
+// Who: the bus; UART, tick generator and whoever needs the frequency of a clock.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim/chip/irq_lines.hpp"
+#include "sim/chip/peripheral.hpp"
+#include "sim/chip/system/oscillators.hpp"
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip {
+
+/// The generators in the order of their registers.
+enum class Clock : std::uint8_t { gpout0, gpout1, gpout2, gpout3, ref, sys, peri, usb, adc, rtc };
+inline constexpr std::size_t clock_count = 10;
+
+/// Told after a clock other than clk_sys has changed (for clk_sys: Timed::clock_changed).
+class ClockListener {
+ public:
+  virtual ~ClockListener() = default;
+  virtual void clocks_changed() = 0;
+};
+
+/// The clock generators and the frequency counter.
+class Clocks final : public Peripheral, private Timed {
+ public:
+  /// Cycles of clk_sys until a glitchless multiplexer has changed over. The datasheet says that it
+  /// takes a few cycles of both clocks (2.15.3.2); the number is assumed.
+  static constexpr Cycle mux_cycles = 4;
+
+  Clocks(TimeWheel& wheel, Xosc& xosc, Rosc& rosc, Pll& pll_sys, Pll& pll_usb, IrqLines& irqs,
+         NotModelled not_modelled);
+  Clocks(const Clocks&) = delete;
+  Clocks& operator=(const Clocks&) = delete;
+
+  /// Frequency of a clock; 0: it stands still.
+  std::uint64_t hz(Clock clock) const { return hz_[static_cast<std::size_t>(clock)]; }
+  void listen(ClockListener& listener) { listeners_.push_back(&listener); }
+
+  std::string_view name() const override { return "CLOCKS"; }
+  std::uint32_t read(std::uint32_t offset) override;
+  std::uint32_t peek(std::uint32_t offset) const override;
+  void write(std::uint32_t offset, std::uint32_t value) override;
+  void reset() override;
+
+ private:
+  struct Generator {
+    std::uint32_t control = 0;
+    std::uint32_t divider = 0;
+    std::uint32_t selected = 0;  ///< of the glitchless multiplexer: SRC in use
+  };
+
+  void run(Cycle to) override;
+  void refresh();
+  std::uint64_t generated(Clock clock) const;
+  std::uint64_t source_hz(Clock clock) const;
+  std::uint64_t auxiliary_hz(Clock clock) const;
+  void write_generator(std::size_t index, std::uint32_t reg, std::uint32_t value);
+  void change_over();
+  void start_counter(std::uint32_t source);
+  bool counter_done() const;
+  std::uint64_t counted_hz() const;
+  std::uint32_t counter_result() const;
+  std::uint32_t counter_status() const;
+  void write_enables(std::uint32_t offset, std::uint32_t value);
+  void update_irq();
+
+  TimeWheel& wheel_;
+  TimeWheel::Slot slot_;
+  Xosc& xosc_;
+  Rosc& rosc_;
+  Pll& pll_sys_;
+  Pll& pll_usb_;
+  IrqLines& irqs_;
+  NotModelled not_modelled_;
+  std::vector<ClockListener*> listeners_;
+
+  std::array<Generator, clock_count> generators_{};
+  std::array<std::uint64_t, clock_count> hz_{};
+  bool refreshing_ = false;
+  std::uint32_t resus_control_ = 0;
+  std::array<std::uint32_t, 6> counter_{};  ///< FC0: REF_KHZ, MIN, MAX, DELAY, INTERVAL, SRC
+  std::uint64_t counted_hz_ = 0;            ///< of the clock that is or was counted
+  Picoseconds counter_end_ = 0;
+  std::array<std::uint32_t, 2> wake_enable_{}, sleep_enable_{};
+  std::uint32_t interrupt_enable_ = 0, interrupt_force_ = 0;
+};
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,133 @@
+#include "sim/chip/system/config.hpp"
+
+#include <utility>
+
+namespace lamplock::sim::chip {
+
+namespace {
+
+// CHIP_ID (2.20): REVISION 31:28, PART 27:12, MANUFACTURER 11:0. Revision 2 is stepping B2.
+constexpr std::uint32_t chip_id_b2 = 2u << 28 | 0x0002u << 12 | 0x927u;
+constexpr std::uint32_t sysinfo_platform_asic = 1u << 1;
+constexpr std::uint32_t offset_gitref = 0x40;
+constexpr std::uint32_t tbman_platform_asic = 1u << 0;
+
+// SYSCFG (2.21): PROC0_NMI_MASK, PROC1_NMI_MASK, PROC_CONFIG, PROC_IN_SYNC_BYPASS,
+// PROC_IN_SYNC_BYPASS_HI, DBGFORCE, MEMPOWERDOWN.
+constexpr std::array<std::uint32_t, 7> syscfg_masks{0xffffffff, 0xffffffff, 0xff000000, 0x3fffffff,
+                                                    0x3f,       0xee,       0xff};
+constexpr std::array<std::uint32_t, 7> syscfg_resets{0, 0, 0x10000000, 0, 0, 0x66, 0};
+constexpr std::uint32_t offset_sync_bypass = 0x0c;
+
+// BUSCTRL (2.1.4): BUS_PRIORITY, BUS_PRIORITY_ACK, then PERFCTRn, PERFSELn four times.
+constexpr std::uint32_t priority_mask = 0x1111;
+constexpr std::uint32_t perfsel_reset = 0x1f;
+constexpr std::uint32_t offset_perfctr0 = 0x08;
+constexpr std::uint32_t busctrl_end = 0x28;
+
+}  // namespace
+
+Sysinfo::Sysinfo(NotModelled not_modelled) : not_modelled_(std::move(not_modelled)) {}
+
+std::uint32_t Sysinfo::peek(std::uint32_t offset) const {
+  switch (offset) {
+    case 0x0:
+      return chip_id_b2;
+    case 0x4:
+      return sysinfo_platform_asic;
+    default:
+      return 0;
+  }
+}
+
+std::uint32_t Sysinfo::read(std::uint32_t offset) {
+  if (offset == offset_gitref)
+    not_modelled_("SYSINFO GITREF_RP2040: reads as 0");
+  else if (offset > 0x4)
+    not_modelled_("SYSINFO: no register at this offset");
+  return peek(offset);
+}
+
+void Sysinfo::write(std::uint32_t, std::uint32_t) {}
+
+Syscfg::Syscfg(Callbacks callbacks, NotModelled not_modelled)
+    : callbacks_(std::move(callbacks)), not_modelled_(std::move(not_modelled)) {
+  registers_ = syscfg_resets;
+}
+
+void Syscfg::reset() {
+  registers_ = syscfg_resets;
+  for (std::uint32_t index = 0; index < registers_.size(); ++index) tell(4 * index);
+}
+
+std::uint32_t Syscfg::read(std::uint32_t offset) {
+  if (offset / 4 >= registers_.size()) not_modelled_("SYSCFG: no register at this offset");
+  return peek(offset);
+}
+
+std::uint32_t Syscfg::peek(std::uint32_t offset) const {
+  return offset / 4 < registers_.size() ? registers_[offset / 4] : 0;
+}
+
+void Syscfg::tell(std::uint32_t offset) const {
+  const std::uint32_t value = registers_[offset / 4];
+  if (offset < 8 && callbacks_.nmi_mask) callbacks_.nmi_mask(static_cast<int>(offset / 4), value);
+  if (offset == offset_sync_bypass && callbacks_.synchroniser_bypass)
+    callbacks_.synchroniser_bypass(value);
+}
+
+void Syscfg::write(std::uint32_t offset, std::uint32_t value) {
+  if (offset / 4 >= registers_.size()) return not_modelled_("SYSCFG: no register at this offset");
+  registers_[offset / 4] = value & syscfg_masks[offset / 4];
+  if (offset > offset_sync_bypass && registers_[offset / 4] != syscfg_resets[offset / 4])
+    not_modelled_("SYSCFG PROC_IN_SYNC_BYPASS_HI, DBGFORCE, MEMPOWERDOWN: without effect");
+  tell(offset);
+}
+
+Tbman::Tbman(NotModelled not_modelled) : not_modelled_(std::move(not_modelled)) {}
+
+std::uint32_t Tbman::peek(std::uint32_t offset) const {
+  return offset == 0 ? tbman_platform_asic : 0;
+}
+
+std::uint32_t Tbman::read(std::uint32_t offset) {
+  if (offset != 0) not_modelled_("TBMAN: no register at this offset");
+  return peek(offset);
+}
+
+void Tbman::write(std::uint32_t, std::uint32_t) {}
+
+Busctrl::Busctrl(NotModelled not_modelled) : not_modelled_(std::move(not_modelled)) { reset(); }
+
+void Busctrl::reset() {
+  priority_ = 0;
+  select_.fill(perfsel_reset);
+}
+
+std::uint32_t Busctrl::peek(std::uint32_t offset) const {
+  if (offset == 0x0) return priority_;
+  if (offset == 0x4) return 1;  // the arbiters have taken the priorities over
+  const bool is_select = offset >= offset_perfctr0 && offset < busctrl_end && offset % 8 == 4;
+  return is_select ? select_[(offset - offset_perfctr0) / 8] : 0;
+}
+
+std::uint32_t Busctrl::read(std::uint32_t offset) {
+  if (offset >= busctrl_end)
+    not_modelled_("BUSCTRL: no register at this offset");
+  else if (offset >= offset_perfctr0 && offset % 8 == 0)
+    not_modelled_("BUSCTRL PERFCTR: accesses are not counted");
+  return peek(offset);
+}
+
+void Busctrl::write(std::uint32_t offset, std::uint32_t value) {
+  if (offset == 0x0) {
+    priority_ = value & priority_mask;
+    if (priority_ != 0) not_modelled_("BUSCTRL BUS_PRIORITY: does not change arbitration");
+  } else if (offset >= busctrl_end) {
+    not_modelled_("BUSCTRL: no register at this offset");
+  } else if (offset >= offset_perfctr0 && offset % 8 == 4) {
+    select_[(offset - offset_perfctr0) / 8] = value & 0x1fu;
+  }
+}
+
+}  // namespace lamplock::sim::chip

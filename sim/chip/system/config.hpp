@@ -1,0 +1,86 @@
+// SYSINFO, SYSCFG, TBMAN, BUSCTRL: small blocks that say what the chip is, or configure it (RP2040
+// datasheet, 2.20, 2.21, 2.23, 2.1.4).
+//
+// In:  registers.
+// Out: identification of an RP2040 of stepping B2; settings, told to whom they concern.
+// Who: the bus.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string_view>
+
+#include "sim/chip/peripheral.hpp"
+
+namespace lamplock::sim::chip {
+
+/// SYSINFO: read only.
+class Sysinfo final : public Peripheral {
+ public:
+  explicit Sysinfo(NotModelled not_modelled);
+  std::string_view name() const override { return "SYSINFO"; }
+  std::uint32_t read(std::uint32_t offset) override;
+  std::uint32_t peek(std::uint32_t offset) const override;
+  void write(std::uint32_t offset, std::uint32_t value) override;
+  void reset() override {}
+
+ private:
+  NotModelled not_modelled_;
+};
+
+/// SYSCFG. NMI masks and synchroniser bypass take effect through the callbacks.
+class Syscfg final : public Peripheral {
+ public:
+  struct Callbacks {
+    std::function<void(int core, std::uint32_t irqs)> nmi_mask;
+    std::function<void(std::uint32_t pins)> synchroniser_bypass;  ///< GPIO 0-29
+  };
+  Syscfg(Callbacks callbacks, NotModelled not_modelled);
+  std::string_view name() const override { return "SYSCFG"; }
+  std::uint32_t read(std::uint32_t offset) override;
+  std::uint32_t peek(std::uint32_t offset) const override;
+  void write(std::uint32_t offset, std::uint32_t value) override;
+  void reset() override;
+
+ private:
+  void tell(std::uint32_t offset) const;
+
+  Callbacks callbacks_;
+  NotModelled not_modelled_;
+  std::array<std::uint32_t, 7> registers_{};
+};
+
+/// TBMAN: read only; says that this is a chip, not an FPGA.
+class Tbman final : public Peripheral {
+ public:
+  explicit Tbman(NotModelled not_modelled);
+  std::string_view name() const override { return "TBMAN"; }
+  std::uint32_t read(std::uint32_t offset) override;
+  std::uint32_t peek(std::uint32_t offset) const override;
+  void write(std::uint32_t offset, std::uint32_t value) override;
+  void reset() override {}
+
+ private:
+  NotModelled not_modelled_;
+};
+
+/// BUSCTRL: priorities are acknowledged, counters of the bus fabric do not count.
+class Busctrl final : public Peripheral {
+ public:
+  explicit Busctrl(NotModelled not_modelled);
+  /// BUS_PRIORITY: PROC0 bit 0, PROC1 bit 4, DMA_R bit 8, DMA_W bit 12.
+  std::uint32_t priority() const { return priority_; }
+  std::string_view name() const override { return "BUSCTRL"; }
+  std::uint32_t read(std::uint32_t offset) override;
+  std::uint32_t peek(std::uint32_t offset) const override;
+  void write(std::uint32_t offset, std::uint32_t value) override;
+  void reset() override;
+
+ private:
+  NotModelled not_modelled_;
+  std::uint32_t priority_ = 0;
+  std::array<std::uint32_t, 4> select_{};
+};
+
+}  // namespace lamplock::sim::chip

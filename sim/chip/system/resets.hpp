@@ -1,0 +1,99 @@
+// RESETS: which blocks are held in reset (RP2040 datasheet, 2.14).
+//
+// In:  registers; the watchdog.
+// Out: a block whose bit is set takes its reset values and stays that way until it is released:
+//      what is written to it is lost, and reported.
+// Who: the bus; System, which attaches the blocks by bit.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string_view>
+
+#include "sim/chip/peripheral.hpp"
+
+namespace lamplock::sim::chip {
+
+/// Bits of RESET, WDSEL and RESET_DONE (2.14.3).
+enum class ResetBit : std::uint8_t {
+  adc,
+  busctrl,
+  dma,
+  i2c0,
+  i2c1,
+  io_bank0,
+  io_qspi,
+  jtag,
+  pads_bank0,
+  pads_qspi,
+  pio0,
+  pio1,
+  pll_sys,
+  pll_usb,
+  pwm,
+  rtc,
+  spi0,
+  spi1,
+  syscfg,
+  sysinfo,
+  tbman,
+  timer,
+  uart0,
+  uart1,
+  usbctrl
+};
+
+/// The subsystem resets. After power-up all blocks are held.
+class Resets final : public Peripheral {
+ public:
+  explicit Resets(NotModelled not_modelled);
+  Resets(const Resets&) = delete;
+  Resets& operator=(const Resets&) = delete;
+
+  /// Puts a block behind a bit (several may share one). The bus is to reach it through the result.
+  Peripheral& attach(ResetBit bit, Peripheral& block);
+  bool held(ResetBit bit) const { return (reset_ >> static_cast<unsigned>(bit) & 1u) != 0; }
+  /// The watchdog has fired: what WDSEL selects is reset.
+  void watchdog_fired();
+
+  std::string_view name() const override { return "RESETS"; }
+  std::uint32_t read(std::uint32_t offset) override;
+  std::uint32_t peek(std::uint32_t offset) const override;
+  void write(std::uint32_t offset, std::uint32_t value) override;
+  void reset() override;
+
+ private:
+  /// A block as the bus sees it.
+  class Gate final : public Peripheral {
+   public:
+    Gate(Resets& resets, ResetBit bit, Peripheral& block)
+        : resets_(resets), bit_(bit), block_(block) {}
+    std::string_view name() const override { return block_.name(); }
+    std::uint32_t read(std::uint32_t offset) override {
+      if (!resets_.held(bit_)) return block_.read(offset);
+      report();
+      return block_.peek(offset);
+    }
+    std::uint32_t peek(std::uint32_t offset) const override { return block_.peek(offset); }
+    void write(std::uint32_t offset, std::uint32_t value) override {
+      if (!resets_.held(bit_)) return block_.write(offset, value);
+      report();
+    }
+    void reset() override { block_.reset(); }
+    ResetBit bit() const { return bit_; }
+
+   private:
+    void report() const;
+    Resets& resets_;
+    ResetBit bit_;
+    Peripheral& block_;
+  };
+
+  void reset_blocks(std::uint32_t bits);
+
+  NotModelled not_modelled_;
+  std::deque<Gate> gates_;  ///< references stay valid
+  std::uint32_t reset_ = 0, watchdog_select_ = 0;
+};
+
+}  // namespace lamplock::sim::chip

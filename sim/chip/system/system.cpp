@@ -1,0 +1,85 @@
+#include "sim/chip/system/system.hpp"
+
+#include <utility>
+
+namespace lamplock::sim::chip {
+
+System::System(TimeWheel& wheel, Gpio& gpio, Sio& sio, IrqLines& irqs, Callbacks callbacks,
+               const NotModelled& not_modelled)
+    : xosc(wheel, not_modelled),
+      rosc(wheel, not_modelled),
+      pll_sys("PLL_SYS", wheel, xosc, not_modelled),
+      pll_usb("PLL_USB", wheel, xosc, not_modelled),
+      clocks(wheel, xosc, rosc, pll_sys, pll_usb, irqs, not_modelled),
+      ticks(wheel, clocks),
+      timer(wheel, ticks, irqs, not_modelled),
+      resets(not_modelled),
+      psm(not_modelled),
+      vreg(not_modelled),
+      watchdog(wheel, ticks, not_modelled,
+               [this, report = std::move(callbacks.watchdog_fired)] {
+                 if (report) report();
+                 psm.watchdog_hold();
+                 resets.watchdog_fired();
+                 psm.watchdog_release();
+               }),
+      sysinfo(not_modelled),
+      syscfg({std::move(callbacks.nmi_mask),
+              [&sio](std::uint32_t pins) { sio.set_synchroniser_bypass(pins); }},
+             not_modelled),
+      tbman(not_modelled),
+      busctrl(not_modelled),
+      uart0(0, wheel, clocks, irqs, not_modelled),
+      uart1(1, wheel, clocks, irqs, not_modelled),
+      pwm(wheel, gpio, irqs, not_modelled) {
+  attach_stages(sio);
+}
+
+void System::attach_stages(Sio& sio) {
+  const auto reset_when_held = [](Peripheral& block) {
+    return [&block](bool held) {
+      if (held) block.reset();
+    };
+  };
+  psm.attach(PsmBit::rosc, reset_when_held(rosc));
+  psm.attach(PsmBit::xosc, reset_when_held(xosc));
+  psm.attach(PsmBit::clocks, reset_when_held(clocks));
+  psm.attach(PsmBit::resets, reset_when_held(resets));
+  psm.attach(PsmBit::vreg_and_chip_reset, reset_when_held(vreg));
+  psm.attach(PsmBit::sio, [&sio](bool held) {
+    if (held) sio.reset();
+  });
+}
+
+// Base addresses: RP2040 datasheet, 2.2.
+void System::map(Bus& bus, Gpio& gpio) {
+  bus.map(0x40000000, resets.attach(ResetBit::sysinfo, sysinfo));
+  bus.map(0x40004000, resets.attach(ResetBit::syscfg, syscfg));
+  bus.map(0x40008000, clocks);
+  bus.map(0x4000c000, resets);
+  bus.map(0x40010000, psm);
+  bus.map(0x40014000, resets.attach(ResetBit::io_bank0, gpio.io_bank()));
+  bus.map(0x4001c000, resets.attach(ResetBit::pads_bank0, gpio.pads_bank()));
+  bus.map(0x40024000, xosc);
+  bus.map(0x40028000, resets.attach(ResetBit::pll_sys, pll_sys));
+  bus.map(0x4002c000, resets.attach(ResetBit::pll_usb, pll_usb));
+  bus.map(0x40030000, resets.attach(ResetBit::busctrl, busctrl));
+  bus.map(0x40034000, resets.attach(ResetBit::uart0, uart0));
+  bus.map(0x40038000, resets.attach(ResetBit::uart1, uart1));
+  bus.map(0x40050000, resets.attach(ResetBit::pwm, pwm));
+  bus.map(0x40054000, resets.attach(ResetBit::timer, timer));
+  bus.map(0x40058000, watchdog);
+  bus.map(0x40060000, rosc);
+  bus.map(0x40064000, vreg);
+  bus.map(0x4006c000, resets.attach(ResetBit::tbman, tbman));
+}
+
+void System::reset(ChipReset cause) {
+  watchdog.reset();
+  clocks.reset();  // before its sources stop
+  psm.reset();
+  psm.restart();
+  vreg.note(cause);
+}
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,69 @@
+// The system blocks of the chip, wired to each other (RP2040 datasheet, 2.12-2.23, 4.2, 4.5-4.7).
+//
+// In:  the wheel, the pins, the interrupt lines, SIO.
+// Out: clocks, resets, timer, watchdog, UARTs, PWM; a map of them for the bus; the reset tree.
+// Who: the chip, which attaches its own blocks to `resets` and `psm`.
+#pragma once
+
+#include <functional>
+
+#include "sim/chip/bus.hpp"
+#include "sim/chip/gpio/gpio.hpp"
+#include "sim/chip/irq_lines.hpp"
+#include "sim/chip/sio/sio.hpp"
+#include "sim/chip/system/clocks.hpp"
+#include "sim/chip/system/config.hpp"
+#include "sim/chip/system/oscillators.hpp"
+#include "sim/chip/system/power.hpp"
+#include "sim/chip/system/pwm.hpp"
+#include "sim/chip/system/resets.hpp"
+#include "sim/chip/system/tick_generator.hpp"
+#include "sim/chip/system/timer.hpp"
+#include "sim/chip/system/uart.hpp"
+#include "sim/chip/system/watchdog.hpp"
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip {
+
+/// All of them. What else hangs on the reset tree (PIO, DMA, USB, cores, XIP) the chip attaches:
+/// `bus.map(base, system.resets.attach(ResetBit::pio0, pio0))`,
+/// `system.psm.attach(PsmBit::proc0, [](bool held) {...})`.
+class System {
+ public:
+  struct Callbacks {
+    std::function<void(int core, std::uint32_t irqs)> nmi_mask;  ///< SYSCFG PROCn_NMI_MASK
+    std::function<void()> watchdog_fired;  ///< before anything is reset (to report); may be empty
+  };
+  System(TimeWheel& wheel, Gpio& gpio, Sio& sio, IrqLines& irqs, Callbacks callbacks,
+         const NotModelled& not_modelled);
+  System(const System&) = delete;
+  System& operator=(const System&) = delete;
+
+  /// Puts all blocks, those of Gpio included, behind their resets and on the bus.
+  void map(Bus& bus, Gpio& gpio);
+  /// Power-on, brown-out or the RUN pin: everything, the watchdog's scratch registers included. All
+  /// stages of `psm` are held and released.
+  void reset(ChipReset cause);
+
+  Xosc xosc;
+  Rosc rosc;
+  Pll pll_sys, pll_usb;
+  Clocks clocks;
+  TickGenerator ticks;
+  Timer timer;
+  Resets resets;
+  Psm psm;
+  VregAndChipReset vreg;
+  Watchdog watchdog;
+  Sysinfo sysinfo;
+  Syscfg syscfg;
+  Tbman tbman;
+  Busctrl busctrl;
+  Uart uart0, uart1;
+  Pwm pwm;
+
+ private:
+  void attach_stages(Sio& sio);
+};
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,62 @@
+// The 1 us reference: clk_ref divided by a number of cycles (RP2040 datasheet, 4.7.2).
+//
+// In:  WATCHDOG TICK; the frequency of clk_ref.
+// Out: how many ticks there have been; the cycle of clk_sys in which a tick to come falls.
+// Who: Watchdog owns it; it and Timer count its ticks. Nothing happens per tick.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/chip/system/clocks.hpp"
+#include "sim/chip/system/wide.hpp"
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip {
+
+/// Told when ticks to come have moved: cycles asked for before are no longer right.
+class TickListener {
+ public:
+  virtual ~TickListener() = default;
+  virtual void ticks_moved() = 0;
+};
+
+/// Ticks as a function of time, exact however clk_sys and clk_ref relate.
+class TickGenerator final : private ClockListener {
+ public:
+  TickGenerator(TimeWheel& wheel, Clocks& clocks);
+  TickGenerator(const TickGenerator&) = delete;
+  TickGenerator& operator=(const TickGenerator&) = delete;
+
+  /// A tick every `cycles` of clk_ref, the first one `cycles` from now; 0 or not enabled: none.
+  void configure(std::uint32_t cycles, bool enabled);
+  bool running() const { return enabled_; }
+  /// Ticks up to now.
+  std::uint64_t ticks() const;
+  /// Cycles of clk_ref until the next tick.
+  std::uint32_t remaining() const;
+  /// First cycle of clk_sys at which ticks() is `tick` or more; never_cycle: none in sight.
+  Cycle cycle_of(std::uint64_t tick) const;
+  void listen(TickListener& listener) { listeners_.push_back(&listener); }
+
+ private:
+  void clocks_changed() override;
+  /// Parts of a cycle of clk_ref since the last tick before base_time_, now.
+  Wide elapsed() const;
+  Wide per_tick() const { return static_cast<Wide>(cycles_) * ps_per_s; }
+  bool counting() const { return enabled_ && cycles_ != 0 && reference_hz_ != 0; }
+  void rebase();
+  void tell();
+
+  TimeWheel& wheel_;
+  Clocks& clocks_;
+  std::vector<TickListener*> listeners_;
+  std::uint32_t cycles_ = 0;
+  bool enabled_ = false;
+  std::uint64_t reference_hz_ = 0;
+  std::uint64_t base_ticks_ = 0;
+  Picoseconds base_time_ = 0;
+  Wide base_phase_ = 0;  ///< cycles of clk_ref since the last tick, times ps_per_s
+};
+
+}  // namespace lamplock::sim::chip

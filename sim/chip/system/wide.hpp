@@ -1,0 +1,11 @@
+// A signed integer wide enough for products of times in picoseconds and frequencies.
+//
+// In, out: nothing; a name for a type that is an extension of the compilers used.
+// Who: the parts that turn cycles of one clock into cycles of another.
+#pragma once
+
+namespace lamplock::sim::chip {
+
+__extension__ using Wide = __int128;
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,23 @@
+// Cycle counts that the manuals do not give: parameters, each with what is known of it.
+//
+// What the manuals do give is not here but in the code that does it. docs/chip-timing.md is the
+// ledger: documented, measured by others, or assumed.
+#pragma once
+
+#include <cstdint>
+
+namespace lamplock::sim::chip {
+
+/// All assumed numbers, in cycles of clk_sys.
+struct Timing {
+  std::uint32_t exception_return = 13;  ///< not documented for the Cortex-M0+
+  /// From the end of one handler, or from a higher priority that comes late, to the first
+  /// instruction of the next one: entry (15) without its eight stores. Not documented either.
+  std::uint32_t tail_chain = 7;
+  std::uint32_t apb_read_wait = 3;      ///< beyond the first cycle; measured by others as 3 or 4
+  std::uint32_t apb_write_wait = 3;
+  std::uint32_t ahb_wait = 0;           ///< AHB-Lite blocks: PIO, DMA, USB DPRAM, XIP control
+  std::uint32_t dma_start = 2;          ///< from a request to the first read
+};
+
+}  // namespace lamplock::sim::chip

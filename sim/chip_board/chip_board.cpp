@@ -1,0 +1,148 @@
+#include "sim/chip_board/chip_board.hpp"
+
+#include <algorithm>
+
+#include "firmware/settings/store.hpp"
+#include "shared/boards/pico_flash.hpp"
+
+namespace lamplock::sim {
+namespace {
+
+using boards::Role;
+using chip::External;
+
+/// The settings area as the image's own flash driver sees it.
+struct SettingsArea {
+  static constexpr std::uint32_t sectors = boards::settings_sectors;
+  std::span<std::uint8_t> bytes;
+  void read(std::uint32_t offset, std::span<std::uint8_t> out) const {
+    std::copy_n(bytes.begin() + offset, out.size(), out.begin());
+  }
+  void erase(std::uint32_t offset) const {
+    std::fill_n(bytes.begin() + offset, settings::flash_sector, settings::flash_blank);
+  }
+  void program(std::uint32_t offset,
+               std::span<const std::uint8_t, settings::flash_page> page) const {
+    std::copy(page.begin(), page.end(), bytes.begin() + offset);
+  }
+};
+static_assert(settings::SettingsFlash<SettingsArea>);
+
+SettingsArea settings_area(chip::Chip& chip) {
+  return {chip.flash().storage().subspan(boards::settings_offset,
+                                         std::size_t{SettingsArea::sectors} *
+                                             settings::flash_sector)};
+}
+
+struct Wire {
+  Role role;
+  Pin pin;
+  bool inverted;
+};
+constexpr std::array output_wires{
+    Wire{Role::step_x, Pin::step_x, false},       Wire{Role::dir_x, Pin::dir_x, false},
+    Wire{Role::step_y, Pin::step_y, false},       Wire{Role::dir_y, Pin::dir_y, false},
+    Wire{Role::step_z, Pin::step_z, false},       Wire{Role::dir_z, Pin::dir_z, false},
+    Wire{Role::step_a, Pin::step_a, false},       Wire{Role::dir_a, Pin::dir_a, false},
+    Wire{Role::q_switch, Pin::q_switch, false},   Wire{Role::lamp_trigger, Pin::lamp_trigger, false},
+    Wire{Role::laser_gate, Pin::laser_gate, false}, Wire{Role::shot_enable, Pin::arm, false},
+    Wire{Role::drives_enable, Pin::enable, true},
+};
+/// Switches are closed to ground at rest, with the pull-up of the pad or of the board.
+constexpr std::array input_wires{
+    Wire{Role::lamp_sync, Pin::lamp_sync, false}, Wire{Role::estop, Pin::estop, false},
+    Wire{Role::door, Pin::door, false},           Wire{Role::limit_x, Pin::limit_x, false},
+    Wire{Role::limit_y, Pin::limit_y, false},     Wire{Role::limit_z, Pin::limit_z, false},
+};
+constexpr std::array chained_limits{Pin::limit_x, Pin::limit_y, Pin::limit_z, Pin::limit_a};
+
+}  // namespace
+
+ChipBoard::ChipBoard(const chip::Image& image, const settings::Values& stored,
+                     const WorldConfig& world, const ChipBoardOptions& options)
+    : world_(std::make_unique<World>(world, bus_)),
+      chip_(options.chip),
+      host_(chip_.wheel(), chip_.usb(), options.usb),
+      slot_(chip_.wheel().add(*this)),
+      map_(options.map) {
+  chip_.load(image, "image");
+  SettingsArea area = settings_area(chip_);
+  settings::Store store(area);
+  store.load();
+  store.save(stored);
+  connect_pads();
+  plan();
+  chip_.power_on();
+}
+
+ChipBoard::~ChipBoard() = default;
+
+settings::Values ChipBoard::stored_settings() {
+  SettingsArea area = settings_area(chip_);
+  return settings::Store(area).load();
+}
+
+void ChipBoard::connect_pads() {
+  for (const Wire& wire : output_wires)
+    if (const auto gpio = boards::find_gpio(map_, wire.role))
+      outputs_[*gpio] = Pad{wire.pin, wire.inverted};
+  for (const Wire& wire : input_wires) {
+    if (!boards::find_gpio(map_, wire.role)) continue;
+    bus_.listen(wire.pin, *this);
+    drive(wire.pin, false);
+  }
+  if (boards::find_gpio(map_, Role::limits)) {
+    for (const Pin pin : chained_limits) bus_.listen(pin, *this);
+    drive(Pin::limit_x, false);
+  }
+  chip_.gpio().listen(static_cast<chip::PadListener&>(*this));
+}
+
+void ChipBoard::pin_changed(Pin pin, bool level, Picoseconds /*at*/) { drive(pin, level); }
+
+void ChipBoard::drive(Pin pin, bool level) {
+  const chip::Cycle now = chip_.wheel().now();
+  const auto put = [&](std::uint8_t gpio, bool high) {
+    chip_.gpio().set_external(gpio, high ? External::high : External::low, now);
+  };
+  for (const Wire& wire : input_wires)
+    if (wire.pin == pin)
+      if (const auto gpio = boards::find_gpio(map_, wire.role)) return put(*gpio, level);
+  if (const auto gpio = boards::find_gpio(map_, Role::limits))
+    put(*gpio, std::any_of(chained_limits.begin(), chained_limits.end(),
+                           [this](Pin limit) { return bus_.level(limit); }));
+}
+
+void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
+  if (!outputs_[gpio]) return;
+  bus_.set(outputs_[gpio]->pin, level != outputs_[gpio]->inverted, chip_.wheel().time_of(at));
+}
+
+void ChipBoard::plan() {
+  const Picoseconds next = world_->next_event();
+  chip_.wheel().set(slot_, next == never ? chip::never_cycle : chip_.wheel().cycle_at(next));
+}
+
+void ChipBoard::run(chip::Cycle to) {
+  world_->advance(chip_.wheel().time_of(std::min(to, chip_.wheel().now())));
+  plan();
+}
+
+void ChipBoard::run_until(Picoseconds until) {
+  while (now() < until) {
+    // A change of the clock moves the cycle that a time means.
+    const chip::Cycle target = chip_.wheel().cycle_at(until);
+    if (target <= chip_.wheel().now()) break;
+    chip_.run_until(target);
+    world_->advance(std::min(now(), until));
+    plan();
+  }
+}
+
+bool ChipBoard::run_until_found(Picoseconds limit) {
+  const Picoseconds end = now() + limit;
+  while (!host_.enumerated() && now() < end) run_until(now() + ps_per_ms);
+  return host_.enumerated();
+}
+
+}  // namespace lamplock::sim

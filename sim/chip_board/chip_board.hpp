@@ -1,0 +1,91 @@
+// A Pico with the flash image on it, in the simulated world: pads to lamp, drives and laser, USB to
+// a host.
+//
+// In:  an image, settings for its flash, a world. Out: the same facade as the virtual board's.
+// The pins are those of the map (shared/boards/pico_pins.hpp); the world outside of them is the
+// electronics that docs/wiring.md draws: switches normally closed to ground, drives enabled by a
+// low level.
+//
+// Time: the chip's wheel runs everything; the world's events are parts of it, so that a lamp edge
+// reaches the pad in its very cycle. Real time 0 is power-up; boot and enumeration take some 0.2 s.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/boards/pico_pins.hpp"
+#include "shared/settings_table.hpp"
+#include "sim/board.hpp"
+#include "sim/chip/chip.hpp"
+#include "sim/chip/usb_host/usb_host.hpp"
+
+namespace lamplock::sim {
+
+struct ChipBoardOptions {
+  chip::ChipOptions chip{};
+  chip::UsbHostOptions usb{};
+  boards::PinMap map = boards::PinMap::glass;
+};
+
+/// One board in its world.
+class ChipBoard final : public Board,
+                        private PinListener,
+                        private chip::PadListener,
+                        private chip::Timed {
+ public:
+  /// Loads the image, keeps `stored` in the flash as the board itself would, and powers up.
+  /// Throws std::runtime_error if the image cannot be used.
+  ChipBoard(const chip::Image& image, const settings::Values& stored, const WorldConfig& world,
+            const ChipBoardOptions& options = {});
+  ~ChipBoard() override;
+  ChipBoard(const ChipBoard&) = delete;
+  ChipBoard& operator=(const ChipBoard&) = delete;
+
+  /// Runs until the host has found the serial port; false if it has not within `limit`.
+  bool run_until_found(Picoseconds limit);
+
+  std::string_view name() const override { return "chip"; }
+  std::size_t write(std::span<const std::uint8_t> bytes) override { return host_.write(bytes); }
+  std::size_t read(std::span<std::uint8_t> bytes) override { return host_.read(bytes); }
+  bool has_output() const override { return host_.has_output(); }
+  void run_until(Picoseconds until) override;
+  Picoseconds now() const override { return chip_.wheel().time_of(chip_.wheel().now()); }
+  PinBus& bus() override { return bus_; }
+  World& world() override { return *world_; }
+  const World& world() const override { return *world_; }
+  const std::vector<LatticeShot>& lattice_shots() const override { return lattice_shots_; }
+
+  chip::Chip& chip() { return chip_; }
+  chip::UsbHost& usb_host() { return host_; }
+  /// Power fails for a moment; the world goes on.
+  void power_cut() { chip_.power_cut(); }
+  /// What the settings area of the flash holds, as the next start would read it.
+  settings::Values stored_settings();
+
+ private:
+  void pin_changed(Pin pin, bool level, Picoseconds at) override;
+  void pad_changed(unsigned gpio, bool level, chip::Cycle at) override;
+  void run(chip::Cycle to) override;
+  void clock_changed() override { plan(); }
+  void plan();
+  void connect_pads();
+  void drive(Pin pin, bool level);
+
+  PinBus bus_;
+  std::unique_ptr<World> world_;
+  chip::Chip chip_;
+  chip::UsbHost host_;
+  chip::TimeWheel::Slot slot_;
+  boards::PinMap map_;
+  struct Pad {
+    Pin pin = Pin::count;
+    bool inverted = false;
+  };
+  std::array<std::optional<Pad>, chip::gpio_count> outputs_{};
+  std::vector<LatticeShot> lattice_shots_;  ///< stays empty: pins do not tell lattice ticks
+};
+
+}  // namespace lamplock::sim

@@ -1,0 +1,710 @@
+// USB serial port: requests by golden bytes of USB 2.0 (chapter 9), CDC 1.2 and PSTN 1.2; the pipes
+// by what must never happen to bytes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <random>
+#include <string>
+
+#include "tests/board_rp2040/fake_usb.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using rp2040::UsbCounters;
+
+// bmRequestType.
+constexpr std::uint8_t to_host = 0x80;
+constexpr std::uint8_t interface_in = 0x81;
+constexpr std::uint8_t interface_out = 0x01;
+constexpr std::uint8_t endpoint_in = 0x82;
+constexpr std::uint8_t endpoint_out = 0x02;
+constexpr std::uint8_t class_in = 0xA1;
+constexpr std::uint8_t class_out = 0x21;
+
+std::string text(const Bytes& string_descriptor) {
+  std::string out;
+  for (std::size_t i = 2; i + 1 < string_descriptor.size(); i += 2) {
+    EXPECT_EQ(string_descriptor[i + 1], 0);
+    out += static_cast<char>(string_descriptor[i]);
+  }
+  return out;
+}
+
+Bytes numbered(std::size_t size, unsigned first = 0) {
+  Bytes out(size);
+  for (std::size_t i = 0; i < size; ++i) out[i] = static_cast<std::uint8_t>('A' + (first + i) % 26);
+  return out;
+}
+
+Bytes read_all(UsbHost& host, std::size_t piece = 64) {
+  Bytes out;
+  Bytes buffer(piece);
+  while (const std::size_t count = host.serial.read(buffer))
+    out.insert(out.end(), buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(count));
+  return out;
+}
+
+TEST(UsbControl, EnumeratesLikeLinux) {
+  UsbHost host;
+  EXPECT_TRUE(host.usb.started && host.usb.attached);
+  host.serial.set_serial_number("E6605838832A1B2C");
+  host.reset();
+  const auto first = host.control(to_host, 6, 0x0100, 0, 64);
+  const Bytes device = {18,   1,    0x00, 0x02, 0xEF, 0x02, 0x01, 64, 0x09,
+                        0x12, 0x01, 0x00, 0x10, 0x00, 1,    2,    3,  1};
+  EXPECT_EQ(first.data, device);
+  host.reset();
+  ASSERT_EQ(host.control(0, 5, 42, 0, 0).handshake, Handshake::ack);
+  EXPECT_EQ(host.usb.address, 42);
+  EXPECT_EQ(host.control(to_host, 6, 0x0100, 0, 18).data, device);
+  EXPECT_EQ(host.control(to_host, 6, 0x0600, 0, 10).handshake, Handshake::stall);
+  const auto head = host.control(to_host, 6, 0x0200, 0, 9);
+  EXPECT_EQ(head.data, (Bytes{9, 2, 75, 0, 2, 1, 0, 0x80, 50}));
+  const Bytes configuration = {9, 2,    75,   0,    2,    1,    0,  0x80, 50,  // configuration
+                               8, 11,   0,    2,    2,    2,    0,  4,         // association
+                               9, 4,    0,    0,    1,    2,    2,  0,    4,   // control interface
+                               5, 0x24, 0,    0x10, 0x01,                      // header
+                               5, 0x24, 1,    0,    1,                         // call management
+                               4, 0x24, 2,    6,                               // abstract control
+                               5, 0x24, 6,    0,    1,                         // union
+                               7, 5,    0x81, 3,    16,   0,    16,            // notification
+                               9, 4,    1,    0,    2,    0x0A, 0,  0,    0,   // data interface
+                               7, 5,    0x02, 2,    64,   0,    0,             // OUT
+                               7, 5,    0x82, 2,    64,   0,    0};            // IN
+  EXPECT_EQ(host.control(to_host, 6, 0x0200, 0, 75).data, configuration);
+  EXPECT_EQ(host.control(to_host, 6, 0x0300, 0, 255).data, (Bytes{4, 3, 9, 4}));
+  EXPECT_EQ(text(host.control(to_host, 6, 0x0301, 0x0409, 255).data), "lamplock");
+  EXPECT_EQ(text(host.control(to_host, 6, 0x0302, 0x0409, 255).data), "lamplock laser controller");
+  EXPECT_EQ(text(host.control(to_host, 6, 0x0303, 0x0409, 255).data), "E6605838832A1B2C");
+  EXPECT_EQ(host.control(to_host, 8, 0, 0, 1).data, Bytes{0});
+  EXPECT_FALSE(host.serial.configured());
+  ASSERT_EQ(host.control(0, 9, 1, 0, 0).handshake, Handshake::ack);
+  EXPECT_TRUE(host.serial.configured());
+  EXPECT_EQ(host.control(to_host, 8, 0, 0, 1).data, Bytes{1});
+  EXPECT_EQ(host.serial.counters().refused_requests, 1u);
+}
+
+TEST(UsbControl, WindowsAndMacAskDifferently) {
+  UsbHost host;
+  host.reset();
+  EXPECT_EQ(host.control(to_host, 6, 0x0100, 0, 8).data.size(), 8u);  // macOS: first 8 bytes
+  ASSERT_EQ(host.control(0, 5, 1, 0, 0).handshake, Handshake::ack);
+  EXPECT_EQ(host.control(to_host, 6, 0x0200, 0, 255).data.size(), 75u);
+  EXPECT_EQ(host.control(to_host, 6, 0x03EE, 0, 18).handshake, Handshake::stall);  // Microsoft
+  EXPECT_EQ(host.control(to_host, 6, 0x0F00, 0, 5).handshake, Handshake::stall);   // BOS
+  EXPECT_EQ(host.control(to_host, 6, 0x0303, 0x0407, 255).handshake, Handshake::stall);
+  EXPECT_EQ(host.control(to_host, 6, 0x0302, 0x0409, 2).data.size(), 2u);
+}
+
+TEST(UsbControl, AddressTakesEffectAfterTheStatusStage) {
+  UsbHost host;
+  host.reset();
+  host.usb.setup(UsbHost::packet(0, 5, 99, 0, 0));
+  host.serve();
+  EXPECT_EQ(host.usb.address, 0);
+  Bytes data;
+  bool data1 = false;
+  ASSERT_EQ(host.usb.in(0, data, data1), Handshake::ack);
+  host.serve();
+  EXPECT_EQ(host.usb.address, 99);
+  host.reset();
+  EXPECT_EQ(host.usb.address, 0);
+}
+
+/// One request and what it gets; `data` of those that answer.
+struct Case {
+  std::uint8_t type, request;
+  std::uint16_t value, index, length;
+  bool address_state, configured_state;  ///< answered in that state
+  Bytes data{};
+};
+
+TEST(UsbControl, EveryRequestInEveryState) {
+  const Case cases[] = {
+      // GET_STATUS: device, interfaces, endpoints (9.4.5).
+      {to_host, 0, 0, 0, 2, true, true, {0, 0}},
+      {to_host, 0, 1, 0, 2, false, false},
+      {interface_in, 0, 0, 0, 2, false, true, {0, 0}},
+      {interface_in, 0, 0, 1, 2, false, true, {0, 0}},
+      {interface_in, 0, 0, 2, 2, false, false},
+      {endpoint_in, 0, 0, 0x00, 2, true, true, {0, 0}},
+      {endpoint_in, 0, 0, 0x80, 2, true, true, {0, 0}},
+      {endpoint_in, 0, 0, 0x81, 2, false, true, {0, 0}},
+      {endpoint_in, 0, 0, 0x82, 2, false, true, {0, 0}},
+      {endpoint_in, 0, 0, 0x02, 2, false, true, {0, 0}},
+      {endpoint_in, 0, 0, 0x01, 2, false, false},
+      {endpoint_in, 0, 0, 0x83, 2, false, false},
+      // CLEAR_FEATURE, SET_FEATURE (9.4.1, 9.4.9).
+      {0x00, 1, 1, 0, 0, false, false},  // remote wake-up
+      {0x00, 3, 1, 0, 0, false, false},
+      {0x00, 3, 2, 0x0100, 0, false, false},  // test mode
+      {endpoint_out, 1, 0, 0x00, 0, true, true},
+      {endpoint_out, 1, 0, 0x82, 0, false, true},
+      {endpoint_out, 1, 0, 0x02, 0, false, true},
+      {endpoint_out, 1, 0, 0x81, 0, false, true},
+      {endpoint_out, 1, 1, 0x82, 0, false, false},
+      {endpoint_out, 1, 0, 0x84, 0, false, false},
+      {endpoint_out, 3, 0, 0x00, 0, false, false},
+      {interface_out, 3, 0, 0, 0, false, false},
+      // SET_ADDRESS (9.4.6).
+      {0x00, 5, 5, 0, 0, true, false},
+      {0x00, 5, 128, 0, 0, false, false},
+      {0x00, 5, 5, 1, 0, false, false},
+      // GET_DESCRIPTOR, SET_DESCRIPTOR (9.4.3, 9.4.8).
+      {to_host, 6, 0x0101, 0, 18, false, false},
+      {to_host, 6, 0x0201, 0, 9, false, false},
+      {to_host, 6, 0x0305, 0x0409, 255, false, false},
+      {to_host, 6, 0x0400, 0, 9, false, false},
+      {to_host, 6, 0x0700, 0, 9, false, false},
+      {0x00, 7, 0x0100, 0, 18, false, false},
+      // GET_CONFIGURATION, SET_CONFIGURATION (9.4.2, 9.4.7).
+      {to_host, 8, 0, 1, 1, false, false},
+      {0x00, 9, 2, 0, 0, false, false},
+      {0x00, 9, 0x0101, 0, 0, false, false},
+      // GET_INTERFACE, SET_INTERFACE, SYNCH_FRAME (9.4.4, 9.4.10, 9.4.11).
+      {interface_in, 10, 0, 0, 1, false, true, {0}},
+      {interface_in, 10, 0, 1, 1, false, true, {0}},
+      {interface_in, 10, 0, 2, 1, false, false},
+      {interface_out, 11, 0, 0, 0, false, true},
+      {interface_out, 11, 0, 1, 0, false, true},
+      {interface_out, 11, 1, 1, 0, false, false},
+      {endpoint_in, 12, 0, 0x82, 2, false, false},
+      // Abstract control model (PSTN 1.2, 6.3).
+      {class_in, 0x21, 0, 0, 7, false, true, {0x00, 0xC2, 0x01, 0x00, 0, 0, 8}},
+      {class_in, 0x21, 0, 1, 7, false, false},
+      {class_out, 0x22, 3, 0, 0, false, true},
+      {class_out, 0x22, 3, 1, 0, false, false},
+      {class_out, 0x23, 0xffff, 0, 0, false, true},
+      {class_out, 0x00, 0, 0, 0, false, false},  // SEND_ENCAPSULATED_COMMAND
+      {class_in, 0x01, 0, 0, 8, false, false},
+      {class_out, 0x20, 0, 0, 0, false, false},  // without its data
+      {0x20, 0x22, 3, 0, 0, false, false},       // to the device
+      {0x40, 0, 0, 0, 0, false, false},          // vendor
+      {0xC0, 0x20, 0, 4, 16, false, false},
+      {0x60, 0, 0, 0, 0, false, false},
+      {0x03, 0, 0, 0, 0, false, false},
+  };
+  for (const bool configured : {false, true}) {
+    for (const Case& request : cases) {
+      SCOPED_TRACE(testing::Message() << "type " << int(request.type) << " request "
+                                      << int(request.request) << " value " << request.value
+                                      << " index " << request.index << (configured ? " conf" : ""));
+      UsbHost host;
+      host.reset();
+      ASSERT_EQ(host.control(0, 5, 3, 0, 0).handshake, Handshake::ack);
+      if (configured) {
+        ASSERT_EQ(host.control(0, 9, 1, 0, 0).handshake, Handshake::ack);
+      }
+      const auto result =
+          host.control(request.type, request.request, request.value, request.index, request.length);
+      const bool answered = configured ? request.configured_state : request.address_state;
+      EXPECT_EQ(result.handshake, answered ? Handshake::ack : Handshake::stall);
+      if (answered) {
+        EXPECT_EQ(result.data, request.data);
+      }
+      // A refusal ends with the next request.
+      EXPECT_EQ(host.control(to_host, 8, 0, 0, 1).data,
+                Bytes{configured ? std::uint8_t{1} : std::uint8_t{0}});
+    }
+  }
+}
+
+TEST(UsbControl, LengthsAndEmptyPackets) {
+  UsbHost host;
+  host.reset();
+  const Bytes whole = host.control(to_host, 6, 0x0200, 0, 255).data;
+  for (std::uint16_t length = 1; length <= 200; ++length) {
+    const Bytes part = host.control(to_host, 6, 0x0200, 0, length).data;
+    ASSERT_EQ(part.size(), std::min<std::size_t>(length, whole.size()));
+    EXPECT_TRUE(std::equal(part.begin(), part.end(), whole.begin()));
+  }
+  // No data stage at all: status to the host.
+  EXPECT_EQ(host.control(to_host, 6, 0x0100, 0, 0).handshake, Handshake::ack);
+}
+
+// None of our descriptors is a multiple of 64 bytes, so the rule is tested on the pipe itself.
+TEST(UsbControl, AnEmptyPacketEndsWholePacketsThatAreLessThanAsked) {
+  struct Requests {
+    Bytes reply;
+    rp2040::usb::Reaction setup(const rp2040::usb::SetupPacket&) const {
+      return {rp2040::usb::Answer::send, rp2040::usb::Effect::none, 0, reply};
+    }
+    bool received(std::span<const std::uint8_t>) const { return false; }
+    std::uint8_t address() const { return 0; }
+  };
+  for (const std::size_t size : {0u, 1u, 63u, 64u, 65u, 128u, 192u}) {
+    for (const std::uint16_t asked : std::array<std::uint16_t, 7>{1, 63, 64, 65, 128, 129, 255}) {
+      SCOPED_TRACE(testing::Message() << size << " bytes, asked for " << asked);
+      FakeUsb usb;
+      Requests requests{numbered(size)};
+      rp2040::usb::ControlPipe<FakeUsb, Requests> pipe(usb, requests);
+      usb.setup(UsbHost::packet(to_host, 6, 0, 0, asked));
+      pipe.on_setup([](const rp2040::usb::Reaction&) {});
+      std::vector<std::size_t> packets;
+      Bytes data;
+      bool data1 = false;
+      while (usb.in(0, data, data1) == Handshake::ack) {
+        EXPECT_EQ(data1, packets.size() % 2 == 0);
+        packets.push_back(data.size());
+        pipe.on_in_done();
+      }
+      std::vector<std::size_t> expected;
+      std::size_t left = std::min<std::size_t>(size, asked);
+      for (; left >= 64; left -= 64) expected.push_back(64);
+      if (left != 0 || size < asked) expected.push_back(left);
+      EXPECT_EQ(packets, expected);
+      EXPECT_EQ(usb.out(0, true, {}), Handshake::ack);
+    }
+  }
+}
+
+TEST(UsbControl, HostMayEndTheDataStageEarly) {
+  UsbHost host;
+  host.reset();
+  host.usb.setup(UsbHost::packet(to_host, 6, 0x0200, 0, 75));
+  host.serve();
+  EXPECT_EQ(host.usb.out(0, true, {}), Handshake::ack);
+  host.serve();
+  Bytes data;
+  bool data1 = false;
+  EXPECT_EQ(host.usb.in(0, data, data1), Handshake::nak);
+  EXPECT_EQ(host.control(to_host, 6, 0x0100, 0, 18).data.size(), 18u);
+}
+
+TEST(UsbControl, LineCodingIsKeptAndNothingElseHappens) {
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  const Bytes coding = {0xB0, 0x04, 0, 0, 0, 0, 8};  // 1200 baud
+  EXPECT_EQ(host.control(class_out, 0x20, 0, 0, 7, coding).handshake, Handshake::ack);
+  EXPECT_EQ(host.control(class_in, 0x21, 0, 0, 7).data, coding);
+  EXPECT_EQ(host.control(class_in, 0x21, 0, 0, 64).data, coding);
+  EXPECT_EQ(host.control(class_in, 0x21, 0, 0, 3).data, Bytes(coding.begin(), coding.begin() + 3));
+  const std::uint32_t generation = host.serial.generation();
+  for (const std::uint16_t lines : std::array<std::uint16_t, 6>{3, 0, 1, 2, 0, 3})
+    host.control(class_out, 0x22, lines, 0, 0);
+  EXPECT_EQ(host.serial.opened(), 3u);
+  EXPECT_TRUE(host.serial.dtr());
+  EXPECT_EQ(host.serial.generation(), generation);
+  EXPECT_TRUE(host.serial.configured());
+  EXPECT_EQ(host.usb.address, 7);
+  ASSERT_EQ(host.control(0, 9, 1, 0, 0).handshake, Handshake::ack);
+  EXPECT_FALSE(host.serial.dtr());
+  // Data of the wrong length: refused, the old ones stay.
+  EXPECT_EQ(host.control(class_out, 0x20, 0, 0, 8, numbered(8)).handshake, Handshake::stall);
+  EXPECT_EQ(host.control(class_out, 0x20, 0, 0, 7, numbered(5)).handshake, Handshake::stall);
+  EXPECT_EQ(host.control(class_in, 0x21, 0, 0, 7).data, coding);
+}
+
+TEST(UsbControl, HaltAndItsEnd) {
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  // One packet each way, so that toggles and turns are odd.
+  ASSERT_EQ(host.bulk_out(numbered(5)), Handshake::ack);
+  host.serial.write(numbered(3));
+  host.serve();
+  ASSERT_EQ(host.bulk_in().data, numbered(3));
+  host.serial.write(numbered(70, 5));
+  host.serve();
+  for (const std::uint16_t endpoint : std::array<std::uint16_t, 3>{0x02, 0x82, 0x81}) {
+    EXPECT_EQ(host.control(endpoint_out, 3, 0, endpoint, 0).handshake, Handshake::ack);
+    EXPECT_EQ(host.control(endpoint_in, 0, 0, endpoint, 2).data, (Bytes{1, 0}));
+  }
+  EXPECT_EQ(host.bulk_out(numbered(5)), Handshake::stall);
+  EXPECT_EQ(host.bulk_in().handshake, Handshake::stall);
+  Bytes none;
+  bool data1 = false;
+  EXPECT_EQ(host.usb.in(1, none, data1), Handshake::stall);
+  for (const std::uint16_t endpoint : std::array<std::uint16_t, 3>{0x02, 0x82, 0x81}) {
+    EXPECT_EQ(host.control(endpoint_out, 1, 0, endpoint, 0).handshake, Handshake::ack);
+    EXPECT_EQ(host.control(endpoint_in, 0, 0, endpoint, 2).data, (Bytes{0, 0}));
+  }
+  host.clear_toggles();
+  EXPECT_EQ(host.usb.in(1, none, data1), Handshake::nak);
+  Bytes got;
+  for (int i = 0; i < 3; ++i) {
+    const auto packet = host.bulk_in();
+    got.insert(got.end(), packet.data.begin(), packet.data.end());
+  }
+  EXPECT_EQ(got, numbered(70, 5));
+  for (unsigned i = 0; i < 5; ++i) ASSERT_EQ(host.bulk_out(numbered(64, i)), Handshake::ack);
+  EXPECT_EQ(read_all(host).size(), 5u + 5 * 64u);
+  EXPECT_EQ(host.usb.sequence_errors, 0);
+  EXPECT_EQ(host.serial.counters().resynchronised, 0u);
+}
+
+TEST(UsbControl, ClearFeatureAndSetInterfaceRestartToggles) {
+  for (const bool by_interface : {false, true}) {
+    UsbHost host;
+    ASSERT_TRUE(host.enumerate());
+    Bytes sent;
+    for (unsigned round = 0; round < 9; ++round) {
+      for (unsigned i = 0; i <= round % 3; ++i) {
+        const Bytes packet = numbered(10 + round, i);
+        ASSERT_EQ(host.bulk_out(packet), Handshake::ack);
+        sent.insert(sent.end(), packet.begin(), packet.end());
+        host.serial.write(packet);
+        host.serve();
+        ASSERT_EQ(host.bulk_in().data, packet);
+      }
+      if (by_interface) {
+        ASSERT_EQ(host.control(interface_out, 11, 0, 1, 0).handshake, Handshake::ack);
+      } else {
+        ASSERT_EQ(host.control(endpoint_out, 1, 0, 0x02, 0).handshake, Handshake::ack);
+        ASSERT_EQ(host.control(endpoint_out, 1, 0, 0x82, 0).handshake, Handshake::ack);
+      }
+      host.clear_toggles();
+    }
+    EXPECT_EQ(read_all(host), sent);
+    EXPECT_EQ(host.usb.sequence_errors, 0);
+  }
+}
+
+TEST(UsbControl, AnUnusedConnectionMayBeRestarted) {
+  UsbHost host;
+  for (int round = 0; round < 3; ++round) {
+    ASSERT_TRUE(host.enumerate());
+    // The controller is left at buffer 1 each time.
+    host.serial.write(numbered(3));
+    ASSERT_EQ(host.control(endpoint_out, 1, 0, 0x02, 0).handshake, Handshake::ack);
+    ASSERT_EQ(host.control(endpoint_out, 1, 0, 0x82, 0).handshake, Handshake::ack);
+    host.clear_toggles();
+    ASSERT_EQ(host.bulk_in().data, numbered(3));
+    ASSERT_EQ(host.bulk_out(numbered(4)), Handshake::ack);
+    ASSERT_EQ(read_all(host), numbered(4));
+  }
+  EXPECT_EQ(host.serial.counters().resynchronised, 0u);
+}
+
+TEST(UsbControl, GarbageNeverWedgesIt) {
+  std::mt19937_64 random(20260);
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  for (int round = 0; round < scaled(20000); ++round) {
+    std::array<std::uint8_t, 8> setup{};
+    for (auto& byte : setup) byte = static_cast<std::uint8_t>(random());
+    if (random() % 2 == 0) {  // near misses
+      setup[0] = std::array<std::uint8_t, 8>{0, 1, 2, 0x80, 0x81, 0x82, 0x21, 0xA1}[random() % 8];
+      setup[1] = static_cast<std::uint8_t>(random() % 2 == 0 ? random() % 13 : 0x20 + random() % 4);
+      for (const std::size_t i : {2u, 4u, 6u}) setup[i] = static_cast<std::uint8_t>(random() % 8);
+      for (const std::size_t i : {3u, 5u, 7u}) setup[i] = static_cast<std::uint8_t>(random() % 4);
+    }
+    host.usb.setup(setup);
+    if (random() % 8 != 0) host.serve();
+    // Some random tokens, as a host that has lost its way.
+    for (std::uint64_t i = random() % 4; i > 0; --i) {
+      Bytes data(random() % 65);
+      bool data1 = random() % 2 == 0;
+      const auto endpoint = static_cast<std::uint8_t>(random() % 3);
+      if (random() % 2 == 0) {
+        host.usb.in(endpoint, data, data1);
+      } else if (data.size() <= 64) {
+        host.usb.out(endpoint, data1, data);
+      }
+      if (random() % 4 != 0) host.serve();
+    }
+    host.serve();
+    if (random() % 16 == 0) {
+      ASSERT_EQ(host.control(to_host, 6, 0x0100, 0, 18).data.size(), 18u);
+    }
+    if (random() % 64 == 0) {
+      ASSERT_TRUE(host.enumerate());
+      const Bytes packet = numbered(1 + random() % 64);
+      ASSERT_EQ(host.bulk_out(packet), Handshake::ack);
+      ASSERT_EQ(read_all(host), packet);
+      host.serial.write(packet);
+      host.serve();
+      ASSERT_EQ(host.bulk_in().data, packet);
+    }
+  }
+}
+
+TEST(UsbBulk, BytesArriveOnceAndInOrder) {
+  std::mt19937_64 random(7);
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  Bytes to_device, at_device, to_host_bytes, at_host;
+  for (int round = 0; round < scaled(20000); ++round) {
+    if (random() % 32 == 0) host.frame(static_cast<std::uint32_t>(random() % 800));
+    const auto in_size = static_cast<std::size_t>(random() % 3 == 0 ? 64 : random() % 65);
+    if (host.serial.available() + in_size < 3000) {
+      const Bytes packet = numbered(in_size, static_cast<unsigned>(random() % 26));
+      // The device may not have looked since the last one: there are two buffers.
+      const Handshake answer = host.bulk_out(packet, random() % 3 != 0);
+      if (answer == Handshake::ack)
+        to_device.insert(to_device.end(), packet.begin(), packet.end());
+      else
+        host.serve();
+    }
+    if (random() % 4 == 0) {
+      Bytes buffer(random() % 300);
+      const std::size_t count = host.serial.read(buffer);
+      at_device.insert(at_device.end(), buffer.begin(),
+                       buffer.begin() + static_cast<std::ptrdiff_t>(count));
+    }
+    const Bytes out = numbered(random() % 100, static_cast<unsigned>(random() % 26));
+    const std::size_t room = host.serial.room();
+    const std::size_t taken = host.serial.write(out);
+    ASSERT_EQ(taken, std::min(out.size(), room));
+    to_host_bytes.insert(to_host_bytes.end(), out.begin(),
+                         out.begin() + static_cast<std::ptrdiff_t>(taken));
+    if (random() % 2 == 0) host.serve();
+    for (std::uint64_t i = random() % 4; i > 0; --i) {
+      const auto packet = host.bulk_in(random() % 2 == 0);
+      at_host.insert(at_host.end(), packet.data.begin(), packet.data.end());
+    }
+  }
+  host.frame();
+  for (int i = 0; i < 200; ++i) {
+    const auto packet = host.bulk_in();
+    at_host.insert(at_host.end(), packet.data.begin(), packet.data.end());
+  }
+  const Bytes rest = read_all(host);
+  at_device.insert(at_device.end(), rest.begin(), rest.end());
+  EXPECT_EQ(at_device, to_device);
+  EXPECT_EQ(at_host, to_host_bytes);
+  const UsbCounters counters = host.serial.counters();
+  EXPECT_EQ(counters.bytes_dropped, 0u);
+  EXPECT_EQ(counters.resynchronised, 0u);
+  EXPECT_GT(counters.packets_received, 1000u);
+}
+
+TEST(UsbBulk, AnEmptyPacketFollowsWholeOnes) {
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  for (const std::size_t size : {1u, 63u, 64u, 65u, 127u, 128u, 129u, 640u, 2048u}) {
+    const Bytes sent = numbered(size);
+    ASSERT_EQ(host.serial.write(sent), size);
+    host.serve();
+    Bytes got;
+    for (;;) {  // as a host reads: up to a short packet
+      const auto packet = host.bulk_in();
+      ASSERT_EQ(packet.handshake, Handshake::ack) << size << " bytes, " << got.size() << " come";
+      got.insert(got.end(), packet.data.begin(), packet.data.end());
+      if (packet.data.size() < 64) break;
+    }
+    EXPECT_EQ(got, sent);
+    EXPECT_EQ(host.bulk_in().handshake, Handshake::nak);
+  }
+}
+
+TEST(UsbBulk, TwoPacketsAreTakenWithoutTheDevice) {
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  for (unsigned i = 0; i < 40; ++i) {
+    EXPECT_EQ(host.bulk_out(numbered(64), false), Handshake::ack);
+    EXPECT_EQ(host.bulk_out(numbered(64), false), Handshake::ack);
+    EXPECT_EQ(host.bulk_out(numbered(64), false), Handshake::nak);
+    host.serve();
+    EXPECT_EQ(read_all(host).size(), 128u);
+  }
+}
+
+TEST(UsbBulk, AFullRingNeverMakesTheHostWait) {
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  Bytes line = numbered(63);
+  line.push_back('\n');
+  for (int i = 0; i < 500; ++i) ASSERT_EQ(host.bulk_out(line), Handshake::ack);
+  const std::uint8_t feed_hold = '!';
+  ASSERT_EQ(host.bulk_out(std::span(&feed_hold, 1)), Handshake::ack);
+  for (int i = 0; i < 500; ++i) ASSERT_EQ(host.bulk_out(line), Handshake::ack);
+  const std::uint32_t dropped = host.serial.counters().bytes_dropped;
+  const Bytes got = read_all(host);
+  const auto marks = std::count(got.begin(), got.end(), rp2040::gap_mark);
+  EXPECT_EQ(got.size() - static_cast<std::size_t>(marks) + dropped, 1000u * 64 + 1);
+  EXPECT_EQ(std::count(got.begin(), got.end(), '!'), 1) << "a hold is never dropped";
+  EXPECT_LE(host.serial.counters().gaps, 2u);
+  // The next line is marked: what is missing before it must not become part of it.
+  ASSERT_EQ(host.bulk_out(line), Handshake::ack);
+  const Bytes after = read_all(host);
+  ASSERT_EQ(after.size(), 65u);
+  EXPECT_EQ(after.front(), rp2040::gap_mark);
+  ASSERT_EQ(host.bulk_out(line), Handshake::ack);
+  EXPECT_EQ(read_all(host), line);
+}
+
+TEST(UsbBulk, NothingIsHandedOverLateInAFrame) {
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  for (std::uint32_t offset = 0; offset < 1000; offset += 7) {
+    host.frame(offset);
+    ASSERT_EQ(host.serial.write(numbered(10)), 10u);
+    host.serve();
+    const bool late = offset >= 800;
+    EXPECT_EQ(host.bulk_in().handshake, late ? Handshake::nak : Handshake::ack) << offset;
+    if (!late) continue;
+    host.serial.poll();
+    host.serve();
+    EXPECT_EQ(host.bulk_in().handshake, Handshake::nak);
+    host.frame();
+    EXPECT_EQ(host.bulk_in().data, numbered(10));
+  }
+  // Lost starts of frame; no frames at all.
+  for (const std::uint32_t since : {999u, 1000u, 1799u, 1800u, 1999u, 2000u, 2799u, 2800u, 2999u,
+                                    3000u, 1'000'000u, 0xffffffffu}) {
+    EXPECT_EQ(rp2040::late_in_frame(since), since < 3000 && since % 1000 >= 800) << since;
+  }
+}
+
+TEST(UsbBulk, ANewConnectionStartsEmpty) {
+  std::mt19937_64 random(3);
+  UsbHost host;
+  for (int round = 0; round < scaled(300); ++round) {
+    const std::uint32_t generation = host.serial.generation();
+    ASSERT_TRUE(host.enumerate());
+    EXPECT_NE(host.serial.generation(), generation);
+    EXPECT_EQ(host.serial.available(), 0u);
+    EXPECT_EQ(host.serial.room(), host.serial.send_capacity);
+    EXPECT_EQ(host.bulk_in().handshake, Handshake::nak);
+    // Leave it in the middle of something.
+    for (std::uint64_t i = random() % 5; i > 0; --i) {
+      host.bulk_out(numbered(1 + random() % 64), random() % 2 == 0);
+      host.serial.write(numbered(random() % 200));
+      if (random() % 2 == 0) host.serve();
+      if (random() % 2 == 0) host.bulk_in(false);
+      Bytes some(random() % 50);
+      host.serial.read(some);
+    }
+    if (random() % 2 == 0) {
+      host.usb.suspend();
+      host.serve();
+      EXPECT_TRUE(host.serial.suspended());
+    }
+  }
+  host.reset();
+  EXPECT_FALSE(host.serial.configured());
+  EXPECT_EQ(host.serial.write(numbered(5)), 0u);
+  EXPECT_EQ(host.serial.room(), 0u);
+  EXPECT_EQ(host.bulk_out(numbered(5)), Handshake::silence);
+}
+
+TEST(UsbSuspend, ComesAndGoes) {
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  host.frame();
+  EXPECT_FALSE(host.serial.suspended());
+  host.usb.suspend();
+  host.serve();
+  EXPECT_TRUE(host.serial.suspended());
+  EXPECT_TRUE(host.serial.configured());
+  host.usb.resume();
+  host.serve();
+  EXPECT_FALSE(host.serial.suspended());
+  host.usb.suspend();
+  host.serve();
+  host.usb.sie_status &= ~rp2040::usb_field::status_suspended;
+  host.frame();  // a resume that was not seen
+  EXPECT_FALSE(host.serial.suspended());
+  EXPECT_EQ(host.serial.counters().suspends, 2u);
+  ASSERT_EQ(host.bulk_out(numbered(5)), Handshake::ack);
+  EXPECT_EQ(read_all(host), numbered(5));
+}
+
+TEST(UsbErrata, OldChipsAreHelpedOutOfAReset) {
+  UsbHost host;
+  host.usb.old_chip = true;
+  host.usb.sie_status &= ~(3u << 2);  // SE0: the reset goes on
+  host.reset();
+  host.serial.poll();
+  EXPECT_FALSE(host.usb.held);
+  host.usb.sie_status |= 1u << 2;
+  host.usb.now_us += 1000;
+  host.serial.poll();
+  EXPECT_TRUE(host.usb.held);
+  host.usb.now_us += 900;
+  host.serial.poll();
+  EXPECT_TRUE(host.usb.held);
+  host.usb.now_us += 100;
+  host.serial.poll();
+  EXPECT_FALSE(host.usb.held);
+  host.usb.now_us += 1000;
+  host.serial.poll();
+  EXPECT_EQ(host.usb.holds, 1);
+
+  UsbHost newer;
+  newer.reset();
+  newer.serial.poll();
+  EXPECT_EQ(newer.usb.holds, 0);
+}
+
+TEST(UsbRings, ReceiveKeepsEveryByteAtEveryPosition) {
+  std::mt19937_64 random(11);
+  rp2040::ReceiveRing<256> ring;
+  std::deque<std::uint8_t> expected;
+  for (int round = 0; round < scaled(20000); ++round) {
+    const auto size = static_cast<std::uint32_t>(1 + random() % 64);
+    if (expected.size() + size <= 256 - 64 - 8) {
+      std::array<std::uint32_t, 16> words{};
+      for (auto& word : words) word = static_cast<std::uint32_t>(random()) & 0x7f7f7f7fu;
+      ring.push_packet(words.data(), size);
+      for (std::uint32_t i = 0; i < size; ++i)
+        expected.push_back(static_cast<std::uint8_t>(words[i / 4] >> (8 * (i % 4))));
+    } else if (random() % 2 == 0 && expected.size() < 256 - 64 - 8) {
+      ring.push_byte('b');
+      expected.push_back('b');
+    }
+    ASSERT_EQ(ring.size(), expected.size());
+    std::array<std::uint8_t, 80> out{};
+    const std::size_t count = ring.pop(std::span(out).first(random() % 80));
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_EQ(out[i], expected.front());
+      expected.pop_front();
+    }
+  }
+  EXPECT_EQ(ring.losses().bytes, 0u);
+}
+
+TEST(UsbRings, OverflowKeepsRealtimeBytesAndMarksTheGap) {
+  rp2040::ReceiveRing<256> ring;
+  const std::string flood =
+      "G1X1\nG1X2\nG1X3\n!!!~~~?"
+      "??"
+      "?!!\x18";
+  for (int i = 0; i < 40; ++i)
+    for (const char c : flood) ring.push_byte(static_cast<std::uint8_t>(c));
+  std::array<std::uint8_t, 256> out{};
+  const std::size_t size = ring.pop(out);
+  ASSERT_GT(size, 200u);
+  // Behind what fitted whole there are real-time bytes only, in their order, without repeats.
+  const Bytes tail(out.begin() + 184, out.begin() + static_cast<std::ptrdiff_t>(size));
+  for (std::size_t i = 1; i < tail.size(); ++i) EXPECT_NE(tail[i], tail[i - 1]);
+  EXPECT_EQ(std::count_if(tail.begin(), tail.end(), wire::is_realtime),
+            static_cast<std::ptrdiff_t>(tail.size()));
+  ring.push_byte('A');
+  EXPECT_EQ(ring.pop(out), 2u);
+  EXPECT_EQ(out[0], rp2040::gap_mark);
+  EXPECT_EQ(out[1], 'A');
+}
+
+TEST(UsbRings, TheMarkSpoilsTheLineAndTheFrame) {
+  struct Events {
+    int lines = 0, lost = 0, frames = 0, bad = 0;
+    void on_realtime(std::uint8_t) {}
+    void on_frame(std::span<const std::uint8_t>) { ++frames; }
+    void on_bad_frame() { ++bad; }
+    void on_line(std::string_view) { ++lines; }
+    void on_lost_line() { ++lost; }
+  } events;
+  wire::StreamParser<wire::End::device> parser;
+  for (const char c : std::string("G1X1\x7f"
+                                  "5\nG1X2\n"))
+    parser.push(static_cast<std::uint8_t>(c), events);
+  EXPECT_EQ(events.lost, 1);
+  EXPECT_EQ(events.lines, 1);
+  std::array<std::uint8_t, wire::max_frame> frame{};
+  const Bytes content = numbered(30);
+  const std::size_t size = wire::encode_frame(content, frame);
+  for (std::size_t i = 0; i < size; ++i) {
+    if (i == 10) parser.push(rp2040::gap_mark, events);
+    if (i < 10 || i > 13) parser.push(frame[i], events);
+  }
+  EXPECT_EQ(events.frames, 0);
+  EXPECT_EQ(events.bad, 1);
+}
+
+}  // namespace
+}  // namespace lamplock::test

@@ -1,0 +1,724 @@
+// PIO timing to the cycle, by the rules of the RP2040 datasheet, chapter 3.
+#include "tests/chip/pio_rig.hpp"
+
+namespace lamplock::test::pio {
+namespace {
+
+using Longs = std::vector<long>;
+
+// Machine 0 runs `program`; SET writes pin 0. What its pin does, from the first instruction on.
+struct OneMachine {
+  explicit OneMachine(const std::vector<Word>& program, std::uint32_t shift = both_right,
+                      std::uint32_t exec_bits = 0)
+      : OneMachine(program, Pins{.set_base = 0, .set_count = 1}, shift, exec_bits) {}
+  OneMachine(const std::vector<Word>& program, const Pins& pin_map, std::uint32_t shift,
+             std::uint32_t exec_bits) {
+    rig.connect(0, 8);
+    rig.machine(0, program, pin_map, 0, 0, shift, exec_bits);
+  }
+  /// Starts it; edges and times are relative to the cycle of the first instruction.
+  void start() { first = rig.start(1); }
+  Longs edges(unsigned number = 0) const { return rig.edges_of(number, first); }
+  void run_to(long cycle) { rig.run_to(first + static_cast<Cycle>(cycle)); }
+  Rig rig;
+  Cycle first = 0;
+};
+
+TEST(PioTiming, OutputAppearsInTheCycleAfterTheInstruction) {
+  OneMachine m({set(pins, 1), set(pins, 0, 3), nop(1)});
+  m.start();
+  m.run_to(20);
+  // Instructions in 0, 1 (4 cycles), 5 (2 cycles), 7, ...
+  EXPECT_EQ(m.edges(), (Longs{1, 2, 8, 9, 15, 16}));
+}
+
+// Cycles that each kind of instruction takes when it does not stall: pin up, it, pin down.
+TEST(PioTiming, EveryInstructionTakesOneCycleAndItsDelay) {
+  const std::vector<Word> instructions = {jmp(always, 2),
+                                          jmp(not_x, 2),
+                                          jmp(x_dec, 2),
+                                          jmp(not_y, 2),
+                                          jmp(y_dec, 2),
+                                          jmp(x_ne_y, 2),
+                                          jmp(pin, 2),
+                                          jmp(not_osre, 2),
+                                          wait(0, gpio_source, 20),
+                                          wait(0, pin_source, 20),
+                                          wait(0, irq_source, 3),
+                                          in(pins, 3),
+                                          in(x, 32),
+                                          in(null, 1),
+                                          in(isr, 5),
+                                          in(osr, 8),
+                                          out(pins, 1),
+                                          out(x, 7),
+                                          out(y, 32),
+                                          out(null, 1),
+                                          out(pindirs, 1),
+                                          out(isr, 4),
+                                          push(),
+                                          push(true),
+                                          push(false, false),
+                                          pull(false, false),
+                                          pull(true, false),
+                                          mov(x, y),
+                                          mov(y, x, 1),
+                                          mov(isr, x, 2),
+                                          mov(osr, null),
+                                          mov(x, status),
+                                          mov(pins, null),
+                                          irq_set(1),
+                                          irq_clear(1),
+                                          set(x, 5),
+                                          set(y, 31),
+                                          set(pindirs, 1)};
+  for (const Word word : instructions)
+    for (const unsigned delay : {0u, 1u, 7u, 31u}) {
+      OneMachine m({set(pins, 1), with(word, delay), set(pins, 0, 31)});
+      m.start();
+      m.run_to(60);
+      const Longs edges = m.edges();
+      ASSERT_GE(edges.size(), 2u) << word;
+      EXPECT_EQ(edges[0], 1) << word;
+      EXPECT_EQ(edges[1], 2 + 1 + static_cast<long>(delay)) << word;
+    }
+}
+
+TEST(PioTiming, ExecInstructionTakesTwoCyclesAndItsOwnDelayIsIgnored) {
+  // X holds `set pins, 0` with a delay of 2; the delay of MOV EXEC does not count.
+  OneMachine m({set(pins, 1), mov(mov_exec, x, 0, 9), set(pins, 1), jmp(always, 3)});
+  m.rig.pio(txf, set(pins, 0, 2));
+  m.rig.pio(instr, pull());
+  m.rig.run(2);
+  m.rig.pio(instr, mov(x, osr));
+  m.rig.run(2);
+  m.start();
+  m.run_to(30);
+  // 0 set, 1 MOV EXEC, 2 executed with delay to 4, 5 set.
+  EXPECT_EQ(m.edges(), (Longs{1, 3, 6}));
+}
+
+TEST(PioTiming, PinIsSeenTwoCyclesLater) {
+  OneMachine m({wait(1, gpio_source, 20), set(pins, 1), wait(0, gpio_source, 20), set(pins, 0)});
+  m.start();
+  m.run_to(100);
+  m.rig.drive(20, true);
+  m.run_to(200);
+  m.rig.drive(20, false);
+  m.run_to(300);
+  EXPECT_EQ(m.edges(), (Longs{104, 204}));  // wait +2, set +3, pad +4
+}
+
+TEST(PioTiming, PulseOfOneCycleIsSeen) {
+  OneMachine m({wait(1, gpio_source, 20), set(pins, 1), jmp(always, 2)});
+  m.start();
+  m.run_to(100);
+  m.rig.drive(20, true);
+  m.run_to(101);
+  m.rig.drive(20, false);
+  m.run_to(300);
+  EXPECT_EQ(m.edges(), (Longs{104}));
+}
+
+TEST(PioTiming, BypassSavesTheFlipFlops) {
+  OneMachine m({wait(1, gpio_source, 20), set(pins, 1), jmp(always, 2)});
+  m.rig.pio(bypass, 1u << 20);
+  m.start();
+  m.run_to(100);
+  m.rig.drive(20, true);  // after the machines have run cycle 100
+  m.run_to(200);
+  EXPECT_EQ(m.edges(), (Longs{103}));
+}
+
+TEST(PioTiming, FractionalDividerSpreadsByFirstOrderDelta) {
+  // 2.25: periods of 2 2 2 3; toggling pin.
+  OneMachine m({set(pins, 1), set(pins, 0)});
+  m.rig.pio(clkdiv, 2u << 16 | 64u << 8);
+  m.start();
+  m.run_to(30);
+  EXPECT_EQ(m.edges(), (Longs{1, 3, 5, 7, 10, 12, 14, 16, 19, 21, 23, 25, 28, 30}));
+}
+
+TEST(PioTiming, DividerZeroMeans65536) {
+  OneMachine m({set(pins, 1), set(pins, 0)});
+  m.rig.pio(clkdiv, 0);
+  m.start();
+  m.run_to(3 * 65536);
+  EXPECT_EQ(m.edges(), (Longs{1, 65537, 131073}));
+}
+
+TEST(PioTiming, DividersRestartTogether) {
+  Rig rig;
+  rig.connect(0, 2);
+  rig.machine(0, {set(pins, 1), set(pins, 0)}, Pins{.set_base = 0, .set_count = 1}, 0);
+  rig.machine(1, {set(pins, 1), set(pins, 0)}, Pins{.set_base = 1, .set_count = 1}, 2);
+  rig.pio(sm(0, clkdiv), 37u << 16);
+  rig.run(11);
+  rig.pio(sm(1, clkdiv), 37u << 16);
+  rig.run(1000);
+  const Cycle first = rig.start(3);
+  rig.run(500);
+  EXPECT_EQ(rig.edges_of(0, first), rig.edges_of(1, first));
+}
+
+TEST(PioTiming, CountingLoopsTakeWhatTheyCount) {
+  for (const unsigned count : {0u, 1u, 5u, 31u})
+    for (const unsigned delay : {0u, 3u}) {
+      OneMachine m(
+          {set(x, count), set(pins, 1), jmp(x_dec, 2, delay), set(pins, 0), jmp(always, 4)});
+      m.start();
+      m.run_to(400);
+      const long loop = (static_cast<long>(count) + 1) * (1 + static_cast<long>(delay));
+      EXPECT_EQ(m.edges(), (Longs{2, 3 + loop}));
+    }
+}
+
+TEST(PioTiming, LongCountIsExactAndCheap) {
+  OneMachine m({pull(), mov(x, osr), set(pins, 1), jmp(x_dec, 3, 1), set(pins, 0), jmp(always, 5)});
+  m.rig.pio(txf, 0xffff'ffffu);
+  m.start();
+  m.run_to(20'000'000'000);
+  EXPECT_EQ(m.edges(), (Longs{3, 4 + (1L << 33)}));
+}
+
+TEST(PioTiming, DecrementHappensWhetherItJumpsOrNot) {
+  OneMachine m({set(x, 0), jmp(x_dec, 0), in(x, 32), push(), jmp(always, 4)});
+  m.start();
+  m.run_to(10);
+  EXPECT_EQ(m.rig.look(rxf), 0xffff'ffffu);
+}
+
+// ---------------------------------------------------------------------------------------------
+// FIFOs and shift registers
+
+TEST(PioFifo, PullStallsUntilAWordComes) {
+  OneMachine m({pull(), set(pins, 1), jmp(always, 2)});
+  m.start();
+  m.run_to(50);
+  EXPECT_EQ(m.rig.look(fdebug), 1u << 24);
+  m.rig.pio(txf, 1);  // written in 50: pull 51, set 52, pad 53
+  m.run_to(60);
+  EXPECT_EQ(m.edges(), (Longs{53}));
+}
+
+TEST(PioFifo, StallFlagsComeBackWhileTheStallLasts) {
+  OneMachine m({pull(), jmp(always, 1)});
+  m.start();
+  m.run_to(50);
+  m.rig.pio(fdebug, ~0u);
+  EXPECT_EQ(m.rig.look(fdebug), 0u);
+  m.rig.run(1);
+  EXPECT_EQ(m.rig.look(fdebug), 1u << 24);
+}
+
+TEST(PioFifo, PullNoBlockTakesX) {
+  OneMachine m({set(x, 21), pull(false, false), mov(isr, osr), push(), jmp(always, 4)});
+  m.start();
+  m.run_to(10);
+  EXPECT_EQ(m.rig.look(rxf), 21u);
+  EXPECT_EQ(m.rig.look(fdebug), 0u);
+}
+
+TEST(PioFifo, PushStallsOrDrops) {
+  for (const bool block : {true, false}) {
+    OneMachine m(
+        {set(x, 7), in(x, 32), push(false, block), set(pins, 1), set(pins, 0), jmp(always, 1)});
+    m.start();
+    m.run_to(200);
+    EXPECT_EQ(m.rig.look(fdebug), 1u);
+    EXPECT_EQ(m.rig.look(flevel), 4u << 4);
+    const Longs edges = m.edges();
+    if (!block) {
+      EXPECT_GT(edges.size(), 60u);
+      continue;
+    }
+    EXPECT_EQ(edges.size(), 8u);
+    EXPECT_EQ(m.rig.look(rxf), 7u);  // popped in 200: push 201, set 202, pad 203
+    m.run_to(300);
+    ASSERT_EQ(m.edges().size(), 10u);
+    EXPECT_EQ(m.edges()[8], 203);
+  }
+}
+
+TEST(PioFifo, AutopullKeepsFullRate) {
+  // 32 bits in OUTs of 8: no cycle is lost between words as long as the FIFO has one.
+  OneMachine m({out(pins, 8)}, Pins{.out_base = 0, .out_count = 1}, both_right | 1u << 17, 0);
+  for (const std::uint32_t word : {0x00010001u, 0x00010001u, 0x00010001u}) m.rig.pio(txf, word);
+  m.start();
+  m.run_to(40);
+  // The first OUT finds an empty OSR: one cycle to fill it.
+  EXPECT_EQ(m.edges(), (Longs{2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}));
+  EXPECT_EQ(m.rig.look(fdebug), 1u << 24);
+}
+
+TEST(PioFifo, AutopullFillsInTheBackground) {
+  // While something else executes the OSR fills, so the OUT does not lose a cycle.
+  OneMachine m({nop(3), out(pins, 32), set(y, 1)}, Pins{.out_base = 0, .out_count = 1},
+               both_right | 1u << 17, 0);
+  m.start();
+  m.run_to(2);  // in the delay of the first instruction
+  m.rig.pio(txf, 1);
+  m.run_to(3);
+  EXPECT_EQ(m.rig.look(flevel), 0u);  // taken in cycle 3, a tick of the delay
+  m.run_to(20);
+  EXPECT_EQ(m.edges(), (Longs{5}));  // OUT in cycle 4
+}
+
+TEST(PioFifo, AutopullThresholdAndPullAsFence) {
+  // Threshold 8: one OUT of 8 bits a word. PULL does nothing while there is data.
+  OneMachine m({pull(), out(x, 8), mov(isr, x), push(), jmp(always, 0)},
+               both_right | 1u << 17 | 8u << 25);
+  for (const std::uint32_t word : {0x11u, 0x22u, 0x33u}) m.rig.pio(txf, word);
+  m.start();
+  m.run_to(60);
+  EXPECT_EQ(m.rig.look(rxf), 0x11u);
+  EXPECT_EQ(m.rig.look(rxf), 0x22u);
+  EXPECT_EQ(m.rig.look(rxf), 0x33u);
+  EXPECT_EQ(m.rig.look(flevel), 0u);
+}
+
+TEST(PioFifo, AutopushAtThreshold) {
+  for (const bool right : {true, false}) {
+    OneMachine m({set(x, 5), in(x, 4), jmp(always, 1)},
+                 1u << 16 | 12u << 20 | (right ? 1u << 18 : 0u) | 1u << 19);
+    m.start();
+    m.run_to(30);
+    EXPECT_EQ(m.rig.look(rxf), right ? 0x5550'0000u : 0x555u);
+    EXPECT_EQ(m.rig.look(fdebug) & 0xfu, 1u);  // four words, then it stalls
+  }
+}
+
+TEST(PioFifo, OutDirections) {
+  for (const bool right : {true, false}) {
+    OneMachine m({pull(), out(isr, 12), push(), out(isr, 8), push(), jmp(always, 5)},
+                 1u << 18 | (right ? 1u << 19 : 0u));
+    m.rig.pio(txf, 0x1234'5678);
+    m.start();
+    m.run_to(20);
+    EXPECT_EQ(m.rig.look(rxf), right ? 0x678u : 0x123u);
+    EXPECT_EQ(m.rig.look(rxf), right ? 0x45u : 0x45u);
+  }
+}
+
+TEST(PioFifo, IfEmptyAndIfFull) {
+  OneMachine m({pull(true), out(x, 16), pull(true), out(y, 16), pull(true), in(y, 16), push(true),
+                in(x, 16), push(true), jmp(always, 9)});
+  m.rig.pio(txf, 0xaaaa'bbbbu);
+  m.rig.pio(txf, 0xccccu);
+  m.start();
+  m.run_to(30);
+  EXPECT_EQ(m.rig.look(flevel), 1u << 4);  // both words pulled, one pushed
+  EXPECT_EQ(m.rig.look(rxf), 0xbbbb'aaaau);
+}
+
+TEST(PioFifo, JoinGivesEightAndFlushes) {
+  Rig rig;
+  rig.pio(txf, 1);
+  rig.pio(shiftctrl, both_right | 1u << 30);
+  EXPECT_EQ(rig.look(flevel), 0u);
+  for (int i = 0; i < 8; ++i) rig.pio(txf, 1);
+  EXPECT_EQ(rig.look(flevel), 8u);
+  EXPECT_EQ(rig.look(fdebug), 0u);
+  rig.pio(txf, 1);
+  EXPECT_EQ(rig.look(fdebug), 1u << 16);
+  EXPECT_EQ(rig.look(flevel), 8u);
+  rig.look(rxf);
+  EXPECT_EQ(rig.look(fdebug), 1u << 16 | 1u << 8);
+  rig.pio(fdebug, 1u << 8);
+  EXPECT_EQ(rig.look(fdebug), 1u << 16);
+}
+
+TEST(PioFifo, StatusComparesALevel) {
+  for (const unsigned words : {0u, 2u, 3u}) {
+    OneMachine m({mov(isr, status), push(), jmp(always, 2)}, both_right, 3u);  // TX level < 3
+    for (unsigned i = 0; i < words; ++i) m.rig.pio(txf, 0);
+    m.start();
+    m.run_to(10);
+    EXPECT_EQ(m.rig.look(rxf), words < 3 ? ~0u : 0u);
+  }
+}
+
+TEST(PioFifo, MovOperations) {
+  OneMachine m({pull(), mov(isr, osr), push(), mov(isr, osr, 1), push(), mov(isr, osr, 2), push(),
+                jmp(always, 7)});
+  m.rig.pio(txf, 0x8000'0123u);
+  m.start();
+  m.run_to(20);
+  EXPECT_EQ(m.rig.look(rxf), 0x8000'0123u);
+  EXPECT_EQ(m.rig.look(rxf), 0x7fff'fedcu);
+  EXPECT_EQ(m.rig.look(rxf), 0xc480'0001u);
+}
+
+TEST(PioFifo, InPinsRotatesByBase) {
+  OneMachine m({in(pins, 4), push(), jmp(always, 2)}, Pins{.in_base = 20}, 0, 0);
+  m.rig.drive(20, true);
+  m.rig.drive(22, true);
+  m.rig.run(3);
+  m.start();
+  m.run_to(10);
+  EXPECT_EQ(m.rig.look(rxf), 5u);
+}
+
+// ---------------------------------------------------------------------------------------------
+// Side-set, several machines, flags
+
+TEST(PioSideSet, HappensAtOnceEvenIfTheInstructionStalls) {
+  // Two side-set bits, one of them the enable.
+  const auto side = [](Word word, unsigned v) { return with(word, (2u | v) << 3); };
+  OneMachine m({nop(), side(pull(), 1), nop(), side(nop(), 0), jmp(always, 4)},
+               Pins{.side_base = 2, .side_count = 2}, both_right, 1u << 30);
+  m.start();
+  m.run_to(40);
+  EXPECT_EQ(m.edges(2), (Longs{2}));
+  m.rig.pio(txf, 0);
+  m.run_to(60);
+  EXPECT_EQ(m.edges(2), (Longs{2, 44}));  // pull 41, nop 42, side 43, pad 44
+}
+
+TEST(PioSideSet, WinsOverSetAndCanDriveDirections) {
+  OneMachine m({with(set(pins, 1), 0u << 4)},
+               Pins{.set_base = 0, .side_base = 0, .set_count = 2, .side_count = 1}, both_right, 0);
+  m.start();
+  m.run_to(10);
+  EXPECT_TRUE(m.edges().empty());
+  OneMachine d({with(nop(), 1u << 4), with(nop(), 0)}, Pins{.side_base = 5, .side_count = 1},
+               both_right, 1u << 29);
+  d.start();
+  d.run_to(1);
+  EXPECT_EQ(d.rig.look(padoe) >> 5 & 1u, 0u);
+  d.run_to(2);
+  EXPECT_EQ(d.rig.look(padoe) >> 5 & 1u, 1u);
+}
+
+TEST(PioPins, HighestMachineWins) {
+  Rig rig;
+  rig.connect(0, 1);
+  const Pins map{.set_base = 0, .set_count = 1};
+  rig.machine(0, {set(pins, 1), set(pins, 1), set(pins, 1)}, map, 0);
+  rig.machine(2, {set(pins, 0), nop(), set(pins, 1)}, map, 4);
+  const Cycle first = rig.start(5);
+  rig.run(6);
+  EXPECT_EQ(rig.edges_of(0, first), (Longs{2, 4, 5}));
+}
+
+TEST(PioPins, StickyAssertsAgainAndInlineEnableTakesItBack) {
+  // Machine 1 is sticky and higher: machine 0 cannot change the pin until the enable bit is 0.
+  Rig rig;
+  rig.connect(0, 1);
+  rig.machine(0, {set(pins, 0, 7)}, Pins{.set_base = 0, .set_count = 1}, 0);
+  rig.machine(1, {out(pins, 2), nop(20), out(pins, 2), jmp(always, 7)},
+              Pins{.out_base = 0, .out_count = 1}, 4, 0, both_right | 1u << 17,
+              1u << 17 | 1u << 18 | 1u << 19);
+  rig.pio(txf + 4, 0b0011);  // first 1 with enable, then 0 without
+  rig.run(1);
+  const Cycle first = rig.start(3);
+  rig.run(60);
+  // OUT in 1 (0 fills the OSR); nop to 22; OUT in 23 lets go; machine 0 writes in 24.
+  EXPECT_EQ(rig.edges_of(0, first), (Longs{2, 25}));
+}
+
+TEST(PioIrq, SetIsSeenInTheNextCycleAndWaitClears) {
+  Rig rig;
+  rig.connect(0, 1);
+  rig.machine(0, {nop(4), irq_set(2), jmp(always, 2)}, Pins{}, 0);
+  rig.machine(1, {wait(1, irq_source, 2), set(pins, 1), jmp(always, 6)},
+              Pins{.set_base = 0, .set_count = 1}, 4);
+  const Cycle first = rig.start(3);
+  rig.run(20);
+  EXPECT_EQ(rig.edges_of(0, first), (Longs{8}));  // set in 5, wait 6, SET 7
+  EXPECT_EQ(rig.look(irq), 0u);
+}
+
+TEST(PioIrq, IrqWaitStallsUntilItIsCleared) {
+  OneMachine m({irq_set(3, true, 2), set(pins, 1), jmp(always, 2)});
+  m.start();
+  m.run_to(50);
+  EXPECT_EQ(m.rig.look(irq), 8u);
+  m.rig.pio(irq, 8);  // seen low in 51, two cycles of delay, SET 54
+  m.run_to(60);
+  EXPECT_EQ(m.edges(), (Longs{55}));
+}
+
+TEST(PioIrq, RelativeAddsTheMachineNumberModuloFour) {
+  Rig rig;
+  rig.machine(3, {irq_set(0x10 | 2), irq_set(0x10 | 6), jmp(always, 2)}, Pins{}, 0);
+  rig.start(8);
+  rig.run(10);
+  EXPECT_EQ(rig.look(irq), 1u << 1 | 1u << 5);
+  rig.pio(irq_force, 0x80);
+  EXPECT_EQ(rig.look(irq), 1u << 1 | 1u << 5 | 0x80u);
+}
+
+TEST(PioIrq, LinesFollowFlagsAndFifos) {
+  Rig rig;
+  const auto line = [&](Irq which) {
+    return (rig.irqs.levels() >> static_cast<unsigned>(which) & 1u) != 0;
+  };
+  EXPECT_EQ(rig.look(intr), 0xf0u);  // TX not full
+  rig.pio(irq0_inte, 1u << 8);
+  rig.pio(irq1_inte, 1u << 1);
+  EXPECT_FALSE(line(Irq::pio0_0));
+  rig.pio(irq_force, 1);
+  EXPECT_TRUE(line(Irq::pio0_0));
+  EXPECT_EQ(rig.look(irq0_ints), 1u << 8);
+  rig.pio(irq, 1);
+  EXPECT_FALSE(line(Irq::pio0_0));
+  rig.machine(1, {push(), jmp(always, 1)}, Pins{});
+  rig.start(2);
+  EXPECT_FALSE(line(Irq::pio0_1));
+  rig.run(1);
+  EXPECT_TRUE(line(Irq::pio0_1));
+  rig.look(rxf + 4);
+  EXPECT_FALSE(line(Irq::pio0_1));
+  rig.pio(irq0_intf, 4);
+  EXPECT_TRUE(line(Irq::pio0_0));
+  EXPECT_EQ(rig.look(irq0_ints), 4u);
+}
+
+// ---------------------------------------------------------------------------------------------
+// Forced instructions, restart, registers
+
+TEST(PioExec, ForcedInstructionIgnoresDividerAndDelayAndKeepsThePlace) {
+  OneMachine m({set(y, 1), jmp(always, 1)});
+  m.rig.pio(clkdiv, 1000u << 16);
+  m.start();
+  m.run_to(500);
+  m.rig.pio(instr, set(pins, 1, 31));
+  m.run_to(502);
+  EXPECT_EQ(m.edges(), (Longs{502}));
+  EXPECT_EQ(m.rig.look(addr), 1u);
+  m.rig.pio(instr, jmp(always, 9));
+  m.rig.run(1);
+  EXPECT_EQ(m.rig.look(addr), 9u);
+}
+
+TEST(PioExec, StalledForcedInstructionIsLatched) {
+  OneMachine m({set(pins, 1), set(pins, 0)});
+  m.rig.pio(instr, pull());
+  m.rig.run(5);
+  EXPECT_NE(m.rig.look(execctrl) >> 31, 0u);
+  m.start();
+  m.run_to(10);
+  EXPECT_TRUE(m.edges().empty());  // the program waits behind it
+  m.rig.pio(txf, 0);               // pull in 11, SET in 12
+  m.run_to(12);
+  EXPECT_EQ(m.rig.look(execctrl) >> 31, 0u);
+  m.run_to(13);
+  EXPECT_EQ(m.edges(), (Longs{13}));
+}
+
+TEST(PioExec, RestartClearsWhatTheDatasheetLists) {
+  OneMachine m({set(x, 3), in(x, 8), out(y, 4), irq_set(1, true, 31), jmp(always, 4)});
+  m.start();
+  m.run_to(20);
+  m.rig.pio(ctrl, 0);
+  m.rig.pio(ctrl, 1u << 4);
+  m.rig.pio(instr, mov(x, isr));  // ISR is 0, X is not otherwise
+  m.rig.run(2);
+  m.rig.pio(instr, in(x, 32));
+  m.rig.run(2);
+  m.rig.pio(instr, push());
+  m.rig.run(2);
+  EXPECT_EQ(m.rig.look(rxf), 0u);
+  EXPECT_EQ(m.rig.look(addr), 3u);
+  EXPECT_EQ(m.rig.look(irq), 2u);
+}
+
+TEST(PioExec, DisabledMachineKeepsItsDelay) {
+  OneMachine m({set(pins, 1, 20), set(pins, 0, 20)});
+  m.start();
+  m.run_to(10);
+  m.rig.pio(ctrl, 0);  // 10 ticks of the delay done
+  m.rig.run(100);
+  m.rig.pio(ctrl, 1);
+  m.rig.run(30);
+  EXPECT_EQ(m.edges(), (Longs{1, 122}));
+}
+
+TEST(PioRegisters, ResetValues) {
+  Rig rig;
+  EXPECT_EQ(rig.look(fstat), 0x0f00'0f00u);
+  EXPECT_EQ(rig.look(cfginfo), 0x0020'0404u);
+  EXPECT_EQ(rig.look(clkdiv), 0x0001'0000u);
+  EXPECT_EQ(rig.look(execctrl), 0x0001'f000u);
+  EXPECT_EQ(rig.look(shiftctrl), 0x000c'0000u);
+  EXPECT_EQ(rig.look(pinctrl), 0x1400'0000u);
+  EXPECT_TRUE(rig.told.empty());
+  rig.look(0x200);
+  EXPECT_EQ(rig.told.size(), 1u);
+}
+
+TEST(PioRegisters, AtomicAliasesWork) {
+  Rig rig;
+  rig.pio(pinctrl + 0x2000, 0x1f);
+  EXPECT_EQ(rig.look(pinctrl), 0x1400'001fu);
+  rig.pio(pinctrl + 0x3000, 0x1000'0001u);
+  EXPECT_EQ(rig.look(pinctrl), 0x0400'001eu);
+}
+
+// ---------------------------------------------------------------------------------------------
+// Kernels of the scheme for ticks and lamp
+
+// TICK: words of (count - 1, low time): OUT count, OUT low; low, then high for 56 - overhead.
+// low + 56 clocks a tick, 2 more for a word.
+std::vector<Word> tick_kernel() {
+  return {
+      out(x, 8),         // ticks of the word - 1
+      out(isr, 24),      // clocks low
+      mov(y, isr),       // start of a tick
+      jmp(y_dec, 3),     // low + 1
+      set(pins, 1, 26),  // 27 high
+      nop(24),           // 25 high
+      set(pins, 0),      // low again
+      jmp(x_dec, 2),
+  };
+}
+
+TEST(PioKernel, TickIsItsLowTimeAnd56AndTwoAWord) {
+  OneMachine m(tick_kernel(), Pins{.set_base = 0, .set_count = 1}, both_right | 1u << 17, 0);
+  // 3 ticks with 69, 2 with 10.
+  m.rig.pio(txf, 69u << 8 | 2u);
+  m.rig.pio(txf, 10u << 8 | 1u);
+  m.start();
+  m.run_to(2000);
+  Longs rises;
+  for (std::size_t i = 0; i < m.edges().size(); i += 2) rises.push_back(m.edges()[i]);
+  ASSERT_EQ(rises.size(), 5u);
+  EXPECT_EQ(rises[1] - rises[0], 69 + 56);
+  EXPECT_EQ(rises[2] - rises[1], 69 + 56);
+  EXPECT_EQ(rises[3] - rises[2], 10 + 56 + 2);
+  EXPECT_EQ(rises[4] - rises[3], 10 + 56);
+}
+
+TEST(PioKernel, AxesOfBothBlocksStepFourClocksAfterTheTick) {
+  Rig rig;
+  rig.connect(0, 6, 0);
+  rig.connect(6, 2, 1);
+  rig.connect(25, 1, 1);
+  const std::vector<Word> axis = {wait(1, gpio_source, 25), out(pins, 2), wait(0, gpio_source, 25),
+                                  set(pins, 0)};
+  for (unsigned i = 0; i < 4; ++i) {
+    const unsigned block = i == 3 ? 1 : 0, number = i == 3 ? 0 : i;
+    rig.machine(number, axis,
+                Pins{.out_base = 2 * i, .set_base = 2 * i, .out_count = 2, .set_count = 1}, 0,
+                block, both_right | 1u << 17);
+    rig.pio(txf + 4 * number, 0b01'00'01'01, block);
+  }
+  rig.machine(2, tick_kernel(), Pins{.set_base = 25, .set_count = 1}, 8, 1, both_right | 1u << 17);
+  rig.load({jmp(y_dec, 11)}, 11, 1);
+  rig.load({jmp(x_dec, 10)}, 15, 1);
+  rig.pio(txf + 8, 69u << 8 | 3u, 1);
+  rig.run(5);
+  rig.start(7, 0);
+  rig.pio(ctrl, 5, 1);
+  const Cycle from = rig.now();
+  rig.run(1000);
+  const Longs ticks = rig.edges_of(25, from);
+  ASSERT_EQ(ticks.size(), 8u);
+  for (unsigned i = 0; i < 4; ++i) {
+    const Longs steps = rig.edges_of(2 * i, from);
+    // Steps on ticks 0, 1 and 3; each pulse as long as the tick line is high.
+    EXPECT_EQ(steps, (Longs{ticks[0] + 4, ticks[1] + 4, ticks[2] + 4, ticks[3] + 4, ticks[6] + 4,
+                            ticks[7] + 4}))
+        << i;
+  }
+}
+
+// FIRE: filter of 32 samples of LAMP SYNC 8 clocks apart, then one decision by ARM (the JMP pin)
+// and the token in the FIFO.
+std::vector<Word> fire_kernel() {
+  return {
+      wait(0, pin_source, 0),
+      wait(1, pin_source, 0),
+      set(y, 31),
+      mov(osr, pins),  // 3: sample; bit 0 is LAMP SYNC
+      out(x, 1),
+      jmp(not_x, 0),     // low: start again
+      jmp(y_dec, 3, 4),  // 8 clocks a sample
+      jmp(pin, 9),       // 7: the one decision: armed?
+      jmp(always, 16),
+      set(x, 0),
+      pull(false, false),  // 10: the token, or 0
+      mov(x, osr),
+      jmp(not_x, 16),
+      jmp(x_dec, 13),  // 13: delay; falls through with X = all ones
+      mov(isr, x),     // 14: fire; the result is all ones
+      jmp(always, 17),
+      mov(isr, null),  // 16: not fired: 0
+      push(false, false),
+  };
+}
+
+TEST(PioKernel, FireFiltersAndDecidesOnce) {
+  const auto shot = [](bool armed, unsigned delay, Cycle length) {
+    Rig rig;
+    rig.connect(9, 1);
+    const auto program = fire_kernel();
+    // The pulse begins by side-set on MOV ISR, X: one side-set bit with enable.
+    std::vector<Word> words = program;
+    words[14] = with(words[14], 0b11 << 3);
+    words[0] = with(words[0], 0b10 << 3);
+    words[6] = with(jmp(y_dec, 3), 4);  // delay below the side-set bits
+    rig.machine(3, words, Pins{.side_base = 9, .in_base = 8, .side_count = 2}, 0, 0, both_right,
+                1u << 30 | 10u << 24);
+    rig.drive(10, armed);
+    if (delay != 0) rig.pio(txf + 12, delay);
+    rig.run(10);
+    rig.start(8);
+    rig.run(100);
+    rig.drive(8, true);
+    const Cycle edge = rig.now();
+    rig.run(length);
+    rig.drive(8, false);
+    rig.run(3000);
+    Longs result = rig.edges_of(9, edge);
+    result.push_back(rig.look(flevel) >> 28 & 15u);
+    result.push_back(static_cast<long>(rig.look(rxf + 12)));
+    return result;
+  };
+  const Longs fired = shot(true, 100, 400);
+  ASSERT_EQ(fired.size(), 4u);
+  EXPECT_EQ(fired[3], 0xffff'ffffL);
+  const Longs later = shot(true, 1100, 400);
+  EXPECT_EQ(later[0] - fired[0], 1000);
+  // WAIT sees the edge in +2; samples are taken in +4, +12, ... +252, of levels two clocks older.
+  EXPECT_EQ(shot(true, 100, 250).size(), 2u);
+  EXPECT_EQ(shot(true, 100, 251)[0], fired[0]);
+  // The last sample, 8 clocks to the end of the loop, 5 for the decision, the delay loop, the
+  // latch.
+  EXPECT_EQ(fired[0], 252 + 8 + 5 + 101 + 1);
+  // Neither without ARM nor without a token.
+  EXPECT_EQ(shot(false, 100, 400).size(), 2u);
+  EXPECT_EQ(shot(true, 0, 400).size(), 2u);
+}
+
+// STAMP: X counts down every two clocks while the pin is polled; each edge costs four clocks and
+// two counts, so that the count keeps pace.
+TEST(PioKernel, StampTimesEdgesToTwoClocks) {
+  const std::vector<Word> stamp = {
+      jmp(pin, 2),   jmp(x_dec, 0),                 // low
+      in(x, 32),     jmp(x_dec, 4), jmp(x_dec, 5),  // it rose
+      jmp(pin, 9),                                  // high
+      in(x, 32),     jmp(x_dec, 8), jmp(x_dec, 0),  // it fell
+      jmp(x_dec, 5),
+  };
+  Rig rig;
+  rig.machine(0, stamp, Pins{.in_base = 8}, 0, 0, both_right | 1u << 16, 8u << 24);
+  rig.pio(instr, mov(x, null, 1));
+  rig.run(2);
+  const Cycle first = rig.start(1);
+  bool level = false;
+  for (const Cycle gap : {100'001u, 778u, 500'000'000u, 20'002u, 17u}) {
+    rig.run(gap);
+    level = !level;
+    rig.drive(8, level);
+    const long real = static_cast<long>(rig.now() - first);
+    rig.run(8);
+    const long counted = 2 * static_cast<long>(0xffff'ffffu - rig.look(rxf));
+    EXPECT_GE(counted, real + 2);  // two flip-flops
+    EXPECT_LE(counted, real + 3);  // and a poll every two clocks
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test::pio

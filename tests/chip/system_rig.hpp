@@ -1,0 +1,54 @@
+// What tests of the system blocks need: a wheel, pins, interrupt lines, all blocks, and a note of
+// what was reported as not modelled.
+//
+// In:  nothing; out: the parts, as the chip wires them, without cores and bus.
+// Who: the tests of the system blocks.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/chip/gpio/gpio.hpp"
+#include "sim/chip/irq_lines.hpp"
+#include "sim/chip/sio/sio.hpp"
+#include "sim/chip/system/system.hpp"
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip::test {
+
+struct SystemRig {
+  std::vector<std::string> reports;
+  NotModelled not_modelled = [this](const std::string& what) { reports.push_back(what); };
+  TimeWheel wheel;
+  IrqLines irqs;
+  Gpio gpio{wheel, irqs, not_modelled};
+  Sio sio{wheel, gpio, irqs, [] { return 2u; }, not_modelled};
+  System system{wheel, gpio, sio, irqs, {}, not_modelled};
+
+  bool line(Irq irq, int core = 0) const {
+    return (irqs.levels(core) >> static_cast<unsigned>(irq) & 1u) != 0;
+  }
+  void pass(Cycle cycles) { wheel.advance_to(wheel.now() + cycles); }
+  void pass_time(Picoseconds time) {
+    wheel.advance_to(wheel.cycle_at(wheel.time_of(wheel.now()) + time));
+  }
+  /// The usual start: crystal, PLL_SYS at 125 MHz, clk_ref from the crystal, 1 us ticks, clk_peri.
+  void start_clocks() {
+    system.xosc.write(0xc, 1);
+    system.xosc.write(0x0, 0xfabaa0);
+    pass_time(ps_per_ms);
+    system.pll_sys.write(0x8, 125);
+    system.pll_sys.write(0xc, 6u << 16 | 2u << 12);
+    system.pll_sys.write(0x4, 0);
+    pass_time(ps_per_ms);
+    system.clocks.write(0x30, 2);  // clk_ref: crystal
+    pass(10);
+    system.clocks.write(0x3c, 1);  // clk_sys: auxiliary, PLL_SYS
+    pass(10);
+    system.clocks.write(0x48, 1u << 11);
+    system.watchdog.write(0x2c, 12 | 1u << 9);
+  }
+};
+
+}  // namespace lamplock::sim::chip::test
