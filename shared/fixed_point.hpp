@@ -42,20 +42,32 @@ inline constexpr std::array<std::uint8_t, 192> root_table = [] {
 }();
 }  // namespace detail
 
-/// Largest r with r * r <= x. Eight bits from a table, doubled twice by Newton's iteration.
+namespace detail {
+/// Root, rounded down, of a number of 63 or 64 bits. Eight bits from a table, doubled twice by
+/// Newton's iteration, which never comes out below the root.
+constexpr std::uint32_t root_of_normalised(std::uint64_t n) {
+  const auto high = static_cast<std::uint32_t>(n >> 32), low = static_cast<std::uint32_t>(n);
+  const std::uint32_t r8 = std::uint32_t{root_table[(high >> 24) - 64]} << 8;
+  const std::uint32_t r16 = (r8 + high / r8) / 2;  // at most 2^16
+  // n / (r16 2^16) in two steps of 32 bits.
+  const std::uint32_t q1 = high / r16, rest = high % r16;
+  const std::uint32_t q0 = (rest << 16 | low >> 16) / r16;
+  const std::uint64_t r32 = ((std::uint64_t{r16} << 16) + (std::uint64_t{q1} << 16) + q0) / 2;
+  std::uint32_t r = r32 > 0xffffffffu ? 0xffffffffu : static_cast<std::uint32_t>(r32);
+  auto excess = static_cast<std::int64_t>(wide_product(r, r) - n);
+  while (excess > 0) {  // (r - 1)^2 = r^2 - (2 r - 1)
+    excess -= 2 * std::int64_t{r} - 1;
+    --r;
+  }
+  return r;
+}
+}  // namespace detail
+
+/// Largest r with r * r <= x.
 constexpr std::uint32_t isqrt(std::uint64_t x) {
   if (x == 0) return 0;
   const int shift = std::countl_zero(x) & ~1;
-  const std::uint64_t n = x << shift;
-  const std::uint32_t r8 = std::uint32_t{detail::root_table[static_cast<std::size_t>(n >> 56) - 64]}
-                           << 8;
-  const std::uint32_t r16 = (r8 + static_cast<std::uint32_t>(n >> 32) / r8) / 2;
-  const std::uint64_t r32 = std::uint64_t{r16} << 16;
-  std::uint64_t r = (r32 + n / r32) / 2;
-  if (r > 0xffffffffu) r = 0xffffffffu;
-  while (r * r > n) --r;
-  while (r < 0xffffffffu && (r + 1) * (r + 1) <= n) ++r;
-  return static_cast<std::uint32_t>(r >> (shift / 2));
+  return detail::root_of_normalised(x << shift) >> (shift / 2);
 }
 
 /// Root of a Q32 number, rounded down, 31 significant bits; 0 for x <= 0.
@@ -63,9 +75,27 @@ constexpr std::int64_t sqrt_down_q32(std::int64_t x_q32) {
   if (x_q32 <= 0) return 0;
   const auto x = static_cast<std::uint64_t>(x_q32);
   const int shift = std::countl_zero(x) & ~1;
-  const std::int64_t root = isqrt(x << shift);
+  const std::int64_t root = detail::root_of_normalised(x << shift);
   const int back = 16 - shift / 2;  // sqrt(x 2^32) 2^16, undoing half of the shift
   return back >= 0 ? root << back : root >> -back;
+}
+
+/// Product with a number below 2^16, modulo 2^64, from three short products.
+constexpr std::int64_t portable_times_short(std::int64_t x, std::uint32_t n) {
+  const auto low = static_cast<std::uint32_t>(x);
+  const std::uint32_t p0 = (low & 0xffffu) * n;
+  const std::uint32_t p1 = (low >> 16) * n + (p0 >> 16);
+  const std::uint32_t high = static_cast<std::uint32_t>(x >> 32) * n + (p1 >> 16);
+  return static_cast<std::int64_t>(std::uint64_t{high} << 32 | (p1 << 16 | (p0 & 0xffffu)));
+}
+
+/// The same, the quicker way.
+constexpr std::int64_t times_short(std::int64_t x, std::uint32_t n) {
+#ifdef __SIZEOF_INT128__
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(x) * n);
+#else
+  return portable_times_short(x, n);
+#endif
 }
 
 constexpr std::int64_t abs64(std::int64_t x) { return x < 0 ? -x : x; }

@@ -10,6 +10,26 @@
 
 namespace lamplock {
 
+/// Exact product of two 32-bit numbers from four products of halves: for machines that multiply 32
+/// by 32 bits to 32 only and would call a function for more.
+constexpr std::uint64_t portable_wide_product(std::uint32_t a, std::uint32_t b) {
+  const std::uint32_t a0 = a & 0xffffu, a1 = a >> 16, b0 = b & 0xffffu, b1 = b >> 16;
+  const std::uint32_t low = a0 * b0;
+  const std::uint32_t mid1 = a1 * b0 + (low >> 16);
+  const std::uint32_t mid2 = a0 * b1 + (mid1 & 0xffffu);
+  const std::uint32_t high = a1 * b1 + (mid1 >> 16) + (mid2 >> 16);
+  return std::uint64_t{high} << 32 | (mid2 << 16 | (low & 0xffffu));
+}
+
+/// Exact product of two 32-bit numbers, the quicker way.
+constexpr std::uint64_t wide_product(std::uint32_t a, std::uint32_t b) {
+#ifdef __SIZEOF_INT128__
+  return std::uint64_t{a} * b;
+#else
+  return portable_wide_product(a, b);
+#endif
+}
+
 /// Two's complement, wraps like the built-in unsigned types.
 class Int128 {
  public:
@@ -24,9 +44,10 @@ class Int128 {
 
   /// Exact product of two 64-bit numbers.
   static constexpr Int128 product(std::int64_t a, std::int64_t b) {
-    const bool negative = (a < 0) != (b < 0);
     const Int128 p = unsigned_product(magnitude(a), magnitude(b));
-    return negative ? -p : p;
+    if ((a < 0) == (b < 0)) return p;
+    const std::uint64_t lo = 0 - p.lo_;
+    return {~p.hi_ + (lo == 0 ? 1u : 0u), lo};
   }
 
   friend constexpr Int128 operator+(Int128 a, Int128 b) {
@@ -69,12 +90,14 @@ class Int128 {
   /// Product of two unsigned numbers from 32-bit pieces: what a machine without a wide multiplier
   /// computes.
   static constexpr Int128 portable_product(std::uint64_t a, std::uint64_t b) {
-    const std::uint64_t a0 = a & 0xffffffffu, a1 = a >> 32;
-    const std::uint64_t b0 = b & 0xffffffffu, b1 = b >> 32;
-    const std::uint64_t low = a0 * b0;
-    const std::uint64_t mid1 = a1 * b0 + (low >> 32);
-    const std::uint64_t mid2 = a0 * b1 + (mid1 & 0xffffffffu);
-    return {a1 * b1 + (mid1 >> 32) + (mid2 >> 32), (mid2 << 32) | (low & 0xffffffffu)};
+    const auto a0 = static_cast<std::uint32_t>(a), a1 = static_cast<std::uint32_t>(a >> 32);
+    const auto b0 = static_cast<std::uint32_t>(b), b1 = static_cast<std::uint32_t>(b >> 32);
+    const std::uint64_t low = portable_wide_product(a0, b0);
+    const std::uint64_t mid1 = portable_wide_product(a1, b0) + (low >> 32);
+    const std::uint64_t low32 = low & 0xffffffffu;
+    if (b1 == 0) return {mid1 >> 32, (mid1 << 32) | low32};  // often: a number of ticks
+    const std::uint64_t mid2 = portable_wide_product(a0, b1) + (mid1 & 0xffffffffu);
+    return {portable_wide_product(a1, b1) + (mid1 >> 32) + (mid2 >> 32), (mid2 << 32) | low32};
   }
 
   /// The value as 64-bit integer; the caller knows that it fits.
@@ -97,8 +120,12 @@ class Int128 {
   }
 #endif
   static constexpr Int128 unsigned_quotient(Int128 a, std::uint32_t d) {
-    std::uint64_t rest = a.hi_ % d;
-    const std::uint64_t hi = a.hi_ / d;
+    std::uint64_t hi = 0, rest = a.hi_;
+    if (rest == 0) return {0, a.lo_ / d};
+    if (rest >= d) {
+      hi = rest / d;
+      rest %= d;
+    }
     rest = (rest << 32) | (a.lo_ >> 32);
     const std::uint64_t mid = rest / d;
     rest = ((rest % d) << 32) | (a.lo_ & 0xffffffffu);

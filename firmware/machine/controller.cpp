@@ -12,7 +12,6 @@ using wire::MachineState;
 
 // Alarm numbers of grbl 1.1; 10 as grblHAL has it.
 constexpr std::uint8_t alarm_hard_limit = 1;
-constexpr std::uint8_t alarm_reset_in_motion = 3;
 constexpr std::uint8_t alarm_estop = 10;
 // Error numbers of grbl 1.1.
 constexpr int error_not_idle = 8;
@@ -57,8 +56,8 @@ bool inside_work_space(const settings::Values& job, const settings::Values& own,
 
 }  // namespace
 
-Controller::Controller(const settings::Values& stored)
-    : stored_(stored), values_(stored), runner_(clock_, shots_) {
+Controller::Controller(const settings::Values& stored, const InterruptMask& mask)
+    : mask_(mask), stored_(stored), values_(stored), runner_(clock_, shots_) {
   use_settings(stored);
   shots_.permit(false, BeatReason::no_point_due);
   send_banner();
@@ -108,7 +107,7 @@ bool Controller::prepare(std::uint64_t clock) {
     last_byte_ = clock;
   }
   check_dead_man();
-  if (runner_.underrun()) raise_alarm(alarm_reset_in_motion);
+  if (runner_.underrun()) raise_alarm(alarm_position_lost);
   const bool go = ready_to_move();
   if (moving_ && !go) runner_.brake();
   moving_ = go;
@@ -201,6 +200,7 @@ void Controller::stopped_at(const StepPosition& steps) {
 
 void Controller::raise_alarm(std::uint8_t number) {
   shots_.permit(false, BeatReason::alarm);
+  if (job_) runner_.read_outcomes();  // whoever asks now, where to go on, shall know every shot
   runner_.halt();
   moving_ = false;
   // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.
@@ -288,7 +288,11 @@ Result Controller::on_begin(const wire::JobHeader& header) {
     return Result::unsupported;
   settings::Values values;
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
-  if (!(values == values_)) use_settings(values);
+  {
+    const Masked masked(mask_);
+    if (!(values == values_)) use_settings(values);
+    shots_.begin_job();
+  }
   RunOptions options;
   options.mode = static_cast<motion::JoinMode>(header.mode);
   options.dry = dry_ = header.dry;
@@ -298,7 +302,6 @@ Result Controller::on_begin(const wire::JobHeader& header) {
       static_cast<std::int32_t>((values.milli(Id::lamp_frequency) + rate - 1) / rate);
   runner_.begin(options, values, header.first_index);
   decoder_.begin(header);
-  shots_.begin_job();
   job_ = true;
   state_ = MachineState::run;
   hold_reason_ = HoldReason::none;
@@ -320,6 +323,7 @@ Result Controller::on_end(std::uint32_t total) {
 
 Result Controller::on_command(wire::Command command) {
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  const Masked masked(mask_);
   switch (command) {
     case wire::Command::hold:
       hold(HoldReason::host);
@@ -336,6 +340,7 @@ Result Controller::on_command(wire::Command command) {
 }
 
 void Controller::on_realtime(std::uint8_t byte) {
+  const Masked masked(mask_);
   switch (byte) {
     case '?':
       send_status_line();
@@ -379,6 +384,7 @@ void Controller::answer_system_command(std::string_view line) {
     link_.send_text(version_line);
     link_.send_text(options.view());
   } else if (line == "$X") {
+    const Masked masked(mask_);
     unlock();
   } else if (line == "$$") {
     list_settings();
@@ -416,6 +422,7 @@ int Controller::change_setting(std::string_view line) {
   if (values == stored_) return 0;
   stored_ = values;
   store_due_ = true;
+  const Masked masked(mask_);
   use_settings(values);
   return 0;
 }
@@ -423,6 +430,7 @@ int Controller::change_setting(std::string_view line) {
 void Controller::restore_defaults() {
   stored_ = settings::Values{};
   store_due_ = true;
+  const Masked masked(mask_);
   use_settings(stored_);
 }
 

@@ -19,8 +19,10 @@
 //   token_expired       beat interrupt        at its tick       the token was withdrawn
 //   outputs             anywhere              after each call   what may be on
 //
-// The main loop calls everything but plan() with its beat and fill interrupts masked: they share
-// data. plan() works on data of its own and may be interrupted for as long as it takes.
+// The main loop shares data with the beat and fill interrupts. The board masks them round
+// prepare(), commit(), input_changed() and stopped_at(), each some 0.2 ms at most; receive() masks
+// them itself where it has to (InterruptMask), since most of its time goes into data of its own;
+// plan() may be interrupted for as long as it takes.
 //
 // Safety: outputs().fire_enable is false whenever there is any doubt; a board must take firing away
 // within one call of seeing it, and the hardware on e-stop by itself.
@@ -34,6 +36,7 @@
 #include "firmware/lamp/beat_clock.hpp"
 #include "firmware/lamp/shot_scheduler.hpp"
 #include "firmware/link/link.hpp"
+#include "firmware/machine/interrupt_mask.hpp"
 #include "firmware/machine/job_runner.hpp"
 #include "firmware/program/pulse_decoder.hpp"
 #include "shared/settings_table.hpp"
@@ -74,7 +77,8 @@ inline constexpr std::uint8_t most_shots_per_point = 1;
 /// The core.
 class Controller {
  public:
-  explicit Controller(const settings::Values& stored = settings::Values{});
+  explicit Controller(const settings::Values& stored = settings::Values{},
+                      const InterruptMask& mask = {});
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
@@ -85,6 +89,13 @@ class Controller {
   void plan() { runner_.plan(values_); }
   void commit();
   void input_changed(Input input, bool active);
+  /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.
+  void start_in_alarm() { raise_alarm(alarm_position_lost); }
+  /// The board's ticks have run out: motion, if there was any, has stopped in mid-stride. To be
+  /// followed by stopped_at().
+  void lattice_stopped() {
+    if (!runner_.at_rest()) raise_alarm(alarm_position_lost);
+  }
   /// The board has thrown away what it was given ahead (e-stop): where the axes really stand.
   void stopped_at(const StepPosition& steps);
 
@@ -131,6 +142,9 @@ class Controller {
   void fill_status(wire::Status& status) const;
 
  private:
+  /// grbl 1.1: "reset while in motion".
+  static constexpr std::uint8_t alarm_position_lost = 3;
+
   Result job_settings(const wire::JobHeader& header, settings::Values& values);
   void use_settings(const settings::Values& values);
   void set_trigger();
@@ -151,6 +165,7 @@ class Controller {
   void send_banner();
   void send_status_line();
 
+  const InterruptMask mask_;
   settings::Values stored_;
   settings::Values values_;  ///< stored, with the overrides of the job
   link::Link link_;

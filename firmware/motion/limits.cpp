@@ -115,6 +115,7 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
     set_reciprocal(axis, beat);
     axis.speed_q32 = normalised_speed_q32(axis, beat);
     axis.shot_tolerance_q32 = shot_tolerance_q32(values, a);
+    axis.shot_way_q32 = axis.displacement_q32(axis.shot_tolerance_q32);
   }
   return Result::ok;
 }

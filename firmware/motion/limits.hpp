@@ -29,6 +29,7 @@ struct AxisLimits {
       0;  ///< 1 / (acceleration per beat squared) = per_accel / 2^per_accel_shift
   int per_accel_shift = 0;
   std::int64_t shot_tolerance_q32 = 0;  ///< steps
+  std::int64_t shot_way_q32 = 0;        ///< the same normalised
 
   /// d/A in beats squared, Q32, of a displacement in steps, Q32; what does not fit is returned as
   /// +-2^62, more than any beats can cover.

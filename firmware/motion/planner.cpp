@@ -30,6 +30,23 @@ std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {
   return ((stepper::middle_of_step(to_step) - from_q64) >> 32).to_int64();
 }
 
+/// True if the speed changes its sign between start and end.
+bool reverses(const AxisProfile& p) {
+  const std::int64_t cruise = p.cruise_speed_q62(), end = p.end_speed_q62();
+  const bool some_forth = p.speed_q62 > 0 || cruise > 0 || end > 0;
+  const bool some_back = p.speed_q62 < 0 || cruise < 0 || end < 0;
+  return some_forth && some_back;
+}
+
+/// More steps than the profile can go in any direction: all the time at its highest speed.
+std::int64_t most_steps(const AxisProfile& p) {
+  std::int64_t speed_q62 = abs64(p.speed_q62);
+  for (const std::int64_t other : {abs64(p.cruise_speed_q62()), abs64(p.end_speed_q62())})
+    if (other > speed_q62) speed_q62 = other;
+  const auto speed_q30 = static_cast<std::uint32_t>(speed_q62 >> 32) + 1;
+  return static_cast<std::int64_t>(wide_product(speed_q30, p.ticks()) >> 30) + 1;
+}
+
 }  // namespace
 
 Result Planner::plan(const PlanRequest& request, std::uint32_t& failed) {
@@ -37,6 +54,10 @@ Result Planner::plan(const PlanRequest& request, std::uint32_t& failed) {
   least_beats_ = request.least_beats;
   const std::uint32_t most = longest_segment_ticks / limits_->beat_ticks;
   most_beats_ = most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
+  // From any start speed, 2 V/A beats more than at full speed are enough to brake and come back.
+  extra_beats_ = max_extra_beats;
+  for (int a = 0; a < limits_->axes; ++a)
+    extra_beats_ += 2 * (limits_->axis[index(a)].speed_q32 >> 32);
   if (const Result r = set_up(request, failed); r != Result::ok) return r;
   // Every round that fails turns at least one more point into a rest: at most `count` rounds.
   for (std::uint32_t round = 0; round <= request.count; ++round) {
@@ -66,12 +87,11 @@ Result Planner::set_up(const PlanRequest& request, std::uint32_t& failed) {
     Stage& stage = stages_[i];
     const Target& target = request.queue->at(request.points[i]);
     stage.rest = request.mode == JoinMode::start_stop || i + 1 == request.count;
+    const Target* previous = i == 0 ? nullptr : &request.queue->at(request.points[i - 1]);
     for (int a = 0; a < limits_->axes; ++a) {
-      const Int128 from =
-          i == 0
-              ? request.start.axis[index(a)].position_q64
-              : stepper::middle_of_step(request.queue->at(request.points[i - 1]).steps[index(a)]);
-      const std::int64_t way = way_q32(from, target.steps[index(a)]);
+      const std::int64_t way =
+          i == 0 ? way_q32(request.start.axis[index(a)].position_q64, target.steps[index(a)])
+                 : (std::int64_t{target.steps[index(a)]} - previous->steps[index(a)]) * one_q32;
       const std::int64_t q = limits_->axis[index(a)].displacement_q32(way);
       if (abs64(q) > max_displacement_q32) {
         failed = i;
@@ -79,6 +99,7 @@ Result Planner::set_up(const PlanRequest& request, std::uint32_t& failed) {
       }
       stage.displacement_q32[index(a)] = q;
     }
+    stage.first_beats = first_beats(stage);
   }
   return Result::ok;
 }
@@ -117,8 +138,9 @@ bool Planner::extend(const PlanRequest& request, std::uint32_t i) {
       if (slow_enough && step(from, stage, fixed, label)) keep(stage, label, next);
       continue;
     }
-    std::int32_t beats = fewest_beats(from, stage);
+    std::int32_t beats = i == 0 ? fewest_beats(from, stage) : from.next;
     for (int tries = 0; beats != 0 && tries < candidates_per_label; ++tries) {
+      if (too_late(stage, from.total + beats, next)) break;
       if (step(from, stage, beats, label)) {
         keep(stage, label, next);
         if (stage.rest || (tries >= 2 && at_rest_possible(label))) break;
@@ -146,7 +168,7 @@ bool Planner::step(const Label& from, const Stage& to, std::int32_t beats, Label
   return true;
 }
 
-std::int32_t Planner::fewest_beats(const Label& from, const Stage& to) const {
+std::int32_t Planner::first_beats(const Stage& to) const {
   std::int32_t first = least_beats_;
   for (int a = 0; a < limits_->axes; ++a) {
     const std::int64_t limit = limits_->axis[index(a)].speed_q32;
@@ -154,14 +176,28 @@ std::int32_t Planner::fewest_beats(const Label& from, const Stage& to) const {
     if (beats > most_beats_) return 0;
     if (beats > first) first = static_cast<std::int32_t>(beats);
   }
-  // From any start speed, 2 V/A beats more than at full speed are enough to brake and come back.
-  std::int64_t last = first + max_extra_beats;
-  for (int a = 0; a < limits_->axes; ++a) last += 2 * (limits_->axis[index(a)].speed_q32 >> 32);
+  return first;
+}
+
+std::int32_t Planner::fewest_beats(const Label& from, const Stage& to) const {
+  if (to.first_beats == 0) return 0;
+  std::int64_t last = to.first_beats + extra_beats_;
   if (last > most_beats_) last = most_beats_;
-  Label probe;
-  for (std::int32_t beats = first; beats <= last; ++beats)
-    if (step(from, to, beats, probe)) return beats;
+  for (std::int32_t beats = to.first_beats; beats <= last; ++beats)
+    if (can_step(from, to, beats)) return beats;
   return 0;
+}
+
+bool Planner::can_step(const Label& from, const Stage& to, std::int32_t beats) const {
+  bool clear = !to.rest;
+  for (int a = 0; a < limits_->axes; ++a) {
+    const Reachable axis = reachable(from.box[index(a)], to.displacement_q32[index(a)], beats,
+                                     limits_->axis[index(a)].speed_q32);
+    if (axis == Reachable::no) return false;
+    if (axis == Reachable::unclear) clear = false;
+  }
+  Label probe;
+  return clear || step(from, to, beats, probe);
 }
 
 bool Planner::at_rest_possible(const Label& label) const {
@@ -170,16 +206,29 @@ bool Planner::at_rest_possible(const Label& label) const {
   return true;
 }
 
-void Planner::keep(Stage& stage, const Label& candidate, const Stage* next) {
-  Label label = candidate;
+/// True if a label with this total, whatever its speeds, can neither push out nor outrank one of
+/// those kept; then neither can one with more beats.
+bool Planner::too_late(const Stage& stage, std::int32_t total, const Stage* next) {
+  if (stage.count < beam_width) return false;
+  for (const Label& kept : stage.labels)
+    if (total <= kept.total) return false;
+  const Label& worst = stage.labels[beam_width - 1];
+  return total + (next != nullptr ? next->first_beats : 0) > worst.total + worst.next;
+}
+
+void Planner::keep(Stage& stage, Label& label, const Stage* next) {
+  for (std::size_t i = 0; i < stage.count; ++i) {
+    const Label& other = stage.labels[i];
+    if (other.total <= label.total && covers(other.box, label.box)) return;
+  }
   label.next = next != nullptr ? fewest_beats(label, *next) : 0;
   if (next != nullptr && label.next == 0) return;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < stage.count; ++i) {
     const Label& other = stage.labels[i];
-    if (other.total <= label.total && covers(other.box, label.box)) return;
     if (label.total <= other.total && covers(label.box, other.box)) continue;
-    stage.labels[kept++] = other;
+    if (kept != i) stage.labels[kept] = other;
+    ++kept;
   }
   stage.count = kept;
   const auto better = [](const Label& a, const Label& b) {
@@ -264,8 +313,14 @@ bool Planner::inside(std::uint32_t i, const MotionState& from) const {
     const AxisLimits& axis = limits_->axis[index(a)];
     const AxisProfile& profile = segments_[i].axis[index(a)];
     if (!within_limits(profile, axis.speed_q62, axis.accel_q62)) return false;
-    const Excursion e = excursion(profile);
     const Int128 start = from.axis[index(a)].position_q64;
+    const std::int64_t end = segments_[i].end.axis[index(a)].position_q64.hi();
+    const std::int64_t beyond = reverses(profile) ? most_steps(profile) : 0;
+    const std::int64_t low = start.hi() < end ? start.hi() : end;
+    const std::int64_t high = start.hi() < end ? end : start.hi();
+    if (low - beyond >= axis.min_steps && high + beyond <= axis.max_steps) continue;
+    if (beyond == 0) return false;
+    const Excursion e = excursion(profile);
     if ((start + (e.low_q62 << 2)).hi() < axis.min_steps) return false;
     if ((start + (e.high_q62 << 2)).hi() > axis.max_steps) return false;
   }
@@ -279,8 +334,7 @@ std::uint32_t Planner::shot_window_ticks(std::uint32_t i) const {
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
     const std::int64_t v = abs64(speed_q32_[i][index(a)]);
-    const std::int64_t tolerance = axis.displacement_q32(axis.shot_tolerance_q32);
-    const std::int64_t root = sqrt_down_q32(mul_q32(v, v) + 2 * tolerance);
+    const std::int64_t root = sqrt_down_q32(mul_q32(v, v) + 2 * axis.shot_way_q32);
     const std::int64_t t = root > v ? root - v : 0;
     if (t < least_q32) least_q32 = t;
   }

@@ -72,16 +72,20 @@ class Planner {
     std::array<Label, beam_width> labels{};
     std::size_t count = 0;
     PerAxis<std::int64_t> displacement_q32{};  ///< normalised, to this point
-    bool rest = false;                         ///< every speed at this point is zero
+    std::int32_t first_beats = 0;  ///< no fewer at full speed; 0 = more than there may be
+    bool rest = false;             ///< every speed at this point is zero
   };
 
   Result set_up(const PlanRequest& request, std::uint32_t& failed);
   Result search(const PlanRequest& request, std::uint32_t& failed);
   bool extend(const PlanRequest& request, std::uint32_t i);
   bool step(const Label& from, const Stage& to, std::int32_t beats, Label& result) const;
+  bool can_step(const Label& from, const Stage& to, std::int32_t beats) const;
+  std::int32_t first_beats(const Stage& to) const;
   std::int32_t fewest_beats(const Label& from, const Stage& to) const;
   bool at_rest_possible(const Label& label) const;
-  void keep(Stage& stage, const Label& label, const Stage* next);
+  static bool too_late(const Stage& stage, std::int32_t total, const Stage* next);
+  void keep(Stage& stage, Label& label, const Stage* next);
   void choose_speeds(const PlanRequest& request);
   std::int64_t wanted_speed_q32(const PlanRequest& request, std::uint32_t i, int axis) const;
   bool make_segments(const PlanRequest& request, bool& again);
@@ -91,7 +95,8 @@ class Planner {
 
   const Limits* limits_ = nullptr;
   std::int32_t least_beats_ = 1;
-  std::int32_t most_beats_ = 1;  ///< so that the ticks of a segment stay in 31 bits
+  std::int32_t most_beats_ = 1;   ///< so that the ticks of a segment stay in 31 bits
+  std::int64_t extra_beats_ = 0;  ///< beyond the first ones, until a label is given up
   Label start_;
   std::array<Stage, window_points> stages_{};
   std::array<std::int32_t, window_points> beats_{};

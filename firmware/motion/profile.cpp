@@ -22,8 +22,10 @@ void scale_down(std::uint64_t& a, std::uint64_t& b) {
 std::uint32_t turn_ticks(std::int64_t speed, std::int64_t accel, std::uint32_t ticks) {
   if (speed == 0 || accel == 0 || (speed < 0) == (accel < 0)) return 0;
   const std::int64_t a = abs64(accel);
+  // Below 2^64: the product is the change of speed in the phase.
+  if (magnitude(speed) + magnitude(a) / 2 >= magnitude(a) * ticks) return 0;
   const std::int64_t turn = (abs64(speed) + a / 2) / a;
-  return turn > 0 && turn < static_cast<std::int64_t>(ticks) ? static_cast<std::uint32_t>(turn) : 0;
+  return static_cast<std::uint32_t>(turn);
 }
 
 /// Two phases without a limit can peak at several steps per tick, more than Q62 holds. One step per
@@ -47,8 +49,6 @@ AxisProfile solve(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32
   p.tail_ticks = tail;
   p.lead_accel_q62 = even((vc - v0) / static_cast<std::int64_t>(lead));
   p.tail_accel_q62 = even((v1 - p.cruise_speed_q62()) / static_cast<std::int64_t>(tail));
-  p.lead_turn_ticks = turn_ticks(v0, p.lead_accel_q62, lead);
-  p.tail_turn_ticks = turn_ticks(p.cruise_speed_q62(), p.tail_accel_q62, tail);
   return p;
 }
 
@@ -142,10 +142,12 @@ Int128 widen_by_phase(Excursion& e, Int128 way, std::int64_t speed, std::int64_t
 
 AxisProfile make_profile(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t ticks,
                          std::int64_t speed) {
-  const AxisProfile p = two_phases(distance, v0, v1, ticks);
+  AxisProfile p = two_phases(distance, v0, v1, ticks);
   const std::int64_t peak = p.cruise_speed_q62();
-  if (abs64(peak) <= speed) return p;
-  return three_phases(distance, v0, v1, ticks, peak < 0 ? -speed : speed);
+  if (abs64(peak) > speed) p = three_phases(distance, v0, v1, ticks, peak < 0 ? -speed : speed);
+  p.lead_turn_ticks = turn_ticks(v0, p.lead_accel_q62, p.lead_ticks);
+  p.tail_turn_ticks = turn_ticks(p.cruise_speed_q62(), p.tail_accel_q62, p.tail_ticks);
+  return p;
 }
 
 std::uint32_t braking_ticks(std::int64_t v0, std::int64_t accel) {

@@ -3,43 +3,110 @@
 namespace lamplock::motion {
 namespace {
 
-/// Least start speed from which `q` can be covered in `t`: accelerate all the way, at most to the
-/// limit. The caller has checked |q| <= limit * t.
-std::int64_t least_start_q32(std::int64_t q, std::int32_t t, std::int64_t limit) {
-  const std::int64_t t_q32 = std::int64_t{t} << 32;
-  const std::int64_t numerator = q - std::int64_t{t} * t_q32 / 2;
-  // Rounded up: division truncates towards zero, one unit more is inside either way.
-  const std::int64_t v = numerator / t + 1;
-  if (v + t_q32 <= limit) return v;
-  return limit - sqrt_down_q32(2 * (limit * t - q));
+/// A speed and the way it goes in the time.
+struct Start {
+  std::int64_t v_q32;
+  std::int64_t way_q32;
+};
+
+/// A way in one direction: displacement, time, limit, and what follows from them.
+class Way {
+ public:
+  /// `most_q32` = limit * beats >= |q|.
+  Way(std::int64_t q, std::int32_t beats, std::int64_t limit, std::int64_t most_q32)
+      : q_(q),
+        beats_(beats),
+        limit_(limit),
+        most_(most_q32),
+        square_(std::int64_t{beats * beats} << 32),
+        numerator_(q - square_ / 2),
+        slack_(numerator_ >= 0 ? 1 : beats),
+        free_(suffices(most_q32 - square_)) {}
+
+  std::int64_t way_q32(std::int64_t v) const {
+    return times_short(v, static_cast<std::uint32_t>(beats_));
+  }
+  /// True only if a start speed that goes `way` in the time is too slow.
+  bool too_slow(std::int64_t way) const { return free_ && !suffices(way); }
+  void raise(Start& start) const;
+  std::int64_t largest_end_q32(const Start& start) const;
+
+ private:
+  /// The least start speed, with no regard to the limit, is numerator / beats, truncated, and one
+  /// unit more, which is inside either way. Whether a speed is at or above that needs no division.
+  bool suffices(std::int64_t way) const { return way - slack_ >= numerator_; }
+
+  std::int64_t q_;
+  std::int32_t beats_;
+  std::int64_t limit_;
+  std::int64_t most_;
+  std::int64_t square_;  ///< beats^2
+  std::int64_t numerator_;
+  std::int64_t slack_;
+  bool free_;  ///< from the least start speed the limit is not reached
+};
+
+/// Raises `start` to the least start speed from which the way can be covered, if it is below:
+/// accelerate all the way, at most to the limit.
+void Way::raise(Start& start) const {
+  if (free_) {
+    if (suffices(start.way_q32)) return;
+    start.v_q32 = numerator_ / beats_ + 1;
+  } else {
+    const std::int64_t least = limit_ - sqrt_down_q32(2 * (most_ - q_));
+    if (start.v_q32 >= least) return;
+    start.v_q32 = least;
+  }
+  start.way_q32 = way_q32(start.v_q32);
 }
 
-/// Largest end speed from start speed `v`: brake first, then accelerate; cut at the limit.
-std::int64_t largest_end_q32(std::int64_t v, std::int64_t q, std::int32_t t, std::int64_t limit) {
-  const std::int64_t t_q32 = std::int64_t{t} << 32;
-  const std::int64_t u = sqrt_down_q32(2 * (std::int64_t{t} * t_q32) + 4 * (q - v * t)) - t_q32;
+/// Largest end speed from a start speed: brake first, then accelerate; cut at the limit.
+std::int64_t Way::largest_end_q32(const Start& start) const {
+  const std::int64_t v = start.v_q32, t_q32 = std::int64_t{beats_} << 32;
+  const std::int64_t u = sqrt_down_q32(2 * square_ + 4 * (q_ - start.way_q32)) - t_q32;
   const std::int64_t dip = v - (t_q32 - u + 1) / 2;
-  const std::int64_t end =
-      dip >= -limit
-          ? v + u
-          : sqrt_down_q32(2 * (q + limit * t) - mul_q32(v + limit, v + limit) - 1) - limit;
-  return end < limit ? end : limit;
+  std::int64_t end = v + u;
+  if (dip < -limit_)
+    end = sqrt_down_q32(2 * (q_ + most_) - mul_q32(v + limit_, v + limit_) - 1) - limit_;
+  return end < limit_ ? end : limit_;
 }
 
 }  // namespace
 
 bool reach(const SpeedInterval& from, std::int64_t q, std::int32_t t, std::int64_t limit,
            SpeedInterval& to) {
-  if (abs64(q) > limit * t) return false;
-  const std::int64_t least = least_start_q32(q, t, limit);
-  const std::int64_t most = -least_start_q32(-q, t, limit);
-  const std::int64_t lo = from.lo_q32 > least ? from.lo_q32 : least;
-  const std::int64_t hi = from.hi_q32 < most ? from.hi_q32 : most;
-  if (lo > hi) return false;
+  const std::int64_t most = times_short(limit, static_cast<std::uint32_t>(t));
+  if (abs64(q) > most) return false;
+  const Way forth(q, t, limit, most);
+  const std::int64_t fastest = forth.way_q32(from.hi_q32);
+  if (forth.too_slow(fastest)) return false;
+  const Way back(-q, t, limit, most);  // mirrored
+  const std::int64_t slowest = forth.way_q32(from.lo_q32);
+  if (back.too_slow(-slowest)) return false;
+  Start lo{from.lo_q32, slowest}, hi{-from.hi_q32, -fastest};
+  forth.raise(lo);
+  back.raise(hi);
+  if (lo.v_q32 > -hi.v_q32) return false;
   // Both bounds fall with the start speed, hence the crossed arguments.
-  to.hi_q32 = largest_end_q32(lo, q, t, limit);
-  to.lo_q32 = -largest_end_q32(-hi, -q, t, limit);
+  to.hi_q32 = forth.largest_end_q32(lo);
+  to.lo_q32 = -back.largest_end_q32(hi);
   return to.lo_q32 <= to.hi_q32;
+}
+
+Reachable reachable(const SpeedInterval& from, std::int64_t q, std::int32_t t, std::int64_t limit) {
+  // A start speed v can cover q if |q - v t| <= t^2 / 2 and the limit is not in the way; with the
+  // limit less can be covered. At a distance from that bound the end speeds are an interval of
+  // sqrt(distance), far wider than any rounding.
+  const std::int64_t square_q32 = std::int64_t{t * t} << 32, t_q32 = std::int64_t{t} << 32;
+  const std::int64_t half = square_q32 / 2, margin = square_q32 >> 11;
+  const std::int64_t above = times_short(from.hi_q32, static_cast<std::uint32_t>(t)) - q + half;
+  if (above < -margin) return Reachable::no;
+  const std::int64_t below = q + half - times_short(from.lo_q32, static_cast<std::uint32_t>(t));
+  if (below < -margin) return Reachable::no;
+  // No way to the limit and back fits into the time.
+  const std::int64_t safe = limit - t_q32;
+  const bool free = from.lo_q32 >= -safe && from.hi_q32 <= safe;
+  return free && above >= margin && below >= margin ? Reachable::yes : Reachable::unclear;
 }
 
 }  // namespace lamplock::motion

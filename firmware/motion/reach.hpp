@@ -43,4 +43,9 @@ struct SpeedInterval {
 bool reach(const SpeedInterval& from, std::int64_t q_q32, std::int32_t beats,
            std::int64_t speed_limit_q32, SpeedInterval& to);
 
+/// What reach() will say, where that is clear without a root or a division.
+enum class Reachable : std::uint8_t { no, yes, unclear };
+Reachable reachable(const SpeedInterval& from, std::int64_t q_q32, std::int32_t beats,
+                    std::int64_t speed_limit_q32);
+
 }  // namespace lamplock::motion

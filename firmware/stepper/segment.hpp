@@ -39,7 +39,9 @@ struct AxisProfile {
 
 /// Displacement of n ticks from speed v with (even) acceleration A, Q62 (exact).
 constexpr Int128 displacement_q62(std::int64_t speed_q62, std::int64_t accel_q62, std::uint32_t n) {
-  const auto square = static_cast<std::int64_t>(std::uint64_t{n} * n);
+  if (n == 0) return {};
+  if (accel_q62 == 0) return Int128::product(speed_q62, n);
+  const auto square = static_cast<std::int64_t>(wide_product(n, n));
   return Int128::product(speed_q62, n) + Int128::product(accel_q62 / 2, square);
 }
 

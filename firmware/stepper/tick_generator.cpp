@@ -125,8 +125,10 @@ void TickGenerator::advance(std::uint32_t ticks) {
   tick_ += ticks;
   for (int a = 0; a < max_axes; ++a) {
     Run& r = runs_[index(a)];
-    r.run.position_q64 = r.run.position_after(ticks);
-    r.run.rate_q62 += r.run.accel_q62 * static_cast<std::int64_t>(ticks);
+    if (r.run.rate_q62 != 0 || r.run.accel_q62 != 0) {
+      r.run.position_q64 = r.run.position_after(ticks);
+      r.run.rate_q62 += r.run.accel_q62 * static_cast<std::int64_t>(ticks);
+    }
     if (r.left != forever) r.left -= ticks;
   }
   if (trigger_.period_ticks != 0)

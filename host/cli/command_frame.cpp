@@ -87,10 +87,7 @@ void add_frame(CLI::App& program, Action& action) {
       ->type_name("M_S")
       ->capture_default_str()
       ->group("Machine");
-  app->add_option("--board", options->board.board, "virtual, a serial port, or HOST:PORT")
-      ->type_name("virtual|PORT")
-      ->capture_default_str()
-      ->group("Board");
+  options->board.add_choice(*app);
   app->add_flag("--json", options->board.json, "Print the result as JSON on stdout")
       ->group("Board");
   app->callback([options, &action] { action = [options] { return frame(*options); }; });

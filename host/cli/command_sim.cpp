@@ -1,4 +1,4 @@
-// `lamplock sim`: a virtual board at the end of a real port, at the pace of the wall clock.
+// `lamplock sim`: a simulated board at the end of a real port, at the pace of the wall clock.
 #include <array>
 #include <chrono>
 #include <limits>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/cli/board_files.hpp"
+#include "host/cli/boards.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/interrupt.hpp"
@@ -16,7 +17,6 @@
 #include "host/cli/staged_file.hpp"
 #include "sim/endpoint/pty_endpoint.hpp"
 #include "sim/endpoint/tcp_endpoint.hpp"
-#include "sim/virtual_board/virtual_board.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -32,7 +32,7 @@ constexpr std::chrono::milliseconds tolerated_lag{100};
 constexpr std::size_t most_unsent = 65'536;
 
 struct Options {
-  std::string pty, tcp, vcd, shots;
+  std::string board = virtual_board, image, pty, tcp, vcd, shots;
   std::optional<double> seconds;
   bool json = false;
   MachineOptions machine;
@@ -109,13 +109,15 @@ void run_at_wall_pace(sim::Board& board, Ports& ports, const Options& options, C
 
 Exit simulate(const Options& options) {
   Console console(options.json);
+  check_image(options.board, options.image);
   for (const std::string& file : {options.vcd, options.shots})
     if (!file.empty()) check_target(file);
   const settings::Values values = options.machine.profile().settings;
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(values);
   Ports ports(options);
-  sim::VirtualBoard board(values, world);
+  const SimulatedBoard made = make_board(options.board, options.image, values, world);
+  sim::Board& board = *made.board;
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, board);
   for (const auto& port : ports.all()) console.say("listening on {}", port->address());
@@ -134,11 +136,20 @@ Exit simulate(const Options& options) {
 
 void add_sim(CLI::App& program, Action& action) {
   CLI::App* app = program.add_subcommand(
-      "sim", "A virtual board on a port, at the pace of the wall clock, as hardware would be");
+      "sim", "A simulated board on a port, at the pace of the wall clock, as hardware would be");
   app->footer(
       "Example:\n  lamplock sim --pty /tmp/engraver --lamp 100\n"
       "  lamplock engrave model.stl --size 5 --board /tmp/engraver     # in another terminal");
   const auto options = std::make_shared<Options>();
+  app->add_option("--board", options->board,
+                  "virtual: the firmware core on a virtual clock; chip: the flash image, "
+                  "instruction by instruction")
+      ->check(one_of({virtual_board, chip_board}))
+      ->type_name("virtual|chip")
+      ->capture_default_str();
+  app->add_option("--image", options->image,
+                  "Flash image for the chip; without it that of this build")
+      ->type_name("FILE");
   app->add_option("--pty", options->pty, "Pseudo-terminal, with a link to it of this name")
       ->type_name("LINK");
   app->add_option("--tcp", options->tcp, "Listen there; port 0 chooses a free one")

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/cli/boards.hpp"
 #include "host/cli/report_folder.hpp"
 #include "host/cli/staged_file.hpp"
 #include "host/error.hpp"
@@ -23,7 +24,7 @@ constexpr double percent = 0.01;
 constexpr const char* machine_group = "Machine";
 constexpr const char* points_group = "Points";
 constexpr const char* board_group = "Board";
-constexpr const char* lamp_group = "Lamp of the virtual board";
+constexpr const char* lamp_group = "Lamp of a simulated board";
 
 struct NamedLampMode {
   const char* name;
@@ -211,17 +212,26 @@ sim::LampConfig LampFaults::lamp(const settings::Values& values) const {
     sim::PinBus bus;
     const sim::Lamp trial(config, bus);
   } catch (const std::invalid_argument& error) {
-    throw Error(Exit::bad_input, "virtual lamp", error.what(),
+    throw Error(Exit::bad_input, "simulated lamp", error.what(),
                 "check --lamp, --jitter, --wander, --dropouts and --runts");
   }
   return config;
 }
 
-void BoardOptions::add_board(CLI::App& app) {
-  app.add_option("--board", board, "virtual, a serial port, or HOST:PORT")
-      ->type_name("virtual|PORT")
+void BoardOptions::add_choice(CLI::App& app) {
+  app.add_option("--board", board,
+                 "virtual: the firmware core on a virtual clock, fast; chip: the flash image, "
+                 "instruction by instruction; else a serial port or HOST:PORT")
+      ->type_name("virtual|chip|PORT")
       ->capture_default_str()
       ->group(board_group);
+  app.add_option("--image", image, "Flash image for the chip; without it that of this build")
+      ->type_name("FILE")
+      ->group(board_group);
+}
+
+void BoardOptions::add_board(CLI::App& app) {
+  add_choice(app);
   app.add_flag("--yes", yes, "Do not ask before the first shot")->group(board_group);
   app.add_flag("--json", json, "Print the result as JSON on stdout")->group(board_group);
 }
@@ -235,10 +245,13 @@ void BoardOptions::add_job(CLI::App& app) {
   app.add_option("--report", report, "Write report.json, shots.csv, shots.ply and cloud.png there")
       ->type_name("DIR")
       ->group(board_group);
-  app.add_option("--vcd", vcd, "Trace of all pins of the virtual board, for GTKWave")
+  app.add_option("--vcd", vcd, "Trace of all pins of a simulated board, for GTKWave")
       ->type_name("FILE")
       ->group(board_group);
-  app.add_option("--shots", shots, "What the laser of the virtual board fired, as CSV")
+  app.add_option("--shots", shots, "What the laser of a simulated board fired, as CSV")
+      ->type_name("FILE")
+      ->group(board_group);
+  app.add_option("--timing", timing, "Timing of the chip, cycle by cycle, and where they go")
       ->type_name("FILE")
       ->group(board_group);
   faults.add(app);
@@ -248,14 +261,21 @@ void BoardOptions::check() const {
   if (!vcd.empty()) check_target(vcd);
   if (!shots.empty()) check_target(shots);
   if (!report.empty()) check_report_folder(report);
-  if (is_virtual()) return;
-  const auto only_virtual = [](const std::string& option) {
-    throw Error(Exit::bad_input, option, "works on the virtual board only",
+  if (!timing.empty()) {
+    if (board != chip_board)
+      throw Error(Exit::bad_input, "--timing", "only the chip has cycles to count",
+                  "leave it out, or use --board chip");
+    check_target(timing);
+  }
+  check_image(board, image);
+  if (is_simulated()) return;
+  const auto only_simulated = [](const std::string& option) {
+    throw Error(Exit::bad_input, option, "works on simulated boards only",
                 "leave it out, or use --board virtual");
   };
-  if (!vcd.empty()) only_virtual("--vcd");
-  if (!shots.empty()) only_virtual("--shots");
-  if (faults.any()) only_virtual("--jitter, --wander, --dropouts, --runts");
+  if (!vcd.empty()) only_simulated("--vcd");
+  if (!shots.empty()) only_simulated("--shots");
+  if (faults.any()) only_simulated("--jitter, --wander, --dropouts, --runts");
   if (!dry && !yes && ::isatty(STDIN_FILENO) != 1)
     throw Error(Exit::bad_input, "--board " + board, "nobody is there to permit the first shot",
                 "run it in a terminal, or give --yes or --dry");

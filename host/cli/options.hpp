@@ -71,7 +71,7 @@ struct ModeOption {
 /// The name of a mode as users write it.
 std::string mode_name(std::uint8_t mode);
 
-/// Faults of the virtual board's lamp.
+/// Faults of a simulated board's lamp.
 struct LampFaults {
   double jitter_us = 0, wander_percent = 0, dropouts_percent = 0, runts_percent = 0;
   std::uint64_t seed = 1;
@@ -85,15 +85,16 @@ struct LampFaults {
 
 /// Where a job runs and what is left of it.
 struct BoardOptions {
-  std::string board = "virtual";
+  std::string board = "virtual", image{};
   std::size_t from = 0;
   bool yes = false, dry = false, json = false;
-  std::string report{}, vcd{}, shots{};
+  std::string report{}, vcd{}, shots{}, timing{};
   LampFaults faults{};
 
-  void add_board(CLI::App& app);  ///< --board, --yes, --json
-  void add_job(CLI::App& app);    ///< --from, --dry, --report, --vcd, --shots and the lamp's faults
-  bool is_virtual() const { return board == "virtual"; }
+  void add_choice(CLI::App& app);  ///< --board, --image
+  void add_board(CLI::App& app);   ///< these, --yes, --json
+  void add_job(CLI::App& app);  ///< --from, --dry, --report, --vcd, --shots and the lamp's faults
+  bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// Refuses what the board cannot do, before any work is done. Throws Error(bad_input).
   void check() const;
 };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/cli/board_files.hpp"
+#include "host/cli/boards.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/report_folder.hpp"
 #include "host/cli/steering.hpp"
@@ -17,7 +18,6 @@
 #include "host/report/summary.hpp"
 #include "shared/beat_reason.hpp"
 #include "sim/endpoint/tcp_address.hpp"
-#include "sim/virtual_board/virtual_board.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -33,7 +33,7 @@ double lamp_hz(const settings::Values& values) {
 
 /// A real laser fires only when somebody has said so.
 void ask_permission(const Work& work, const BoardOptions& options) {
-  if (options.yes || work.job.header.dry || options.is_virtual()) return;
+  if (options.yes || work.job.header.dry || options.is_simulated()) return;
   fmt::print(stderr, "{} points on {}, lamp {:g} Hz: the laser will fire. Type yes to fire: ",
              work.points.size() - options.from, options.board, lamp_hz(work.job.settings));
   std::fflush(stderr);
@@ -97,10 +97,24 @@ void add_shots(const sim::Board& board, report::JobRun& run) {
   run.time_s = sim::seconds(run.shots.back().at - run.shots.front().at) + last_beat_s;
 }
 
-Outcome run_virtual(const Work& work, const BoardOptions& options, Console& console) {
+/// The timing table on the console, and with the profile in the file that was asked for.
+void tell_timing(const sim::BoardTiming& timing, const Work& work, const BoardOptions& options,
+                 Console& console) {
+  const sim::Picoseconds delay =
+      work.job.settings.milli(Id::q_switch_delay) * sim::ps_per_us / 1000;
+  const std::string table = sim::timing_text(timing.table(delay));
+  console.text(table);
+  if (options.timing.empty()) return;
+  write_whole(options.timing, [&](const std::filesystem::path& path) {
+    std::ofstream(path) << table << "\n" << timing.profile().text();
+  });
+}
+
+Outcome run_simulated(const Work& work, const BoardOptions& options, Console& console) {
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(work.job.settings);
-  sim::VirtualBoard board(work.job.settings, world);
+  const SimulatedBoard made = make_board(options.board, options.image, work.job.settings, world);
+  sim::Board& board = *made.board;
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, board);
   link::SimulatedTransport transport(board);
@@ -110,8 +124,9 @@ Outcome run_virtual(const Work& work, const BoardOptions& options, Console& cons
   add_shots(board, outcome.run);
   if (trace) trace->finish();
   if (!options.shots.empty()) write_shots(options.shots, board, work.job.settings);
-  console.phase("run", fmt::format("{:.1f} s of machine time on the virtual board",
-                                   sim::seconds(board.now())));
+  console.phase("run", fmt::format("{:.1f} s of machine time on the {} board",
+                                   sim::seconds(board.now()), board.name()));
+  if (made.timing) tell_timing(*made.timing, work, options, console);
   return outcome;
 }
 
@@ -138,7 +153,7 @@ std::string end_name(JobEnd end) {
 }  // namespace
 
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
-  if (options.is_virtual()) return nullptr;
+  if (options.is_simulated()) return nullptr;
   const bool path = options.board.find('/') != std::string::npos;
   if (!path && sim::parse_tcp_address(options.board))
     return std::make_unique<link::TcpTransport>(options.board);
@@ -153,7 +168,7 @@ Outcome run_job(const Work& work, const BoardOptions& options,
                 fmt::format("points count from 0, the last is {}", work.points.size() - 1));
   ask_permission(work, options);
   console.restart_clock();
-  if (!port) return run_virtual(work, options, console);
+  if (!port) return run_simulated(work, options, console);
   Outcome outcome;
   outcome.result = send(*port, work, options, Clocking::wall);
   outcome.run = run_of(work, options, outcome.result);

@@ -32,7 +32,7 @@ struct Outcome {
   report::JobRun run;
 };
 
-/// Opens a real port: HOST:PORT or a serial port; nothing for the virtual board. Throws
+/// Opens a real port: HOST:PORT or a serial port; nothing for simulated boards. Throws
 /// Error(no_device).
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options);
 

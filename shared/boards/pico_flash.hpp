@@ -6,8 +6,6 @@
 
 namespace lamplock::boards {
 
-/// Where flash is seen (RP2040 datasheet, 2.2.1).
-inline constexpr std::uint32_t flash_base = 0x1000'0000;
 /// Settings: behind the room for the image (toolchain/arm/rp2040.ld), in every flash of 1 MiB or
 /// more.
 inline constexpr std::uint32_t settings_offset = 512 * 1024;

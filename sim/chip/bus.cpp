@@ -274,7 +274,11 @@ Access Bus::write_block(std::uint32_t address, std::uint32_t value, Width width,
   std::uint32_t offset = 0;
   Slot* slot = slot_at(address, master, offset);
   if (slot == nullptr) return {0, 0, true};
-  if (offset < slot->memory.size()) return store_in_slot(*slot, offset, value, width);
+  if (offset < slot->memory.size()) {
+    // Who watches the memory sees the store in its cycle, as with a register.
+    if (slot->stored && master != Master::dma) wheel_.advance_to(at);
+    return store_in_slot(*slot, offset, value, width);
+  }
   if (slot->block == nullptr) {
     report(*slot, address, "written");
     return {0, slot->write_wait, false};

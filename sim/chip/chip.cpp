@@ -25,7 +25,8 @@ Chip::Chip(const ChipOptions& options)
       flash_(options.flash_size, options.flash_timing, reporter(), options.seed),
       xip_(wheel_, bus_, flash_, reporter()),
       rom_(bus_.rom(), xip_.pins(), reporter()),
-      sio_(wheel_, gpio_, irqs_, [this] { return xip_.pins().inputs(); }, reporter()),
+      sio_(
+          wheel_, gpio_, irqs_, [this] { return xip_.pins().inputs(); }, reporter()),
       system_(wheel_, gpio_, sio_, irqs_,
               {[this](int core, std::uint32_t irqs) {
                  cores_[static_cast<std::size_t>(core)].set_nmi_mask(irqs);
@@ -116,6 +117,8 @@ void Chip::run_until(Cycle until) {
     const Cycle reached = std::min(held_[0] ? never_cycle : cores_[0].cycle(),
                                    held_[1] ? never_cycle : cores_[1].cycle());
     if (reached >= until) {
+      for (std::size_t i = 0; i < cores_.size(); ++i)
+        if (!held_[i]) cores_[i].run_events(until);
       wheel_.advance_to(until);
       return;
     }

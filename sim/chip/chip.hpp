@@ -99,8 +99,8 @@ class Chip {
   std::array<std::uint8_t, Bus::usb_dpram_size> usb_dpram_{};
   UsbController usb_;
   std::array<Core, 2> cores_;
-  std::array<bool, 2> held_{true, true};      ///< in reset
-  std::array<bool, 2> restart_{false, false}; ///< released, has not started yet
+  std::array<bool, 2> held_{true, true};       ///< in reset
+  std::array<bool, 2> restart_{false, false};  ///< released, has not started yet
   std::uint32_t watchdog_resets_ = 0;
   std::uint64_t seed_;
 };

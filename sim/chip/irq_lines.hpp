@@ -11,9 +11,32 @@ namespace lamplock::sim::chip {
 
 /// Numbers of the lines, as the datasheet lists them.
 enum class Irq : std::uint8_t {
-  timer_0, timer_1, timer_2, timer_3, pwm_wrap, usbctrl, xip, pio0_0, pio0_1, pio1_0, pio1_1,
-  dma_0, dma_1, io_bank0, io_qspi, sio_proc0, sio_proc1, clocks, spi0, spi1, uart0, uart1,
-  adc_fifo, i2c0, i2c1, rtc
+  timer_0,
+  timer_1,
+  timer_2,
+  timer_3,
+  pwm_wrap,
+  usbctrl,
+  xip,
+  pio0_0,
+  pio0_1,
+  pio1_0,
+  pio1_1,
+  dma_0,
+  dma_1,
+  io_bank0,
+  io_qspi,
+  sio_proc0,
+  sio_proc1,
+  clocks,
+  spi0,
+  spi1,
+  uart0,
+  uart1,
+  adc_fifo,
+  i2c0,
+  i2c1,
+  rtc
 };
 inline constexpr int irq_line_count = 26;
 

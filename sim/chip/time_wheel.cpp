@@ -8,28 +8,23 @@ namespace {
 __extension__ using Wide = __int128;
 }  // namespace
 
-void TimeWheel::find_next() {
-  next_ = never_cycle;
-  for (const Part& part : parts_) next_ = std::min(next_, part.due);
+/// The first part is not due first any more.
+void TimeWheel::promote_second() {
+  if (second_ == no_slot) {
+    second_ = 0;
+    for (Slot i = 1; i < parts_.size(); ++i)
+      if (before(i, second_)) second_ = i;
+  }
+  first_ = std::exchange(second_, no_slot);
+  next_ = parts_[first_].due;
 }
 
 void TimeWheel::run_next(Cycle to) {
-  // The first due part may run on to the time of the next other one, which saves calls.
-  std::size_t first = parts_.size();
-  Cycle other = never_cycle;
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    if (first == parts_.size() || parts_[i].due < parts_[first].due) {
-      if (first != parts_.size()) other = std::min(other, parts_[first].due);
-      first = i;
-    } else {
-      other = std::min(other, parts_[i].due);
-    }
-  }
-  const Cycle due = std::max(now_, parts_[first].due);
-  parts_[first].due = never_cycle;
-  next_ = other;
-  now_ = due;
-  parts_[first].part->run(std::max(due, std::min(to, other)));
+  Part& part = parts_[first_];
+  now_ = std::max(now_, std::exchange(part.due, never_cycle));
+  promote_second();
+  // It may run on to the time of the next other one, which saves calls.
+  part.part->run(std::max(now_, std::min(to, next_)));
 }
 
 void TimeWheel::set_frequency(std::uint64_t hz) {

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "sim/world/pins.hpp"
@@ -41,16 +42,23 @@ class TimeWheel {
   /// Registers a part, not due. It must outlive the wheel's use.
   Slot add(Timed& part) {
     parts_.push_back({&part, never_cycle});
+    second_ = no_slot;
     return parts_.size() - 1;
   }
   /// The part is due at `when` (never_cycle: not at all); a time that has passed means now.
   void set(Slot slot, Cycle when) {
-    const Cycle old = parts_[slot].due;
-    parts_[slot].due = when;
-    if (when < next_)
+    const Cycle old = std::exchange(parts_[slot].due, when);
+    if (slot == first_) {
       next_ = when;
-    else if (old == next_)
-      find_next();
+      if (second_ == no_slot || before(second_, first_)) promote_second();
+    } else if (before(slot, first_)) {
+      second_ = std::exchange(first_, slot);
+      next_ = when;
+    } else if (slot == second_) {
+      if (when > old) second_ = no_slot;
+    } else if (second_ != no_slot && before(slot, second_)) {
+      second_ = slot;
+    }
   }
 
   Cycle now() const { return now_; }
@@ -77,12 +85,22 @@ class TimeWheel {
     Timed* part;
     Cycle due;
   };
+  static constexpr Slot no_slot = std::numeric_limits<Slot>::max();
+
+  /// The part is due before another one: earlier, or added earlier.
+  bool before(Slot a, Slot b) const {
+    return parts_[a].due != parts_[b].due ? parts_[a].due < parts_[b].due : a < b;
+  }
   void run_next(Cycle to);
-  void find_next();
+  void promote_second();
 
   std::vector<Part> parts_;
   Cycle now_ = 0;
-  Cycle next_ = never_cycle;
+  Cycle next_ = never_cycle;  ///< of first_
+  // A part that runs often sets itself due before all others again: with the first two known that
+  // needs no search.
+  Slot first_ = 0;
+  Slot second_ = no_slot;         ///< no_slot: any of the others
   std::uint64_t hz_ = 6'500'000;  ///< the ring oscillator, nominally (RP2040 datasheet, 2.17)
   Cycle base_cycle_ = 0;          ///< where hz_ began to hold
   Picoseconds base_time_ = 0;

@@ -14,10 +14,10 @@ struct Timing {
   /// From the end of one handler, or from a higher priority that comes late, to the first
   /// instruction of the next one: entry (15) without its eight stores. Not documented either.
   std::uint32_t tail_chain = 7;
-  std::uint32_t apb_read_wait = 3;      ///< beyond the first cycle; measured by others as 3 or 4
+  std::uint32_t apb_read_wait = 3;  ///< beyond the first cycle; measured by others as 3 or 4
   std::uint32_t apb_write_wait = 3;
-  std::uint32_t ahb_wait = 0;           ///< AHB-Lite blocks: PIO, DMA, USB DPRAM, XIP control
-  std::uint32_t dma_start = 2;          ///< from a request to the first read
+  std::uint32_t ahb_wait = 0;   ///< AHB-Lite blocks: PIO, DMA, USB DPRAM, XIP control
+  std::uint32_t dma_start = 2;  ///< from a request to the first read
 };
 
 }  // namespace lamplock::sim::chip

@@ -29,9 +29,8 @@ struct SettingsArea {
 static_assert(settings::SettingsFlash<SettingsArea>);
 
 SettingsArea settings_area(chip::Chip& chip) {
-  return {chip.flash().storage().subspan(boards::settings_offset,
-                                         std::size_t{SettingsArea::sectors} *
-                                             settings::flash_sector)};
+  return {chip.flash().storage().subspan(
+      boards::settings_offset, std::size_t{SettingsArea::sectors} * settings::flash_sector)};
 }
 
 struct Wire {
@@ -40,12 +39,18 @@ struct Wire {
   bool inverted;
 };
 constexpr std::array output_wires{
-    Wire{Role::step_x, Pin::step_x, false},       Wire{Role::dir_x, Pin::dir_x, false},
-    Wire{Role::step_y, Pin::step_y, false},       Wire{Role::dir_y, Pin::dir_y, false},
-    Wire{Role::step_z, Pin::step_z, false},       Wire{Role::dir_z, Pin::dir_z, false},
-    Wire{Role::step_a, Pin::step_a, false},       Wire{Role::dir_a, Pin::dir_a, false},
-    Wire{Role::q_switch, Pin::q_switch, false},   Wire{Role::lamp_trigger, Pin::lamp_trigger, false},
-    Wire{Role::laser_gate, Pin::laser_gate, false}, Wire{Role::shot_enable, Pin::arm, false},
+    Wire{Role::step_x, Pin::step_x, false},
+    Wire{Role::dir_x, Pin::dir_x, false},
+    Wire{Role::step_y, Pin::step_y, false},
+    Wire{Role::dir_y, Pin::dir_y, false},
+    Wire{Role::step_z, Pin::step_z, false},
+    Wire{Role::dir_z, Pin::dir_z, false},
+    Wire{Role::step_a, Pin::step_a, false},
+    Wire{Role::dir_a, Pin::dir_a, false},
+    Wire{Role::q_switch, Pin::q_switch, false},
+    Wire{Role::lamp_trigger, Pin::lamp_trigger, false},
+    Wire{Role::laser_gate, Pin::laser_gate, false},
+    Wire{Role::shot_enable, Pin::arm, false},
     Wire{Role::drives_enable, Pin::enable, true},
 };
 /// Switches are closed to ground at rest, with the pull-up of the pad or of the board.
@@ -129,6 +134,7 @@ void ChipBoard::run(chip::Cycle to) {
 }
 
 void ChipBoard::run_until(Picoseconds until) {
+  plan();  // switches may have been scheduled
   while (now() < until) {
     // A change of the clock moves the cycle that a time means.
     const chip::Cycle target = chip_.wheel().cycle_at(until);
@@ -141,7 +147,8 @@ void ChipBoard::run_until(Picoseconds until) {
 
 bool ChipBoard::run_until_found(Picoseconds limit) {
   const Picoseconds end = now() + limit;
-  while (!host_.enumerated() && now() < end) run_until(now() + ps_per_ms);
+  for (Picoseconds next = now() + ps_per_ms; !host_.enumerated() && next <= end; next += ps_per_ms)
+    run_until(next);
   return host_.enumerated();
 }
 

@@ -118,7 +118,11 @@ TEST(Assembler, TheProgramsAreWhatTheirEssaysSay) {
   // The rise of the tick line is `mov y, isr side 1`; the last jump waits as long as a fetch.
   const Program& tick = tick_program.program;
   EXPECT_EQ(tick.code[tick_program.high - 1u], 0xa046 | 0x10 << 8);
-  EXPECT_EQ(tick.code[tick.size - 1u], 0x0040 | tick_program.next | 0x01 << 8);
+  EXPECT_EQ(tick.code[tick.size - 2u], 0x0040 | tick_program.next | 0x01 << 8);
+  // The end is one instruction that wraps to itself: set pins,0 side 0.
+  EXPECT_EQ(tick.code[tick.size - 1u], 0xe000);
+  EXPECT_EQ(tick_program.starved, tick.size - 1u);
+  EXPECT_EQ(tick.wrap_target, tick.size - 1u);
 }
 
 }  // namespace

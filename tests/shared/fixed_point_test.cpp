@@ -69,5 +69,17 @@ TEST(FixedPoint, QuotientsAndProductsRoundDown) {
   }
 }
 
+TEST(FixedPoint, ShortFactorsGiveTheSameProductInPieces) {
+  std::mt19937_64 random(4);
+  for (int i = 0; i < test::scaled(200'000); ++i) {
+    auto x = static_cast<std::int64_t>(any_length(random, 63));
+    if (random() % 2 != 0) x = -x;
+    const auto n = static_cast<std::uint32_t>(random() >> (48 + random() % 16));
+    const auto product = static_cast<std::int64_t>(static_cast<std::uint64_t>(x) * n);
+    ASSERT_EQ(portable_times_short(x, n), product) << x << " * " << n;
+    ASSERT_EQ(times_short(x, n), product);
+  }
+}
+
 }  // namespace
 }  // namespace lamplock

@@ -27,7 +27,7 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 
 }  // namespace
 
-Board::Board() : core_(store_.load()), ports_(uart_send_gpio) {}
+Board::Board() : core_(store_.load(), CoreMasked::mask()), ports_(uart_send_gpio) {}
 
 void Board::start_ports() {
   const std::array<char, 16> number = flash_unique_number();
@@ -38,8 +38,10 @@ void Board::start_ports() {
 
 void Board::start() {
   machine::TextLine line;
-  describe(take_last_run(), line);
+  const LastRun last = take_last_run();
+  describe(last, line);
   core_.say(line.view());
+  if (last.session != 0) core_.start_in_alarm();
   if (store_.counters().rejected != 0) {
     machine::TextLine rejected;
     rejected.add("Settings: rejected records ").add(std::int64_t{store_.counters().rejected});
@@ -47,9 +49,10 @@ void Board::start() {
   }
   for (const InterruptEntry& entry : interrupt_entries)
     set_priority(entry.irq, static_cast<std::uint32_t>(entry.level));
-  real_time_.start(core_);
   start_ports();
   watchdog_.start();
+  // Last: from here on ticks run out unless they are fed.
+  real_time_.start(core_);
   nvic().iser =
       irqs_of(Level::estop) | irqs_of(Level::beat) | irqs_of(Level::link) | irqs_of(Level::fill);
 }
@@ -82,7 +85,6 @@ void Board::receive() {
   for (int i = 0; i < 16; ++i) {
     const std::size_t n = ports_.read(bytes, tied);
     if (n == 0) return;
-    const CoreMasked masked;
     core_.receive(std::span<const std::uint8_t>(bytes).first(n));
   }
 }
@@ -91,10 +93,15 @@ void Board::work() {
   bool plan = false;
   {
     const CoreMasked masked;
+    real_time_.top_up(core_);
     plan = core_.prepare(real_time_.now());
   }
-  if (plan) core_.plan();
+  if (plan) {
+    watchdog_.allow(Watchdog::planning_us);
+    core_.plan();
+  }
   const CoreMasked masked;
+  real_time_.top_up(core_);
   core_.commit();
 }
 

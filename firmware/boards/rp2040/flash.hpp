@@ -12,15 +12,15 @@
 #include <span>
 
 #include "firmware/settings/store.hpp"
+#include "shared/boards/pico_flash.hpp"
 
 namespace lamplock::rp2040 {
 
 /// The area of the settings store: SettingsFlash.
 class SettingsArea {
  public:
-  /// Behind the room for the image (toolchain/arm/rp2040.ld), in every flash of 1 MiB or more.
-  static constexpr std::uint32_t offset = 512 * 1024;
-  static constexpr std::uint32_t sectors = 4;
+  static constexpr std::uint32_t offset = boards::settings_offset;
+  static constexpr std::uint32_t sectors = boards::settings_sectors;
 
   void read(std::uint32_t at, std::span<std::uint8_t> out) const;
   void erase(std::uint32_t at);

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
+#include "firmware/machine/interrupt_mask.hpp"
 
 extern "C" {
 void estop_irq();
@@ -52,6 +53,9 @@ class CoreMasked {
   ~CoreMasked() { nvic().iser = bits; }
   CoreMasked(const CoreMasked&) = delete;
   CoreMasked& operator=(const CoreMasked&) = delete;
+
+  /// The same for the core.
+  static machine::InterruptMask mask() { return {&nvic().icer, &nvic().iser, bits}; }
 
  private:
   static constexpr std::uint32_t bits = irqs_of(Level::beat) | irqs_of(Level::fill);

@@ -12,25 +12,45 @@ struct [[gnu::may_alias]] Quad {
 };
 using Word [[gnu::may_alias]] = std::uint32_t;
 
-bool word_aligned(const void* a, const void* b) {
-  return ((reinterpret_cast<std::uintptr_t>(a) | reinterpret_cast<std::uintptr_t>(b)) & 3) == 0;
-}
-
 }  // namespace
 
 extern "C" {
 
-void* memcpy(void* to, const void* from, std::size_t size) {
-  auto* d = static_cast<unsigned char*>(to);
-  const auto* s = static_cast<const unsigned char*>(from);
-  if (word_aligned(d, s)) {
-    for (; size >= sizeof(Quad); size -= sizeof(Quad), d += sizeof(Quad), s += sizeof(Quad))
-      *reinterpret_cast<Quad*>(d) = *reinterpret_cast<const Quad*>(s);
-    for (; size >= 4; size -= 4, d += 4, s += 4)
-      *reinterpret_cast<Word*>(d) = *reinterpret_cast<const Word*>(s);
-  }
-  while (size-- > 0) *d++ = *s++;
-  return to;
+// By hand: 13 cycles for four words, some 40 for a call that copies as many. Forwards, so that
+// `to` may also overlap `from` from below.
+[[gnu::naked]] void* memcpy(void* /*to*/, const void* /*from*/, std::size_t /*size*/) {
+  asm volatile(
+      ".syntax unified\n"
+      "mov r12, r0\n"
+      "movs r3, r0\n"
+      "orrs r3, r1\n"
+      "lsls r3, r3, #30\n"
+      "bne 5f\n"
+      "subs r2, #16\n"
+      "blo 2f\n"
+      "push {r4, r5, r6}\n"
+      "1: ldmia r1!, {r3, r4, r5, r6}\n"
+      "stmia r0!, {r3, r4, r5, r6}\n"
+      "subs r2, #16\n"
+      "bhs 1b\n"
+      "pop {r4, r5, r6}\n"
+      "2: adds r2, #12\n"  // words
+      "blo 4f\n"
+      "3: ldmia r1!, {r3}\n"
+      "stmia r0!, {r3}\n"
+      "subs r2, #4\n"
+      "bhs 3b\n"
+      "4: adds r2, #4\n"
+      "5: subs r2, #1\n"  // bytes
+      "blo 7f\n"
+      "6: ldrb r3, [r1]\n"
+      "strb r3, [r0]\n"
+      "adds r0, #1\n"
+      "adds r1, #1\n"
+      "subs r2, #1\n"
+      "bhs 6b\n"
+      "7: mov r0, r12\n"
+      "bx lr\n");
 }
 
 void* memmove(void* to, const void* from, std::size_t size) {
@@ -38,11 +58,7 @@ void* memmove(void* to, const void* from, std::size_t size) {
   const auto* s = static_cast<const unsigned char*>(from);
   if (d <= s || d >= s + size) {
     // Forwards is safe: what is written has been read.
-    if (word_aligned(d, s))
-      for (; size >= 4; size -= 4, d += 4, s += 4)
-        *reinterpret_cast<Word*>(d) = *reinterpret_cast<const Word*>(s);
-    while (size-- > 0) *d++ = *s++;
-    return to;
+    return memcpy(to, from, size);
   }
   d += size;
   s += size;

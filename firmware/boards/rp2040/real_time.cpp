@@ -15,6 +15,10 @@ constexpr std::uint32_t most_block_ticks = 1024;
 /// Between two alarms: what has to be tried again must not take all the time.
 constexpr std::uint32_t least_wait_us = 5;
 constexpr std::uint64_t beat_period_clocks = 100 * clocks_per_us;
+/// Spans fed in one beat interrupt, so that none takes too long; while more are missing the next
+/// interrupt follows at once.
+constexpr std::uint32_t most_spans = 2;
+constexpr std::uint32_t all_spans = ~0u;
 /// From the decision to start the lattice to its first tick: filling the rings takes longer than
 /// anything else.
 constexpr std::uint64_t start_margin_clocks = 2000 * clocks_per_us;
@@ -141,17 +145,27 @@ void RealTime::set_alarm(std::uint64_t clock) const {
   if (static_cast<std::int32_t>(timer().timerawl - at) >= 0) nvic().ispr = irq_bit(Irq::timer_1);
 }
 
+bool RealTime::feed_spans(machine::Controller& core, std::uint32_t most) {
+  const bool enough = feed_.feed(
+      now(), widen(filled_end_, feed_.end_tick()),
+      [&core](std::uint32_t n) { return core.next_span(n); }, most);
+  timed_end_ = static_cast<std::uint32_t>(feed_.end_tick());
+  return enough;
+}
+
+void RealTime::top_up(machine::Controller& core) {
+  if (!estop_.is_cut()) feed_spans(core, all_spans);
+}
+
 void RealTime::beat_interrupt(machine::Controller& core) {
   timer().intr = 1u << beat_alarm;
   if (estop_.is_cut()) return;
   fire_.service(core, [this] { return now(); });
+  const bool enough = feed_spans(core, most_spans);
   const std::uint64_t present = now();
-  feed_.feed(present, widen(filled_end_, feed_.end_tick()),
-             [&core](std::uint32_t n) { return core.next_span(n); });
-  timed_end_ = static_cast<std::uint32_t>(feed_.end_tick());
-  played_ = static_cast<std::uint32_t>(feed_.tick_at(present));
+  played_ = static_cast<std::uint32_t>(feed_.tick_before(present));
   nvic().ispr = irq_bit(Irq::spare_0);
-  std::uint64_t next = present + beat_period_clocks, token = 0;
+  std::uint64_t next = enough ? present + beat_period_clocks : present, token = 0;
   if (fire_.next_clock(token) && token < next) next = token;
   set_alarm(next);
 }
@@ -218,6 +232,10 @@ void RealTime::poll(machine::Controller& core) {
     stop_dead(core);
     inputs_.estop_seen(changed);
   } else if (estop_.is_cut()) {
+    stop_dead(core);
+  } else if (feed_.starved()) {
+    estop_.cut();
+    core.lattice_stopped();
     stop_dead(core);
   }
   inputs_.poll(sio().gpio_in, static_cast<std::uint32_t>(microseconds()), changed);

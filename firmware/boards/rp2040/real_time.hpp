@@ -52,6 +52,8 @@ class RealTime {
   void estop_interrupt() { estop_.interrupt(); }
   void beat_interrupt(machine::Controller& core);
   void fill_interrupt(machine::Controller& core);
+  /// Main loop with beat and fill masked, before it keeps them so for long: the full lead of ticks.
+  void top_up(machine::Controller& core);
   void poll(machine::Controller& core);
 
   /// Present clock of the core, at most 1 us behind.
@@ -63,6 +65,8 @@ class RealTime {
 
  private:
   void start_pads() const;
+  /// False if `most` spans were not enough.
+  bool feed_spans(machine::Controller& core, std::uint32_t most);
   void begin(machine::Controller& core, const StepPosition& steps, std::uint64_t stopped_tick);
   void go(std::uint64_t first_clock);
   void stop_dead(machine::Controller& core);

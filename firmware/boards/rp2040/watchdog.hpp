@@ -26,9 +26,11 @@ inline void select_watchdog_reset() {
 
 class Watchdog {
  public:
-  /// Ten times what the main loop needs with a window to plan. By then the ticks have run out long
-  /// ago if interrupts hang as well.
+  /// A hundred passes of the main loop. By then the ticks have run out long ago if interrupts hang
+  /// as well.
   static constexpr std::uint32_t timeout_us = 100'000;
+  /// A window may be planned in several rounds; what is handed out ends at rest meanwhile.
+  static constexpr std::uint32_t planning_us = 1'000'000;
   /// The counter has 24 bits.
   static constexpr std::uint32_t longest_us = 0xffffff / 2;
 
@@ -47,7 +49,7 @@ class Watchdog {
   }
   /// Before the boot loader, which feeds nobody.
   static void stop() { clear_bits(watchdog_registers().ctrl, watchdog_field::enable); }
-  /// The main loop is going to be busy for so long (an erase of the flash), at rest.
+  /// The main loop is going to be busy for so long (an erase of the flash, a plan).
   void allow(std::uint32_t us) { feed(us); }
 
  private:

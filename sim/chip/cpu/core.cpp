@@ -225,7 +225,8 @@ inline bool Core::store(std::uint32_t address, Width width, std::uint32_t value)
 // anew after the handler.
 bool Core::abandon_for_interrupt() {
   if (wheel_.next() > cycle_ && irqs_.changes() == seen_changes_ && !takeable_) return false;
-  run_events();
+  notice_access();
+  run_events(cycle_);
   return takeable_;
 }
 
@@ -570,7 +571,7 @@ bool Core::execute_msr(std::uint16_t first, std::uint16_t second) {
 
 // A switch over all instructions: long, but each case is a line of the manual. An instruction that
 // faults, sleeps or returns from an exception has moved the program counter itself and returns.
-void Core::execute() {
+inline void Core::execute() {
   const std::uint32_t pc = pc_;
   const std::uint32_t place = pc - window_.first;
   std::uint16_t op = 0;
@@ -590,31 +591,33 @@ void Core::execute() {
   const auto load_at = [&](std::uint32_t address, Width width) {
     return load(address, width, r_[low_d(op)]);
   };
-  const std::uint32_t d = r_[low_d(op)], n = r_[low_n(op)], m = r_[low_m(op)];
+  const auto d = [&] { return r_[low_d(op)]; };
+  const auto n = [&] { return r_[low_n(op)]; };
+  const auto m = [&] { return r_[low_m(op)]; };
   const unsigned top = register8(op);
   const Op kind = decode(op);
   switch (kind) {
     // Shift, add, subtract, move, compare
     case Op::lsl_imm:
-      logic(shift_left(n, imm5(op)));
+      logic(shift_left(n(), imm5(op)));
       break;
     case Op::lsr_imm:
-      logic(shift_right(n, imm5(op) == 0 ? 32 : imm5(op)));
+      logic(shift_right(n(), imm5(op) == 0 ? 32 : imm5(op)));
       break;
     case Op::asr_imm:
-      logic(shift_right_signed(n, imm5(op) == 0 ? 32 : imm5(op)));
+      logic(shift_right_signed(n(), imm5(op) == 0 ? 32 : imm5(op)));
       break;
     case Op::add_reg:
-      arithmetic(n, m, false);
+      arithmetic(n(), m(), false);
       break;
     case Op::sub_reg:
-      arithmetic(n, ~m, true);
+      arithmetic(n(), ~m(), true);
       break;
     case Op::add_imm3:
-      arithmetic(n, low_m(op), false);
+      arithmetic(n(), low_m(op), false);
       break;
     case Op::sub_imm3:
-      arithmetic(n, ~low_m(op), true);
+      arithmetic(n(), ~low_m(op), true);
       break;
     case Op::mov_imm:
       r_[top] = imm8(op);
@@ -631,52 +634,52 @@ void Core::execute() {
       break;
     // Data processing on two registers
     case Op::and_reg:
-      logic(d & n);
+      logic(d() & n());
       break;
     case Op::eor_reg:
-      logic(d ^ n);
+      logic(d() ^ n());
       break;
     case Op::lsl_reg:
-      logic(shift_left(d, n & 0xff));
+      logic(shift_left(d(), n() & 0xff));
       break;
     case Op::lsr_reg:
-      logic(shift_right(d, n & 0xff));
+      logic(shift_right(d(), n() & 0xff));
       break;
     case Op::asr_reg:
-      logic(shift_right_signed(d, n & 0xff));
+      logic(shift_right_signed(d(), n() & 0xff));
       break;
     case Op::adc_reg:
-      arithmetic(d, n, c_);
+      arithmetic(d(), n(), c_);
       break;
     case Op::sbc_reg:
-      arithmetic(d, ~n, c_);
+      arithmetic(d(), ~n(), c_);
       break;
     case Op::ror_reg:
-      logic(rotate_right(d, n & 0xff));
+      logic(rotate_right(d(), n() & 0xff));
       break;
     case Op::tst_reg:
-      set_nz(d & n);
+      set_nz(d() & n());
       break;
     case Op::rsb_imm:
-      arithmetic(~n, 0, true);
+      arithmetic(~n(), 0, true);
       break;
     case Op::cmp_reg:
-      add_with_carry(d, ~n, true);
+      add_with_carry(d(), ~n(), true);
       break;
     case Op::cmn_reg:
-      add_with_carry(d, n, false);
+      add_with_carry(d(), n(), false);
       break;
     case Op::orr_reg:
-      logic(d | n);
+      logic(d() | n());
       break;
     case Op::mul_reg:
-      logic(d * n);
+      logic(d() * n());
       break;
     case Op::bic_reg:
-      logic(d & ~n);
+      logic(d() & ~n());
       break;
     case Op::mvn_reg:
-      logic(~n);
+      logic(~n());
       break;
     // High registers and branch exchange
     case Op::add_high:
@@ -706,48 +709,48 @@ void Core::execute() {
       if (!load(((pc + 4) & ~3u) + 4 * imm8(op), Width::word, r_[top])) return;
       break;
     case Op::str_reg:
-      if (!store(n + m, Width::word, d)) return;
+      if (!store(n() + m(), Width::word, d())) return;
       break;
     case Op::strh_reg:
-      if (!store(n + m, Width::half, d)) return;
+      if (!store(n() + m(), Width::half, d())) return;
       break;
     case Op::strb_reg:
-      if (!store(n + m, Width::byte, d)) return;
+      if (!store(n() + m(), Width::byte, d())) return;
       break;
     case Op::ldrsb_reg:
-      if (!load_at(n + m, Width::byte)) return;
+      if (!load_at(n() + m(), Width::byte)) return;
       r_[low_d(op)] = sign_extend(r_[low_d(op)], 8);
       break;
     case Op::ldr_reg:
-      if (!load_at(n + m, Width::word)) return;
+      if (!load_at(n() + m(), Width::word)) return;
       break;
     case Op::ldrh_reg:
-      if (!load_at(n + m, Width::half)) return;
+      if (!load_at(n() + m(), Width::half)) return;
       break;
     case Op::ldrb_reg:
-      if (!load_at(n + m, Width::byte)) return;
+      if (!load_at(n() + m(), Width::byte)) return;
       break;
     case Op::ldrsh_reg:
-      if (!load_at(n + m, Width::half)) return;
+      if (!load_at(n() + m(), Width::half)) return;
       r_[low_d(op)] = sign_extend(r_[low_d(op)], 16);
       break;
     case Op::str_imm:
-      if (!store(n + 4 * imm5(op), Width::word, d)) return;
+      if (!store(n() + 4 * imm5(op), Width::word, d())) return;
       break;
     case Op::ldr_imm:
-      if (!load_at(n + 4 * imm5(op), Width::word)) return;
+      if (!load_at(n() + 4 * imm5(op), Width::word)) return;
       break;
     case Op::strb_imm:
-      if (!store(n + imm5(op), Width::byte, d)) return;
+      if (!store(n() + imm5(op), Width::byte, d())) return;
       break;
     case Op::ldrb_imm:
-      if (!load_at(n + imm5(op), Width::byte)) return;
+      if (!load_at(n() + imm5(op), Width::byte)) return;
       break;
     case Op::strh_imm:
-      if (!store(n + 2 * imm5(op), Width::half, d)) return;
+      if (!store(n() + 2 * imm5(op), Width::half, d())) return;
       break;
     case Op::ldrh_imm:
-      if (!load_at(n + 2 * imm5(op), Width::half)) return;
+      if (!load_at(n() + 2 * imm5(op), Width::half)) return;
       break;
     case Op::str_sp:
       if (!store(r_[13] + 4 * imm8(op), Width::word, r_[top])) return;
@@ -769,16 +772,16 @@ void Core::execute() {
       r_[13] -= 4 * (op & 0x7fu);
       break;
     case Op::sxth:
-      r_[low_d(op)] = sign_extend(n, 16);
+      r_[low_d(op)] = sign_extend(n(), 16);
       break;
     case Op::sxtb:
-      r_[low_d(op)] = sign_extend(n, 8);
+      r_[low_d(op)] = sign_extend(n(), 8);
       break;
     case Op::uxth:
-      r_[low_d(op)] = n & 0xffff;
+      r_[low_d(op)] = n() & 0xffff;
       break;
     case Op::uxtb:
-      r_[low_d(op)] = n & 0xff;
+      r_[low_d(op)] = n() & 0xff;
       break;
     case Op::push:
       if (!push(op)) return;
@@ -792,13 +795,13 @@ void Core::execute() {
       if (!load_multiple(op)) return;
       break;
     case Op::rev:
-      r_[low_d(op)] = (n << 24) | ((n & 0xff00) << 8) | ((n >> 8) & 0xff00) | (n >> 24);
+      r_[low_d(op)] = (n() << 24) | ((n() & 0xff00) << 8) | ((n() >> 8) & 0xff00) | (n() >> 24);
       break;
     case Op::rev16:
-      r_[low_d(op)] = ((n & 0x00ff'00ff) << 8) | ((n >> 8) & 0x00ff'00ff);
+      r_[low_d(op)] = ((n() & 0x00ff'00ff) << 8) | ((n() >> 8) & 0x00ff'00ff);
       break;
     case Op::revsh:
-      r_[low_d(op)] = sign_extend(((n & 0xff) << 8) | ((n >> 8) & 0xff), 16);
+      r_[low_d(op)] = sign_extend(((n() & 0xff) << 8) | ((n() >> 8) & 0xff), 16);
       break;
     // System
     case Op::cps:
@@ -846,6 +849,39 @@ void Core::execute() {
   }
   pc_ = next;
   cycle_ += cycles;
+}
+
+// --- Many instructions
+// -----------------------------------------------------------------------------
+
+Cycle Core::step() {
+  const Cycle start = cycle_;
+  if (attention_needed() && attend()) return cycle_ - start;
+  execute_one();
+  notice_access();
+  return cycle_ - start;
+}
+
+void Core::execute_one() { execute(); }
+
+void Core::run_until(Cycle limit) {
+  if (irqs_.changes() != seen_changes_) run_events(cycle_);
+  while (cycle_ < limit) {
+    if (attention_needed()) [[unlikely]] {
+      notice_access();
+      run_events(cycle_);
+      if (stop_) break;
+      if (idle()) {
+        idle_to(limit);
+        continue;
+      }
+      if (attend()) continue;
+    }
+    execute();
+  }
+  notice_access();
+  stop_ = false;
+  update_attention();
 }
 
 }  // namespace lamplock::sim::chip

@@ -80,6 +80,9 @@ class Core {
   /// A core that sleeps or has locked up lets time pass, events included, until it can go on or
   /// its cycle() is `to`.
   void idle_to(Cycle to);
+  /// Runs what is due up to and including `to`, not after cycle(); run_until() leaves what came
+  /// due during its last instruction.
+  void run_events(Cycle to);
   /// run_until() returns after the current step.
   void request_stop();
 
@@ -138,19 +141,23 @@ class Core {
   enum class Sleep : std::uint8_t { awake, wfi, wfe };
 
   // core.cpp: instructions
-  void execute();
-  bool fetch_outside(std::uint32_t pc, std::uint16_t& instruction);
+  // Those that are rare or keep lists of words are not inlined: the loop of run_until() is small.
+  [[gnu::always_inline]] void execute();
+  void execute_one();
+  [[gnu::noinline]] bool fetch_outside(std::uint32_t pc, std::uint16_t& instruction);
   bool fetch_second(std::uint32_t pc, std::uint16_t& instruction);
   void call_native(const NativeFunction& function);
-  bool execute_wide(std::uint16_t first, std::uint32_t& next, std::uint32_t& cycles);
+  [[gnu::noinline]] bool execute_wide(std::uint16_t first, std::uint32_t& next,
+                                      std::uint32_t& cycles);
   bool execute_mrs(std::uint16_t second);
   bool execute_msr(std::uint16_t first, std::uint16_t second);
-  bool execute_hint(std::uint16_t instruction, std::uint32_t& cycles);
-  bool execute_high(std::uint16_t instruction, std::uint32_t& next, std::uint32_t& cycles);
-  bool load_multiple(std::uint16_t instruction);
-  bool store_multiple(std::uint16_t instruction);
-  bool push(std::uint16_t instruction);
-  void pop(std::uint16_t instruction);
+  [[gnu::noinline]] bool execute_hint(std::uint16_t instruction, std::uint32_t& cycles);
+  [[gnu::noinline]] bool execute_high(std::uint16_t instruction, std::uint32_t& next,
+                                      std::uint32_t& cycles);
+  [[gnu::noinline]] bool load_multiple(std::uint16_t instruction);
+  [[gnu::noinline]] bool store_multiple(std::uint16_t instruction);
+  [[gnu::noinline]] bool push(std::uint16_t instruction);
+  [[gnu::noinline]] void pop(std::uint16_t instruction);
   bool load_block(std::uint32_t address, unsigned count, std::array<std::uint32_t, 9>& words);
   bool store_block(std::uint32_t address, unsigned count,
                    const std::array<std::uint32_t, 9>& words);
@@ -161,7 +168,7 @@ class Core {
   Access write_bus(std::uint32_t address, Width width, std::uint32_t value);
   void branch_exchange(std::uint32_t target);
   bool undefined();
-  bool unpredictable(std::uint16_t instruction);
+  [[gnu::noinline]] bool unpredictable(std::uint16_t instruction);
   bool condition(unsigned code) const;
 
   void set_nz(std::uint32_t result) { n_ = z_ = result; }
@@ -183,7 +190,7 @@ class Core {
   bool attention_needed() const {
     return attention_ || wheel_.next() <= cycle_ || irqs_.changes() != seen_changes_;
   }
-  void run_events();
+  void notice_access();
   void sample(Cycle when);
   void refresh(Cycle when);
   void update_attention();

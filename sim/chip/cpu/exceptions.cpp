@@ -10,7 +10,7 @@ namespace {
 
 // Cortex-M0+ Technical Reference Manual: 15 cycles from the assertion of an interrupt to the first
 // instruction of its handler, memory without wait states. Up to two cycles of it pass under the
-// instruction in progress: no instruction that is not abandoned has more left.
+// instruction in progress (assumed): no instruction that is not abandoned has more left.
 constexpr Cycle entry_cycles = 15;
 constexpr Cycle entry_overlap = 2;
 
@@ -64,13 +64,19 @@ void Core::sample(Cycle when) {
 }
 
 // One event after the other, so that it is known when a line rose.
-void Core::run_events() {
-  while (wheel_.next() <= cycle_) {
+void Core::run_events(Cycle to) {
+  while (wheel_.next() <= to) {
     const Cycle when = wheel_.next();
     wheel_.advance_to(when);
     if (irqs_.changes() != seen_changes_) sample(when);
   }
   if (irqs_.changes() != seen_changes_) sample(cycle_);
+}
+
+// What this core's own access to a register has changed shows in the next cycle: time has been
+// brought up to the access, and not further.
+void Core::notice_access() {
+  if (irqs_.changes() != seen_changes_) sample(wheel_.now() + 1);
 }
 
 bool Core::can_wake() const {
@@ -89,7 +95,7 @@ void Core::sleep(Sleep kind) {
 
 // Whatever comes before the next instruction; true if the step is used up.
 bool Core::attend() {
-  run_events();
+  run_events(cycle_);
   if (stop_) {
     stop_ = false;
     update_attention();
@@ -124,30 +130,6 @@ void Core::idle_to(Cycle to) {
     wheel_.advance_to(next);
   }
   cycle_ = std::max(cycle_, to);
-}
-
-Cycle Core::step() {
-  const Cycle start = cycle_;
-  if (attention_needed() && attend()) return cycle_ - start;
-  execute();
-  return cycle_ - start;
-}
-
-void Core::run_until(Cycle limit) {
-  while (cycle_ < limit) {
-    if (attention_needed()) {
-      run_events();
-      if (stop_) break;
-      if (idle()) {
-        idle_to(limit);
-        continue;
-      }
-      if (attend()) continue;
-    }
-    execute();
-  }
-  stop_ = false;
-  update_attention();
 }
 
 void Core::request_stop() {
@@ -253,7 +235,7 @@ void Core::exception_return(std::uint32_t value) {
   if (listener_ != nullptr) listener_->exception_left(id_, returning, cycle_);
   nvic_.deactivate(returning);
   refresh(cycle_);
-  run_events();
+  run_events(cycle_);
   if (takeable_) return chain(nvic_.best(), value, cycle_);
   // What comes while the registers are on their way back ends that, and is chained too.
   const Cycle end = cycle_ + timing_.exception_return;

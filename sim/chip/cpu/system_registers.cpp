@@ -50,7 +50,7 @@ void Core::report(std::uint32_t address) {
 // False: a fault (nobody there, or not for unprivileged code).
 bool Core::read_system(std::uint32_t address, std::uint32_t& value) {
   if (!privileged() || address >= ppb_end) return false;
-  run_events();
+  run_events(cycle_);
   const std::uint32_t offset = address - scs_base;
   value = 0;
   if (offset >= nvic_ipr && offset < nvic_ipr_end) {
@@ -119,7 +119,7 @@ bool Core::read_system(std::uint32_t address, std::uint32_t& value) {
 
 bool Core::write_system(std::uint32_t address, std::uint32_t value) {
   if (!privileged() || address >= ppb_end) return false;
-  run_events();
+  run_events(cycle_);
   const std::uint32_t offset = address - scs_base;
   if (offset < scs_size && write_nvic(offset, value)) {
     refresh(never_cycle);

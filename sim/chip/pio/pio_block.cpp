@@ -90,7 +90,7 @@ void PioBlock::settle(Cycle next) {
     std::uint32_t others = 0;
     for (unsigned k = 0; k < machine_count; ++k)
       if (k != i && machines_[k].active()) others |= machines_[k].reach();
-    machines_[i].set_alone((machines_[i].reach() & others) == 0);
+    machines_[i].set_contested(others);
   }
   find_due();
 }

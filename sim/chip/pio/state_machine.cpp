@@ -100,7 +100,7 @@ void StateMachine::stall(const Decoded& op, Cycle clock) {
   due = running_forced_ ? clock + 1 : next_q8_ >> 8;
   if (shared_.every_clock) return;
   // Another machine may write a pin that this one asserts again in each tick.
-  if (!alone_ && (op.side_mask != 0 || sticky_)) return;
+  if ((op.side_mask & contested_) != 0 || (sticky_ && !alone_)) return;
   switch (op.operation) {
     case Operation::wait_gpio:
       watched_pin_ = 1u << op.arg;
@@ -180,7 +180,7 @@ void StateMachine::try_loop(Cycle clock) {
     if (!is_jump(op.operation)) return;
     if (op.side_mask != 0) {
       const std::uint32_t latch = op.side_to_dirs ? shared_.dirs : shared_.out;
-      if (!alone_ || (latch & op.side_mask) != op.side_bits) return;
+      if ((op.side_mask & contested_) != 0 || (latch & op.side_mask) != op.side_bits) return;
     }
     const bool tests_x =
         op.operation == Operation::jmp_not_x || op.operation == Operation::jmp_x_dec;

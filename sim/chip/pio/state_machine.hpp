@@ -95,8 +95,11 @@ class StateMachine {
   bool active() const { return enabled_ || forced_; }
   /// All pins that it can write.
   std::uint32_t reach() const;
-  /// No other active machine can write a pin that this one can.
-  void set_alone(bool alone) { alone_ = alone; }
+  /// Pins that other active machines can write.
+  void set_contested(std::uint32_t pins) {
+    contested_ = pins;
+    alone_ = (reach() & pins) == 0;
+  }
 
   Fifo& tx() { return tx_; }
   Fifo& rx() { return rx_; }
@@ -173,7 +176,8 @@ class StateMachine {
   bool forced_ = false;      ///< an instruction written to INSTR
   bool running_forced_ = false;
   std::array<bool, 2> irq_waiting_{};  ///< of the program, of a forced instruction
-  bool alone_ = true;
+  bool alone_ = true;                  ///< none of the pins that it can write is contested
+  std::uint32_t contested_ = 0;
   Sleep sleep_ = Sleep::none;
   bool waits_for_flag_ = false;
   std::uint32_t watched_pin_ = 0;

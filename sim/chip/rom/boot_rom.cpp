@@ -84,7 +84,7 @@ constexpr std::uint32_t page_program = 0x02, read_data = 0x03, read_status = 0x0
 enum Phase : std::uint32_t { next, enable, enable_wait, command, data, poll, poll_wait };
 // Steps of leaving XIP, in r4.
 enum ExitPhase : std::uint32_t { delay_low, clocks_low, delay_high, clocks_high, ones };
-constexpr std::uint32_t exit_delay_steps = 256, exit_delay_cycles = 24;  // about 6000 cycles
+constexpr std::uint32_t exit_delay_steps = 256, exit_delay_cycles = 24;  // 6000 in all, assumed
 
 // Steps of core 1's launch, in r4; r5 = word to send.
 enum WaitPhase : std::uint32_t {
@@ -713,7 +713,7 @@ void BootRom::enter_command_xip(Context& c) {
 void BootRom::usb_boot(Context& c) {
   // By way of the watchdog, so that everything is reset, and the boot vector (2.8.1.1).
   constexpr std::uint32_t control_enable = 1u << 30, control_pause = 7u << 24;
-  constexpr std::uint32_t delay_us = 10'000;
+  constexpr std::uint32_t delay_us = 10'000;  // assumed
   c.store(scratch0, c.reg(0));
   c.store(scratch0 + 4, c.reg(1));
   c.store(psm_wdsel, 0x1'fffc);  // everything but ROSC and XOSC

@@ -10,7 +10,7 @@ namespace {
 
 constexpr Picoseconds frame_length = ps_per_ms;
 /// Before the next SOF: its token, which is reported at its end, and the time in which hubs cut
-/// transactions off (EOF1; USB 2.0, 11.2.5).
+/// transactions off (EOF1; USB 2.0, 11.2.5); the length is assumed.
 constexpr Picoseconds frame_margin = bit_times(64);
 constexpr Picoseconds stranger_interval = 250 * ps_per_us;
 constexpr int max_attempts = 3;

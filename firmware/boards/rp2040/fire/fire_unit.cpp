@@ -110,9 +110,14 @@ bool FireUnit::withdraw() const {
 
 void FireUnit::handle_token(machine::Controller& core, std::uint64_t now) {
   using Action = TokenKeeper::Action;
-  const std::uint64_t tick = feed_.tick_at(now);
+  std::uint64_t tick = 0;
+  bool known = false;  // finding the tick takes longer than all the rest
   // At most: withdraw one, take the next, load it.
   for (int i = 0; i < 3; ++i) {
+    if (keeper_.is_out() && !known) {
+      tick = feed_.tick_at(now);
+      known = true;
+    }
     switch (keeper_.next(tick, core.outputs().fire_enable)) {
       case Action::nothing:
         return;

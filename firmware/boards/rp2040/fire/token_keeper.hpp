@@ -27,6 +27,7 @@ class TokenKeeper {
     withdraw,  ///< take it out of the hardware; if that succeeded withdrawn(), tell the core
   };
 
+  /// `tick` means nothing unless a token is out.
   Action next(std::uint64_t tick, bool permitted) const {
     if (state_ == State::none) return permitted ? Action::take : Action::nothing;
     const bool over = !permitted || tick >= token_.expires_tick;

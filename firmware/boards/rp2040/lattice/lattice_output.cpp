@@ -177,9 +177,12 @@ void LatticeOutput::go() const {
 
 std::uint64_t LatticeOutput::ticks_begun(const TickFeed& feed) const {
   const std::uint32_t read = (dma().ch[tick_channel].read_addr - address(ticks_.words.data())) / 4;
-  const std::uint32_t in_ring = (feed.words() - read) % tick_ring_words;
+  std::uint32_t in_ring = (feed.words() - read) % tick_ring_words;
+  // Zeros behind the words may have been read ahead: fewer than none.
+  if (in_ring > tick_ring_words / 2) in_ring -= tick_ring_words;
   const std::uint32_t taken = feed.words() - in_ring - tick_machine.tx_level();
   const unsigned place = tick_machine.place(tick_offset);
+  if (place == tick_program.starved) return feed.ticks_begun(feed.words(), 0);
   const std::uint32_t left = push_of_tick(encode::move(MoveTo::isr, MoveFrom::x));
   const std::uint32_t word = push_of_tick(encode::move(MoveTo::isr, MoveFrom::osr));
   if (place <= tick_program.entry) return feed.ticks_begun(taken, 0);    // the word is done

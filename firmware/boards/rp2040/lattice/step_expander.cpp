@@ -1,5 +1,6 @@
 #include "firmware/boards/rp2040/lattice/step_expander.hpp"
 
+#include <algorithm>
 #include <bit>
 
 namespace lamplock::rp2040 {
@@ -9,11 +10,31 @@ std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
 
 constexpr std::uint32_t place_mask = ring_ticks - 1;
 
-/// Moves on by `ticks` of at most one word, all with the same two bits.
-std::uint32_t shifted(std::uint32_t word, std::uint32_t ticks, std::uint32_t pattern) {
-  if (ticks == ticks_per_step_word) return pattern;
-  const std::uint32_t bits = 2 * ticks;
-  return word << bits | (pattern & ((1u << bits) - 1));
+/// Puts `ticks` ticks that are all alike at `place` into a ring of words: its last, unfinished word
+/// is `partial`, `pattern` a word full of such ticks.
+template <std::uint32_t ticks_per_word, std::size_t ring_words>
+void put_alike(std::array<std::uint32_t, ring_words>& ring, std::uint32_t& partial,
+               std::uint32_t pattern, std::uint32_t place, std::uint32_t ticks) {
+  constexpr std::uint32_t bits = 32 / ticks_per_word, words = ring_words;
+  const auto shifted = [pattern](std::uint32_t word, std::uint32_t n) {  // n below a word
+    return word << bits * n | (pattern & ((1u << bits * n) - 1));
+  };
+  std::uint32_t at = place / ticks_per_word;
+  if (const std::uint32_t begun = place % ticks_per_word; begun != 0) {
+    const std::uint32_t left = ticks_per_word - begun;
+    const std::uint32_t n = ticks < left ? ticks : left;
+    partial = shifted(partial, n);
+    ticks -= n;
+    if (n == left) ring[at++ % words] = partial;
+  }
+  for (std::uint32_t whole = ticks / ticks_per_word; whole != 0;) {
+    at %= words;
+    const std::uint32_t n = whole < words - at ? whole : words - at;
+    std::fill_n(ring.data() + at, n, pattern);
+    whole -= n;
+    at += n;
+  }
+  if (ticks % ticks_per_word != 0) partial = shifted(partial, ticks % ticks_per_word);
 }
 
 }  // namespace
@@ -79,33 +100,12 @@ void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t
 }
 
 void StepExpander::put_still(int axis, std::uint32_t ticks) {
-  auto& ring = rings_.steps[index(axis)];
-  std::uint32_t& partial = partial_[index(axis)];
-  const std::uint32_t dir = dir_[index(axis)];
-  std::uint32_t place = place_;
-  while (ticks != 0) {
-    const std::uint32_t left = ticks_per_step_word - place % ticks_per_step_word;
-    const std::uint32_t n = ticks < left ? ticks : left;
-    partial = shifted(partial, n, dir);
-    if (n == left) ring[(place & place_mask) / ticks_per_step_word] = partial;
-    place += n;
-    ticks -= n;
-  }
+  put_alike<ticks_per_step_word>(rings_.steps[index(axis)], partial_[index(axis)],
+                                 dir_[index(axis)], place_, ticks);
 }
 
 void StepExpander::put_bits(std::uint32_t nibble, std::uint32_t ticks) {
-  const std::uint32_t pattern = nibble * 0x11111111u;
-  std::uint32_t place = place_;
-  while (ticks != 0) {
-    const std::uint32_t left = ticks_per_bits_word - place % ticks_per_bits_word;
-    const std::uint32_t n = ticks < left ? ticks : left;
-    partial_bits_ = n == ticks_per_bits_word
-                        ? pattern
-                        : partial_bits_ << 4 * n | (pattern & ((1u << 4 * n) - 1));
-    if (n == left) rings_.bits[(place & place_mask) / ticks_per_bits_word] = partial_bits_;
-    place += n;
-    ticks -= n;
-  }
+  put_alike<ticks_per_bits_word>(rings_.bits, partial_bits_, nibble * 0x11111111u, place_, ticks);
 }
 
 std::uint32_t StepExpander::word_of(int axis, std::uint32_t place) const {

@@ -9,22 +9,47 @@ void TickFeed::begin(std::uint64_t tick, std::uint64_t clock, std::uint32_t low_
   high_clocks_ = high_clocks;
   words_ = span_count_ = 0;
   starved_ = false;
-  put(tick_word(1, low_count));
+  ring_.words.fill(0);
+  put(ring_, words_, tick_word(1, low_count));
 }
 
 void TickFeed::add(const lamp::TickSpan& span) {
-  make_tick_words(span, high_clocks_, [this](std::uint32_t word) { put(word); });
+  // In a register: a store into the ring could otherwise have changed the member.
+  std::uint32_t words = words_;
+  TickRing& ring = ring_;
+  make_tick_words(span, high_clocks_,
+                  [&ring, &words](std::uint32_t word) { put(ring, words, word); });
+  words_ = words;
   spans_[span_count_++ % remembered] = span;
   end_tick_ = span.first_tick + span.ticks;
   end_clock_ = span.first_clock + span.clocks;
 }
 
-std::uint64_t TickFeed::tick_at(std::uint64_t clock) const {
+/// The span in which a clock lies, or the oldest one; none from end_clock() on.
+const lamp::TickSpan* TickFeed::span_at(std::uint64_t clock) const {
   const std::uint32_t known = span_count_ < remembered ? span_count_ : remembered;
-  if (known == 0 || clock >= end_clock_) return end_tick_;
+  if (known == 0 || clock >= end_clock_) return nullptr;
+  // Differences in 32 bits: the spans are the last milliseconds. What lies long ago is the oldest.
+  const std::uint64_t ago = end_clock_ - clock;
+  const auto wanted = ago > remembered * feed_span_ticks * 2u * clocks_per_tick
+                          ? ~0u
+                          : static_cast<std::uint32_t>(ago);
+  const auto end = static_cast<std::uint32_t>(end_clock_);
+  std::uint32_t i = 1;
   const lamp::TickSpan* span = &spans_[(span_count_ - 1) % remembered];
-  for (std::uint32_t i = 2; i <= known && clock < span->first_clock; ++i)
-    span = &spans_[(span_count_ - i) % remembered];
+  while (i < known && end - static_cast<std::uint32_t>(span->first_clock) < wanted)
+    span = &spans_[(span_count_ - ++i) % remembered];
+  return span;
+}
+
+std::uint64_t TickFeed::tick_before(std::uint64_t clock) const {
+  const lamp::TickSpan* span = span_at(clock);
+  return span == nullptr ? end_tick_ : span->first_tick;
+}
+
+std::uint64_t TickFeed::tick_at(std::uint64_t clock) const {
+  const lamp::TickSpan* span = span_at(clock);
+  if (span == nullptr) return end_tick_;
   if (clock <= span->first_clock) return span->first_tick;
   // Stepwise, for there is no division at this level: halves of the span.
   const auto into = static_cast<std::uint32_t>(clock - span->first_clock);

@@ -1,13 +1,14 @@
-// The tick feed: hands out the lengths of ticks, 0.4 ms ahead, and knows which tick is when.
+// The tick feed: hands out the lengths of ticks, 0.8 ms ahead, and knows which tick is when.
 //
 // In:  spans of the core (Controller::next_span), the present clock.
 // Out: words in the ring of TICK; clock of a tick, tick at a clock.
-// Who: beat interrupt (priority 1) every 100 us; begin() with it masked. Budget: 40 us a call in
-//      the worst case (128 ticks of alternating length), 10 us at the usual one.
+// Who: beat interrupt (priority 1) every 100 us; begin() with it masked. Budget: 20 us a span in
+//      the worst case (128 ticks of alternating length), 6 us at the usual one.
 //
 // The words are credits: nothing else moves the machine. The feed never gives a tick a length
 // whose steps are not in the rings behind the prefetch of the state machines; if the fill is late,
-// motion stands still with STEP low, and starved() says so afterwards.
+// motion stands still with STEP low, and starved() says so afterwards. TICK does not go on by
+// itself then: begin() has to follow.
 #pragma once
 
 #include <array>
@@ -18,12 +19,17 @@
 
 namespace lamplock::rp2040 {
 
-inline constexpr std::uint32_t feed_lead_clocks = 400 * clocks_per_us;
-inline constexpr std::uint32_t feed_span_ticks = 128;
+/// The beat interrupt may be masked for nearly as long; with the span under way less than a
+/// millisecond, after which a hung CPU moves nothing.
+inline constexpr std::uint32_t feed_lead_clocks = 800 * clocks_per_us;
+inline constexpr std::uint32_t feed_span_ticks = most_span_ticks;
 /// One word a tick at worst, and never more than this many ticks ahead.
-inline constexpr std::uint32_t tick_ring_words = 1024;
-inline constexpr unsigned tick_ring_bits = 12;
+inline constexpr std::uint32_t tick_ring_words = 2048;
+inline constexpr unsigned tick_ring_bits = 13;
 static_assert(tick_ring_words * 4 == 1u << tick_ring_bits);
+/// What DMA and FIFO read ahead of the tick, slewed most: words that are not there by then are
+/// taken for the end.
+inline constexpr std::uint32_t read_ahead_clocks = 7 * most_word_ticks * clocks_per_tick * 5 / 4;
 /// Ticks filled beyond those that have a length: what the state machines read ahead, and a word
 /// more because filled means begun.
 inline constexpr std::uint32_t least_fill_lead_ticks = prefetch_ticks + ticks_per_step_word;
@@ -42,13 +48,17 @@ class TickFeed {
              std::uint32_t high_clocks);
 
   /// Takes spans until `now` + lead is reached or the rings are not filled further.
-  /// `next_span(max_ticks)` is the core's.
+  /// `next_span(max_ticks)` is the core's. False if `most_spans` were not enough.
   template <class NextSpan>
-  void feed(std::uint64_t now, std::uint64_t filled_end, NextSpan&& next_span) {
-    if (now > end_clock_) starved_ = true;
+  bool feed(std::uint64_t now, std::uint64_t filled_end, NextSpan&& next_span,
+            std::uint32_t most_spans = ~0u) {
+    if (span_count_ != 0 && now + read_ahead_clocks > end_clock_) starved_ = true;
     while (end_clock_ < now + feed_lead_clocks &&
-           end_tick_ + feed_span_ticks + least_fill_lead_ticks <= filled_end)
+           end_tick_ + feed_span_ticks + least_fill_lead_ticks <= filled_end) {
+      if (most_spans-- == 0) return false;
       add(next_span(feed_span_ticks));
+    }
+    return true;
   }
 
   std::uint64_t end_tick() const { return end_tick_; }    ///< first tick without a length
@@ -57,6 +67,8 @@ class TickFeed {
   bool starved() const { return starved_; }
   /// Last tick that has begun at `clock`, within one tick; one of the last 16 spans.
   std::uint64_t tick_at(std::uint64_t clock) const;
+  /// No later than tick_at(), at most a span earlier, and cheaper.
+  std::uint64_t tick_before(std::uint64_t clock) const;
   /// When a tick begins, within 0.5 us; false if it has no length yet.
   bool clock_of(std::uint64_t tick, std::uint64_t& clock) const;
   /// Words made since begin().
@@ -67,9 +79,20 @@ class TickFeed {
 
  private:
   static constexpr std::uint32_t remembered = 16;
+  /// More than DMA and FIFO read ahead; the rest of the ring holds the longest lead, word by tick.
+  static constexpr std::uint32_t cleared_words = 256;
+  static constexpr std::uint32_t longest_lead_ticks =
+      feed_lead_clocks / (clocks_per_tick * 3 / 4) + feed_span_ticks;
+  static_assert(cleared_words + longest_lead_ticks < tick_ring_words);
 
   void add(const lamp::TickSpan& span);
-  void put(std::uint32_t word) { ring_.words[words_++ % tick_ring_words] = word; }
+  const lamp::TickSpan* span_at(std::uint64_t clock) const;
+  static void put(TickRing& ring, std::uint32_t& words, std::uint32_t word) {
+    ring.words[words % tick_ring_words] = word;
+    // Ahead of the words there are always zeros, where TICK ends.
+    ring.words[(words + cleared_words) % tick_ring_words] = 0;
+    ++words;
+  }
 
   TickRing& ring_;
   std::array<lamp::TickSpan, remembered> spans_{};

@@ -3,12 +3,14 @@
 // In:  TickSpans of the beat clock.
 // Out: words (ticks - 1 | low time << 16); tick i of a span begins at first_clock +
 //      floor(i * clocks / ticks), the very clock that the virtual board works out.
-// Who: TickFeed (beat interrupt, priority 1). Cost: some 8 cycles a tick, no division.
+// Who: TickFeed (beat interrupt, priority 1). Cost: some 20 cycles a word, no division; one word
+// for 16 ticks where all are alike, as many as ticks at worst.
 //
 // TICK spends the low time before the rise that begins a tick: a word tells how long the ticks
 // before its rises were. So the words of span [a, b) begin ticks a+1 .. b.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "firmware/boards/rp2040/pio/programs.hpp"
@@ -18,6 +20,10 @@ namespace lamplock::rp2040 {
 
 /// Longest low time that fits a word.
 inline constexpr std::uint32_t most_low_count = 0xffff;
+
+/// Ticks of a word at most: the words behind the lead outnumber those that DMA and FIFO read ahead,
+/// which must never meet a word before it is written.
+inline constexpr std::uint32_t most_ticks_a_word = 16;
 
 constexpr std::uint32_t tick_word(std::uint32_t ticks, std::uint32_t low_count) {
   return (ticks - 1) | low_count << 16;
@@ -38,27 +44,61 @@ struct TickLength {
   }
 };
 
+/// Longest span that is made into words.
+inline constexpr std::uint32_t most_span_ticks = 128;
+
+/// DMA and the FIFO of TICK read six words ahead, whether or not they are written. The feed is at
+/// least 200 us ahead, so words of at most 16 ticks (20 us when slewed most) always are.
+inline constexpr std::uint32_t most_word_ticks = 16;
+
+/// ceil(2^15 / m): n * reciprocal / 2^15, rounded down, is n / m for n up to most_span_ticks.
+inline constexpr std::array<std::uint16_t, most_span_ticks / 2 + 1> reciprocals = [] {
+  std::array<std::uint16_t, most_span_ticks / 2 + 1> table{};
+  for (std::uint32_t m = 1; m < table.size(); ++m)
+    table[m] = static_cast<std::uint16_t>(((1u << 15) + m - 1) / m);
+  return table;
+}();
+
 /// Gives the words of a span to `sink(word)`; `high_clocks` is the high time of the tick line.
+/// Tick i is a long one if (i + 1) * longer / ticks, rounded down, is more than i * longer / ticks.
+/// So the rarer kind stands alone between runs of the other: each n / m ticks, rounded up or down.
 template <class Sink>
 constexpr void make_tick_words(const lamp::TickSpan& span, std::uint32_t high_clocks, Sink&& sink) {
   const TickLength length(span);
   const std::uint32_t fixed = high_clocks + pio::tick_low_overhead;
   // A low time of zero would read as no word: such a tick is one that no lamp asks for.
   const std::uint32_t low = length.clocks > fixed ? length.clocks - fixed : 1;
-  std::uint32_t sum = 0, run = 0;
-  bool run_long = false;
-  for (std::uint32_t i = 0; i < span.ticks; ++i) {
-    sum += length.longer;
-    const bool is_long = sum >= span.ticks;
-    if (is_long) sum -= span.ticks;
-    if (is_long != run_long && run != 0) {
-      sink(tick_word(run, low + (run_long ? 1 : 0)));
-      run = 0;
-    }
-    run_long = is_long;
-    ++run;
+  const std::uint32_t n = span.ticks;
+  const auto put_run = [&sink](std::uint32_t ticks, std::uint32_t low_count) {
+    for (; ticks > most_word_ticks; ticks -= most_word_ticks)
+      sink(tick_word(most_word_ticks, low_count));
+    sink(tick_word(ticks, low_count));
+  };
+  if (length.longer == 0) {
+    put_run(n, low);
+    return;
   }
-  if (run != 0) sink(tick_word(run, low + (run_long ? 1 : 0)));
+  const bool long_is_rare = 2 * length.longer <= n;
+  const std::uint32_t m = long_is_rare ? length.longer : n - length.longer;
+  const std::uint32_t run = n * reciprocals[m] >> 15, rest = n - run * m;
+  const std::uint32_t rare = tick_word(1, low + (long_is_rare ? 1 : 0));
+  const std::uint32_t common_low = low + (long_is_rare ? 0 : 1);
+  std::uint32_t sum = 0;
+  for (std::uint32_t i = 0; i < m; ++i) {
+    // A long tick ends its run, a short one begins it: rounded up and down.
+    if (long_is_rare) {
+      const bool one_more = rest > sum;
+      sum += (one_more ? m : 0) - rest;
+      put_run(one_more ? run : run - 1, common_low);
+      sink(rare);
+    } else {
+      sum += rest;
+      const bool one_more = sum >= m;
+      if (one_more) sum -= m;
+      sink(rare);
+      put_run(one_more ? run : run - 1, common_low);
+    }
+  }
 }
 
 }  // namespace lamplock::rp2040

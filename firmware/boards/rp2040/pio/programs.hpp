@@ -65,20 +65,19 @@ inline constexpr unsigned lattice_pins = 3;
 /// TICK: drives the tick line (side-set) from words of ticks - 1 (low half) and low time (high
 /// half). A tick is: low time, then the rise that begins it, then the high time kept in ISR. All
 /// ticks of a word have the same length, whether the next one comes from the same word or not. No
-/// word: all lattice bits go low (SET pins) and the line stays low until a word comes. So words are
-/// credits, and a CPU that hangs ends motion, triggers and continuous power.
+/// word: all lattice bits go low (SET pins) and the line stays low for good, until the state
+/// machine is started anew. So words are credits, and a CPU that hangs ends motion, triggers and
+/// continuous power.
 struct TickProgram {
   Program program;
-  std::uint8_t entry = 0;  ///< where to start
-  std::uint8_t next = 0;   ///< a tick is about to begin, X + 1 are left in the word ...
-  std::uint8_t high = 0;   ///< ... from here on it has begun and X are left
+  std::uint8_t entry = 0;    ///< where to start
+  std::uint8_t next = 0;     ///< a tick is about to begin, X + 1 are left in the word ...
+  std::uint8_t high = 0;     ///< ... from here on it has begun and X are left
+  std::uint8_t starved = 0;  ///< the end: there was no word
 };
 consteval TickProgram make_tick() {
   Assembler a(1);
   const Label starved = a.label();
-  a.wrap_target();
-  a.bind(starved);
-  a.set(SetTo::pins, 0).side(0);
   const Label fetch = a.here();
   a.pull(false).side(0);  // X is zero here: no word reads as zero
   a.out(OutTo::x, 16).side(0);
@@ -92,8 +91,11 @@ consteval TickProgram make_tick() {
   a.jump(Jump::y_nonzero_decrement, high).side(1);
   a.jump(Jump::x_zero, fetch).side(0);
   a.jump(Jump::x_nonzero_decrement, next).side(0).delay(1);  // as long as fetching
+  a.bind(starved);
+  a.wrap_target();
+  a.set(SetTo::pins, 0).side(0);
   a.wrap();
-  return {a.finish(), a.address(fetch), a.address(next), a.address(high)};
+  return {a.finish(), a.address(fetch), a.address(next), a.address(high), a.address(starved)};
 }
 inline constexpr TickProgram tick_program = make_tick();
 /// High time of the line = value in ISR + 2.

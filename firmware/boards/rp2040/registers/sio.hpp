@@ -21,8 +21,19 @@ struct SioRegisters {
   Register gpio_oe_set;
   Register gpio_oe_clr;
   Register gpio_oe_xor;
+  Register reserved_hi[8];  ///< of the flash pins
+  Register fifo[3];
+  Register spinlock_st;
+  // The divider: 2.3.1.5.
+  Register div_udividend;
+  Register div_udivisor;
+  Register div_sdividend;
+  Register div_sdivisor;
+  Register div_quotient;
+  Register div_remainder;
 };
 static_assert(offsetof(SioRegisters, gpio_oe_xor) == 0x2c);
+static_assert(offsetof(SioRegisters, div_remainder) == 0x74);
 
 inline SioRegisters& sio() { return *reinterpret_cast<SioRegisters*>(0xd0000000); }
 

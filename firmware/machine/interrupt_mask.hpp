@@ -1,0 +1,41 @@
+// How the main loop keeps beat and fill interrupts away from data it shares with them.
+//
+// In:  two registers of the board's interrupt controller, and its bits: a write to one disables, a
+//      write to the other enables. A board without interrupts gives none.
+// Out: stretches of some microseconds in which those interrupts wait; the e-stop's never does.
+// Level: main loop; not nested.
+#pragma once
+
+#include <cstdint>
+
+namespace lamplock::machine {
+
+/// The two registers; null: there are no interrupts.
+struct InterruptMask {
+  volatile std::uint32_t* disable = nullptr;
+  volatile std::uint32_t* enable = nullptr;
+  std::uint32_t bits = 0;
+};
+
+/// Masked for the life of the object.
+class Masked {
+ public:
+  explicit Masked(const InterruptMask& mask) : mask_(mask) {
+    if (mask_.disable == nullptr) return;
+    *mask_.disable = mask_.bits;
+    // Read back: by then the write has taken effect and what was being taken has been taken.
+    static_cast<void>(*mask_.disable);
+    asm volatile("" ::: "memory");
+  }
+  ~Masked() {
+    asm volatile("" ::: "memory");
+    if (mask_.enable != nullptr) *mask_.enable = mask_.bits;
+  }
+  Masked(const Masked&) = delete;
+  Masked& operator=(const Masked&) = delete;
+
+ private:
+  const InterruptMask& mask_;
+};
+
+}  // namespace lamplock::machine

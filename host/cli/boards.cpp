@@ -1,0 +1,79 @@
+#include "host/cli/boards.hpp"
+
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+#include "host/error.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* image_name = "lamplock-rp2040.elf";
+/// Boot takes about 0.08 s, enumeration as much again.
+constexpr sim::Picoseconds longest_boot = 2 * sim::ps_per_s;
+
+std::string image_file(const std::string& image) {
+  if (!image.empty()) return image;
+  std::error_code ignored;
+  const fs::path beside = fs::read_symlink("/proc/self/exe", ignored).parent_path() / image_name;
+  if (fs::exists(beside, ignored)) return beside.string();
+  throw Error(Exit::bad_input, "--board chip",
+              std::string("there is no ") + image_name + " beside the program",
+              "build the firmware, or give its file with --image");
+}
+
+/// The simulator's errors read "WHERE: WHAT; REMEDY" already.
+[[noreturn]] void refuse_image(const std::string& text) {
+  const auto where = text.find(": ");
+  const auto remedy = text.rfind("; ");
+  if (where == std::string::npos || remedy == std::string::npos || remedy < where)
+    throw Error(Exit::bad_input, "image", text, "give an ELF, UF2 or BIN file for the RP2040");
+  throw Error(Exit::bad_input, text.substr(0, where), text.substr(where + 2, remedy - where - 2),
+              text.substr(remedy + 2));
+}
+
+sim::chip::Image read_image(const std::string& image) {
+  const std::string file = image_file(image);
+  try {
+    return sim::chip::load_image(file);
+  } catch (const std::runtime_error& error) {
+    refuse_image(error.what());
+  }
+}
+
+}  // namespace
+
+void check_image(const std::string& name, const std::string& image) {
+  if (name == chip_board)
+    read_image(image);
+  else if (!image.empty())
+    throw Error(Exit::bad_input, "--image", "only the chip runs an image", "add --board chip");
+}
+
+SimulatedBoard make_board(const std::string& name, const std::string& image,
+                          const settings::Values& stored, const sim::WorldConfig& world) {
+  SimulatedBoard made;
+  if (name == virtual_board) {
+    made.board = std::make_unique<sim::VirtualBoard>(stored, world);
+    return made;
+  }
+  made.image = std::make_unique<sim::chip::Image>(read_image(image));
+  std::unique_ptr<sim::ChipBoard> board;
+  try {
+    board = std::make_unique<sim::ChipBoard>(*made.image, stored, world);
+  } catch (const std::runtime_error& error) {
+    refuse_image(error.what());
+  }
+  made.timing = std::make_unique<sim::BoardTiming>(*board, *made.image);
+  if (!board->run_until_found(longest_boot))
+    throw Error(Exit::no_device, image_file(image), "its USB port was not found within 2 s",
+                "check that it is an image of lamplock");
+  made.board = std::move(board);
+  return made;
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,163 @@
+#include "sim/chip_board/board_timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <numeric>
+
+namespace lamplock::sim {
+namespace {
+
+using boards::Role;
+
+constexpr unsigned sync_gpio = boards::gpio(Role::lamp_sync);
+constexpr unsigned q_switch_gpio = boards::gpio(Role::q_switch);
+constexpr unsigned tick_gpio = boards::gpio(Role::tick_line);
+/// What the image fills its stack with (firmware/boards/rp2040/stack.hpp).
+constexpr std::uint32_t stack_paint = 0x5aa55aa5;
+constexpr std::uint32_t sram_base = 0x2000'0000;
+constexpr std::uint32_t ram_total = 256 * 1024;
+
+std::uint32_t address_of(const chip::Image& image, const char* name) {
+  const chip::ImageSymbol* symbol = image.find(name);
+  return symbol == nullptr ? 0 : symbol->address;
+}
+
+std::uint32_t stack_used(const std::span<std::uint8_t> stack) {
+  std::size_t clean = 0;
+  while (clean + sizeof stack_paint <= stack.size() &&
+         std::memcmp(&stack[clean], &stack_paint, sizeof stack_paint) == 0)
+    clean += sizeof stack_paint;
+  return static_cast<std::uint32_t>(stack.size() - clean);
+}
+
+/// What the image uses an interrupt for (firmware/boards/rp2040/interrupts.hpp).
+std::string purpose(const std::string& name) {
+  constexpr std::array<std::array<const char*, 2>, 5> purposes{{{"IO_BANK0", "e-stop"},
+                                                                {"TIMER_1", "beat"},
+                                                                {"PIO0_0", "lamp edge"},
+                                                                {"USBCTRL", "USB"},
+                                                                {"exception 42", "fill"}}};
+  for (const auto& [irq, what] : purposes)
+    if (name == irq) return what;
+  return name;
+}
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  std::array<char, 160> line{};
+  std::snprintf(line.data(), line.size(), pattern, values...);
+  return line.data();
+}
+
+}  // namespace
+
+BoardTiming::BoardTiming(ChipBoard& board, const chip::Image& image)
+    : board_(board), image_(image), profile_(board.chip().core(0), image.symbols) {
+  board.chip().gpio().listen(static_cast<chip::PadListener&>(*this));
+}
+
+void BoardTiming::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
+  Pad& pad = pads_[gpio];
+  if (!level) {
+    if (pad.rises != 0) pad.shortest_high = std::min(pad.shortest_high, at - pad.rose);
+    pad.fell = at;
+    return;
+  }
+  if (pad.rises != 0) pad.shortest_low = std::min(pad.shortest_low, at - pad.fell);
+  ++pad.rises;
+  pad.rose = at;
+  if (gpio == q_switch_gpio)
+    phases_.push_back(static_cast<std::int64_t>(at - pads_[sync_gpio].rose));
+  for (int axis = 0; axis < max_axes; ++axis)
+    if (boards::find_gpio(boards::PinMap::glass, boards::step_role(axis)) == gpio)
+      measure_steps(at);
+}
+
+void BoardTiming::measure_steps(chip::Cycle at) {
+  const auto latency = static_cast<std::int64_t>(at - pads_[tick_gpio].rose);
+  if (first_step_) step_latency_ = latency;
+  first_step_ = false;
+  ++steps_;
+  step_error_worst_ = std::max(step_error_worst_, std::abs(latency - step_latency_));
+}
+
+TimingTable BoardTiming::table(Picoseconds delay) const {
+  TimingTable table;
+  const double hz = static_cast<double>(board_.chip().wheel().frequency());
+  table.cycle_ns = 1e9 / hz;
+  table.shots = phases_.size();
+  if (!phases_.empty()) {
+    const double delay_ns = static_cast<double>(delay) / ps_per_ns;
+    std::vector<double> off;
+    for (const std::int64_t cycles : phases_)
+      off.push_back(static_cast<double>(cycles) * table.cycle_ns - delay_ns);
+    table.phase_mean_ns =
+        std::accumulate(off.begin(), off.end(), 0.0) / static_cast<double>(off.size());
+    for (double& each : off) each = std::abs(each);
+    std::sort(off.begin(), off.end());
+    table.phase_p999_ns = off[(off.size() - 1) * 999 / 1000];
+    table.phase_worst_ns = off.back();
+  }
+  table.steps = steps_;
+  table.step_error_worst_ns = static_cast<double>(step_error_worst_) * table.cycle_ns;
+  const auto us = [&](double cycles) { return cycles * table.cycle_ns / 1000; };
+  const double all = static_cast<double>(std::max<chip::Cycle>(profile_.cycles(), 1));
+  for (const chip::ProfileEntry& entry : profile_.exceptions()) {
+    const double load = static_cast<double>(entry.total) / all;
+    table.interrupts.push_back({purpose(entry.name), entry.count, us(entry.mean()),
+                                us(static_cast<double>(entry.longest)), load});
+    table.interrupt_load += load;
+  }
+  table.masked_longest_us = us(static_cast<double>(profile_.longest_masked()));
+  const std::uint32_t bottom = address_of(image_, "stack_bottom");
+  const std::uint32_t top = address_of(image_, "stack_top");
+  if (bottom < top) {
+    table.stack_size = top - bottom;
+    table.stack_used = stack_used(board_.chip().bus().memory_at(bottom).first(table.stack_size));
+  }
+  table.ram_used = address_of(image_, "bss_end") - sram_base;
+  table.ram_size = ram_total;
+  table.flash_used = static_cast<std::uint32_t>(image_.size());
+  table.flash_size = static_cast<std::uint32_t>(board_.chip().flash().storage().size());
+  for (const boards::PinUse& use : boards::pins(boards::PinMap::glass)) {
+    const Pad& pad = pads_[use.gpio];
+    if (pad.rises == 0) continue;
+    const auto ps = [&](chip::Cycle cycles) {
+      return cycles == chip::never_cycle
+                 ? never
+                 : static_cast<Picoseconds>(static_cast<double>(cycles) * table.cycle_ns * 1000);
+    };
+    table.pins.push_back(
+        {std::string(use.name), use.gpio, pad.rises, ps(pad.shortest_high), ps(pad.shortest_low)});
+  }
+  return table;
+}
+
+std::string timing_text(const TimingTable& t) {
+  const auto kib = [](std::uint32_t bytes) { return bytes / 1024.0; };
+  std::string text = "timing of the chip, cycle by cycle\n";
+  text += format(
+      "  shot phase: mean %.1f ns, p99.9 %.1f ns, worst %.1f ns from the set delay (%llu shots)\n",
+      t.phase_mean_ns, t.phase_p999_ns, t.phase_worst_ns, static_cast<unsigned long long>(t.shots));
+  text += format("  step edges: worst %.1f ns off the tick lattice (%llu steps)\n",
+                 t.step_error_worst_ns, static_cast<unsigned long long>(t.steps));
+  for (const TimingTable::Interrupt& each : t.interrupts)
+    text += format("  interrupt %-14s mean %7.2f us, longest %7.2f us, %5.1f %% of the time\n",
+                   each.name.c_str(), each.mean_us, each.longest_us, 100 * each.load);
+  text += format("  interrupts off: at most %.2f us\n", t.masked_longest_us);
+  text += format("  CPU load of interrupts: %.1f %%\n", 100 * t.interrupt_load);
+  text += format("  RAM %.1f of %.0f KiB, flash %.1f of %.0f KiB, stack %u of %u bytes\n",
+                 kib(t.ram_used), kib(t.ram_size), kib(t.flash_used), kib(t.flash_size),
+                 t.stack_used, t.stack_size);
+  for (const PinEdges& pin : t.pins)
+    text += format(
+        "  pin %-13s GPIO %2u: %9llu pulses, shortest high %8.3f us, low %8.3f us\n",
+        pin.name.c_str(), pin.gpio, static_cast<unsigned long long>(pin.rises),
+        pin.shortest_high == never ? 0.0 : static_cast<double>(pin.shortest_high) / ps_per_us,
+        pin.shortest_low == never ? 0.0 : static_cast<double>(pin.shortest_low) / ps_per_us);
+  return text;
+}
+
+}  // namespace lamplock::sim

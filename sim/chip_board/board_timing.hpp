@@ -1,0 +1,86 @@
+// Timing of a board as its pins show it, to the cycle: shots, steps, every pin's edges.
+//
+// In:  edges of the pads, the interrupts of core 0, the memory of the stack.
+// Out: the numbers of the timing table. Listens from construction on; costs some ns an edge.
+//
+// Shot phase: Q-SWITCH rise less LAMP SYNC rise less the set delay. Step error: how far a STEP rise
+// is from the place after the tick line's rise where the first one was; on a board that keeps to
+// its lattice it is always 0.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/chip/profile/profile.hpp"
+#include "sim/chip_board/chip_board.hpp"
+
+namespace lamplock::sim {
+
+/// Edges of one pin.
+struct PinEdges {
+  std::string name;
+  unsigned gpio = 0;
+  std::uint64_t rises = 0;
+  Picoseconds shortest_high = never;
+  Picoseconds shortest_low = never;
+};
+
+/// What was measured.
+struct TimingTable {
+  std::uint64_t shots = 0;
+  double phase_mean_ns = 0, phase_p999_ns = 0,
+         phase_worst_ns = 0;  ///< of the magnitude but for the mean
+  std::uint64_t steps = 0;
+  double step_error_worst_ns = 0;
+  double cycle_ns = 8;
+  struct Interrupt {
+    std::string name;
+    std::uint64_t count = 0;
+    double mean_us = 0, longest_us = 0, load = 0;  ///< load: share of all cycles
+  };
+  std::vector<Interrupt> interrupts;
+  double interrupt_load = 0;  ///< of all interrupts, nested ones once
+  double masked_longest_us = 0;
+  std::uint32_t stack_used = 0, stack_size = 0;
+  std::uint32_t ram_used = 0, ram_size = 0;
+  std::uint32_t flash_used = 0, flash_size = 0;
+  std::vector<PinEdges> pins;
+};
+
+/// Measures one board; must live as long as the board runs.
+class BoardTiming final : private chip::PadListener {
+ public:
+  BoardTiming(ChipBoard& board, const chip::Image& image);
+  BoardTiming(const BoardTiming&) = delete;
+  BoardTiming& operator=(const BoardTiming&) = delete;
+
+  /// With the delay from LAMP SYNC to Q-SWITCH that was set.
+  TimingTable table(Picoseconds delay) const;
+  const chip::Profile& profile() const { return profile_; }
+
+ private:
+  struct Pad {
+    std::uint64_t rises = 0;
+    chip::Cycle rose = 0, fell = 0;
+    chip::Cycle shortest_high = chip::never_cycle, shortest_low = chip::never_cycle;
+  };
+  void pad_changed(unsigned gpio, bool level, chip::Cycle at) override;
+  void measure_steps(chip::Cycle at);
+
+  ChipBoard& board_;
+  const chip::Image& image_;
+  chip::Profile profile_;
+  std::array<Pad, chip::gpio_count> pads_{};
+  std::vector<std::int64_t> phases_;  ///< cycles from LAMP SYNC to Q-SWITCH
+  bool first_step_ = true;
+  std::int64_t step_latency_ = 0;
+  std::uint64_t steps_ = 0;
+  std::int64_t step_error_worst_ = 0;  ///< cycles
+};
+
+/// As lines for people.
+std::string timing_text(const TimingTable& table);
+
+}  // namespace lamplock::sim

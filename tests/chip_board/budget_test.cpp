@@ -1,0 +1,42 @@
+// What the interrupts cost over a job with a busy link, against the budgets their headers state.
+#include "sim/chip/profile/profile.hpp"
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+constexpr sim::chip::Cycle cycles_per_us = 125;
+
+TEST(Budgets, OverAJobWithABusyLink) {
+  const job::Profile profile = chip_profile(1000);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  sim::chip::Profile measured(rig.core(), flash_image().symbols);
+  const job::Job job =
+      job::make_job(chip_points(static_cast<std::size_t>(scaled(250)), 2), profile, {});
+  RunningJob running(rig, job, 1);
+  const Picoseconds end = rig.now() + RunningJob::limit;
+  for (bool more = true; more && rig.now() < end;) {
+    if (rig.board.usb_host().unsent() < 64) rig.type("?");
+    more = running.sender.step();
+  }
+  EXPECT_EQ(running.sender.result().end, link::JobEnd::done);
+  expect_fired(rig, job);
+  // Nothing is masked for longer than 1 us: that is what the e-stop waits at most.
+  EXPECT_LE(measured.longest_masked(), cycles_per_us);
+  // real_time.hpp. What nests in them comes on top: the e-stop's call for its signature.
+  const std::map<std::string, double> budget_us{{"IO_BANK0", 1.0}, {"TIMER_1", 60}, {"PIO0_0", 60}};
+  int found = 0;
+  for (const sim::chip::ProfileEntry& entry : measured.exceptions()) {
+    const auto budget = budget_us.find(entry.name);
+    if (budget == budget_us.end()) continue;
+    ++found;
+    EXPECT_LE(static_cast<double>(entry.longest) / cycles_per_us, budget->second) << entry.name;
+  }
+  EXPECT_EQ(found, 3);
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+  expect_no_violations(rig);
+}
+
+}  // namespace
+}  // namespace lamplock::test

@@ -1,0 +1,345 @@
+// A machine on the table whose board is the real flash image on the simulated chip: board, world,
+// monitors of its pins, and a user at its USB cable.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/error.hpp"
+#include "host/job/job.hpp"
+#include "host/link/sender.hpp"
+#include "shared/boards/pico_pins.hpp"
+#include "sim/chip_board/chip_board.hpp"
+#include "tests/board/pin_monitor.hpp"
+#include "tests/scale.hpp"
+#include "tests/step_histogram.hpp"
+
+namespace lamplock::test {
+
+using settings::Id;
+using sim::Picoseconds;
+using sim::ps_per_ms;
+using sim::ps_per_s;
+using sim::ps_per_us;
+
+/// The image under test, read once.
+inline const sim::chip::Image& flash_image() {
+  static const sim::chip::Image image = sim::chip::load_image(LAMPLOCK_IMAGE);
+  return image;
+}
+
+/// A lamp fast enough that a job of some points is over soon.
+inline job::Profile chip_profile(double lamp_hz = 500) {
+  job::Profile profile = job::default_profile();
+  job::set_lamp_hz(profile, lamp_hz);
+  return profile;
+}
+
+inline sim::WorldConfig chip_world(const job::Profile& profile) {
+  sim::WorldConfig world;
+  world.lamp.frequency_hz = profile.settings.milli(Id::lamp_frequency) / 1000.0;
+  return world;
+}
+
+/// A PC that finds a device at once.
+inline sim::ChipBoardOptions quick_host() {
+  sim::ChipBoardOptions options;
+  options.usb.debounce = 2 * ps_per_ms;
+  options.usb.reset = 3 * ps_per_ms;
+  options.usb.reset_recovery = ps_per_ms;
+  return options;
+}
+
+/// Small steps, as a fast lamp wants them.
+inline points::PointCloud chip_points(std::size_t count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<> step(-0.05, 0.05);
+  points::PointCloud cloud{{0, 0, 0}};
+  while (cloud.size() < count) {
+    points::Point p = cloud.back();
+    p.x += step(random), p.y += step(random), p.z += step(random);
+    cloud.push_back(p);
+  }
+  return cloud;
+}
+
+/// Watches the pads that can release energy, whatever drives them.
+class EnergyPads final : public sim::chip::PadListener {
+ public:
+  struct Edge {
+    unsigned gpio;
+    bool level;
+    Picoseconds at;
+  };
+  static constexpr unsigned q_switch = boards::gpio(boards::Role::q_switch);
+  static constexpr unsigned trigger = boards::gpio(boards::Role::lamp_trigger);
+  static constexpr unsigned gate = boards::gpio(boards::Role::laser_gate);
+  static constexpr unsigned arm = boards::gpio(boards::Role::shot_enable);
+  static constexpr unsigned pwm = boards::gpio(boards::Role::laser_pwm);
+  static constexpr std::uint32_t all =
+      1u << q_switch | 1u << trigger | 1u << gate | 1u << arm | 1u << pwm;
+
+  explicit EnergyPads(sim::chip::Chip& chip) : chip_(chip) { chip.gpio().listen(*this); }
+  EnergyPads(const EnergyPads&) = delete;
+  EnergyPads& operator=(const EnergyPads&) = delete;
+
+  void pad_changed(unsigned gpio, bool level, sim::chip::Cycle at) override {
+    if ((all >> gpio & 1) == 0) return;
+    edges_.push_back({gpio, level, chip_.wheel().time_of(at)});
+  }
+  std::uint32_t levels() const { return chip_.gpio().pad_levels() & all; }
+  /// Whether a pad was high at any time in [from, to].
+  bool high_within(unsigned gpio, Picoseconds from, Picoseconds to) const {
+    bool level = false;
+    for (const Edge& edge : edges_) {
+      if (edge.gpio != gpio) continue;
+      if (edge.at > to) break;
+      if (edge.at > from && (level || edge.level)) return true;
+      level = edge.level;
+    }
+    return level;
+  }
+  bool any_high_within(Picoseconds from, Picoseconds to) const {
+    for (const unsigned gpio : {q_switch, trigger, gate, arm, pwm})
+      if (high_within(gpio, from, to)) return true;
+    return false;
+  }
+
+ private:
+  sim::chip::Chip& chip_;
+  std::vector<Edge> edges_;
+};
+
+/// Board with everything that watches it.
+struct ChipRig {
+  explicit ChipRig(const job::Profile& machine = chip_profile())
+      : ChipRig(machine.settings, chip_world(machine)) {}
+  ChipRig(const settings::Values& stored, const sim::WorldConfig& world)
+      : board(flash_image(), stored, world, quick_host()),
+        monitor(board.bus(), board.world().lamp()),
+        energy(board.chip()) {}
+
+  sim::ChipBoard board;
+  PinMonitor monitor;
+  EnergyPads energy;
+  /// What the machine has said so far.
+  std::string heard;
+
+  sim::chip::Core& core() { return board.chip().core(0); }
+  Picoseconds now() const { return board.now(); }
+  void run(Picoseconds time) { board.run_until(now() + time); }
+  /// Runs until the serial port is there, banner and messages of the start included.
+  void boot() {
+    ASSERT_TRUE(board.run_until_found(1000 * ps_per_ms));
+    run(10 * ps_per_ms);
+    listen();
+  }
+  void listen() {
+    std::array<std::uint8_t, 4096> bytes;
+    while (const std::size_t n = board.read(bytes))
+      heard.append(reinterpret_cast<const char*>(bytes.data()), n);
+  }
+  void type(std::string_view text) {
+    board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+  /// Everything the machine says to a line, up to its ok or error.
+  std::string answer(std::string_view line, Picoseconds limit = 600 * ps_per_ms) {
+    listen();
+    const std::size_t begin = heard.size();
+    type(line);
+    type("\n");
+    const Picoseconds end = now() + limit;
+    while (now() < end) {
+      run(ps_per_ms);
+      listen();
+      const std::string_view said = std::string_view(heard).substr(begin);
+      if (!said.ends_with("\r\n")) continue;
+      if (said.ends_with("ok\r\n") || said.rfind("error:") != std::string_view::npos)
+        return std::string(said);
+    }
+    return heard.substr(begin) + "<silence>";
+  }
+  /// The status line.
+  std::string status() {
+    listen();
+    const std::size_t begin = heard.size();
+    type("?");
+    for (int i = 0; i < 50; ++i) {
+      run(ps_per_ms);
+      listen();
+      const std::size_t from = heard.find('<', begin), to = heard.find('>', begin);
+      if (from != std::string::npos && to != std::string::npos)
+        return heard.substr(from, to - from + 1);
+    }
+    return "<silence>";
+  }
+  /// Position as the board reports it, in steps.
+  StepPosition reported_position(const settings::Values& values) {
+    const std::string line = status();
+    StepPosition steps{};
+    std::size_t at = line.find("MPos:");
+    if (at == std::string::npos) {
+      ADD_FAILURE() << "no position in " << line;
+      return steps;
+    }
+    at += 5;
+    for (int axis = 0; axis < values.whole(Id::axes); ++axis) {
+      std::size_t used = 0;
+      const double mm = std::stod(line.substr(at), &used);
+      steps[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(
+          std::lround(mm * values.milli(Id::steps_per_mm_x, axis) / 1000.0));
+      at += used + 1;
+    }
+    return steps;
+  }
+  /// When any axis stepped last.
+  Picoseconds last_step() const {
+    Picoseconds last = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      if (!monitor.steps(axis).empty()) last = std::max(last, monitor.steps(axis).back().at);
+    return last;
+  }
+  const sim::Shots& shots() const { return board.world().laser().shots(); }
+  bool step_high() {
+    for (int axis = 0; axis < 3; ++axis)
+      if (board.bus().level(sim::step_pin(axis))) return true;
+    return false;
+  }
+};
+
+/// A job that would let a continuous laser shine all the time: the gate's bit in all lattice words
+/// that were filled, put there by hand.
+inline void open_gate(ChipRig& rig) {
+  constexpr std::uint32_t bits_ring_channel = 0x5000'0100;  // DMA CH4_READ_ADDR
+  constexpr std::uint32_t ring_bytes = 2048, gate_of_8_ticks = 0x2222'2222;
+  using sim::chip::Master;
+  using sim::chip::Width;
+  sim::chip::Bus& bus = rig.board.chip().bus();
+  const sim::chip::Cycle now = rig.board.chip().now();
+  const std::uint32_t ring =
+      bus.read(bits_ring_channel, Width::word, Master::dma, now).value & ~(ring_bytes - 1);
+  for (std::uint32_t at = ring; at < ring + ring_bytes; at += 4)
+    bus.write(at, bus.read(at, Width::word, Master::dma, now).value | gate_of_8_ticks, Width::word,
+              Master::dma, now);
+}
+
+/// The cable between a sender and the board, with things that happen at given times.
+class ChipCable final : public link::Transport {
+ public:
+  explicit ChipCable(ChipRig& rig) : rig_(rig) {}
+
+  std::size_t write(std::span<const std::uint8_t> bytes) override {
+    return rig_.board.write(bytes);
+  }
+  std::size_t read(std::span<std::uint8_t> bytes) override { return rig_.board.read(bytes); }
+  void wait(std::chrono::microseconds time) override {
+    const Picoseconds until = rig_.now() + time.count() * ps_per_us;
+    while (rig_.now() < until && !rig_.board.has_output())
+      run_until(std::min(until, rig_.now() + ps_per_ms));
+  }
+  std::chrono::microseconds now() const override {
+    return std::chrono::microseconds(rig_.now() / ps_per_us);
+  }
+  bool connected() const override {
+    return rig_.board.usb_host().enumerated() || rig_.board.usb_host().suspended();
+  }
+  bool reconnect() override { return rig_.board.usb_host().enumerated(); }
+
+  /// Calls `action` when the board's clock shows `at`.
+  void at(Picoseconds at, std::function<void()> action) { actions_.emplace(at, std::move(action)); }
+  /// Runs the board, and what is due.
+  void run_until(Picoseconds until) {
+    while (!actions_.empty() && actions_.begin()->first <= until) {
+      rig_.board.run_until(actions_.begin()->first);
+      const auto action = std::move(actions_.begin()->second);
+      actions_.erase(actions_.begin());
+      action();
+    }
+    rig_.board.run_until(until);
+  }
+
+ private:
+  ChipRig& rig_;
+  std::multimap<Picoseconds, std::function<void()>> actions_;
+};
+
+/// A job on a rig, from the outside.
+struct RunningJob {
+  RunningJob(ChipRig& machine, const job::Job& what, std::uint32_t session, std::size_t first = 0)
+      : rig(machine), job(what), cable(machine), sender(cable, job, options(session, first)) {}
+  static link::SenderOptions options(std::uint32_t session, std::size_t first) {
+    link::SenderOptions options;
+    options.session = session;
+    options.first_index = first;
+    options.reply_timeout = std::chrono::milliseconds(30);
+    options.status_interval = std::chrono::milliseconds(20);
+    return options;
+  }
+  /// More than any job here takes.
+  static constexpr Picoseconds limit = 3 * ps_per_s;
+  /// Until `shots` more were fired; false if the job has ended before, or does not get on.
+  bool run_until_fired(std::size_t shots) {
+    const std::size_t wanted = rig.shots().size() + shots;
+    const Picoseconds end = rig.now() + limit;
+    while (rig.shots().size() < wanted)
+      if (rig.now() > end || !sender.step()) return false;
+    return true;
+  }
+  /// To its end; fails the test if there is none.
+  link::JobEnd finish() {
+    const Picoseconds end = rig.now() + limit;
+    while (sender.step())
+      if (rig.now() > end) {
+        ADD_FAILURE() << "the job does not end; " << rig.shots().size() << " shots";
+        break;
+      }
+    return sender.result().end;
+  }
+  /// Until a moment, to the picosecond; false if the job has ended before.
+  bool run_until(Picoseconds moment) {
+    bool there = false;
+    cable.at(moment, [&there] { there = true; });
+    while (!there && rig.now() < moment - ps_per_ms)
+      if (!sender.step()) return false;
+    if (!there) cable.run_until(moment);
+    return true;
+  }
+
+  ChipRig& rig;
+  job::Job job;
+  ChipCable cable;
+  link::JobSender sender;
+};
+
+/// Every point from `first` on was fired once, in order, at its place. Steps are counted as they
+/// leave: a point may lie right at one.
+inline void expect_fired(const ChipRig& rig, const job::Job& job, std::size_t first_shot = 0,
+                         std::size_t first_point = 0) {
+  const sim::Shots& shots = rig.shots();
+  ASSERT_EQ(shots.size() - first_shot, job.targets.size() - first_point);
+  for (std::size_t i = first_shot; i < shots.size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      ASSERT_NEAR(shots[i].steps[axis], job.targets[first_point + i - first_shot].steps[axis], 1)
+          << "shot " << i << " axis " << axis;
+}
+
+/// What the simulator itself has to complain about.
+inline void expect_no_violations(ChipRig& rig) {
+  EXPECT_THAT(rig.board.chip().usb().violations(), testing::IsEmpty());
+  EXPECT_THAT(rig.board.usb_host().violations(), testing::IsEmpty());
+  // The simulated ROM itself stores to SYSCFG before anybody has taken it out of reset.
+  EXPECT_THAT(rig.board.chip().not_modelled(),
+              testing::Each(testing::StrEq("SYSCFG: accessed while held in reset")));
+  EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+}
+
+}  // namespace lamplock::test

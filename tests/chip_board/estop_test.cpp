@@ -1,0 +1,85 @@
+// E-stop and door at random moments of a job: energy off at once, steps stopped, position exact.
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr Picoseconds contract = 10 * ps_per_us;
+
+class Stops : public testing::Test {
+ protected:
+  Picoseconds up_to(Picoseconds most) {
+    return std::uniform_int_distribution<Picoseconds>(0, most)(random_);
+  }
+  /// Runs a job into its middle, with the gate open for some time.
+  void run_into(RunningJob& running) {
+    ASSERT_TRUE(running.run_until_fired(1 + random_() % 12));
+    const Picoseconds moment = running.rig.now() + ps_per_ms + up_to(4 * ps_per_ms);
+    running.run_until(moment - ps_per_ms);
+    open_gate(running.rig);
+    running.rig.board.run_until(moment);
+  }
+  std::mt19937_64 random_{7};
+};
+
+TEST_F(Stops, EmergencyStopAtRandomMoments) {
+  const job::Profile profile = chip_profile();
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  using sim::ps_per_ns;
+  Picoseconds slowest = 0;
+  int gate_was_on = 0, pulse_was_on = 0, was_moving = 0;
+  for (int round = 0; round < scaled(12); ++round) {
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    const std::size_t fired = rig.shots().size();
+    RunningJob running(rig, job::make_job(chip_points(60, random_()), profile, {}),
+                       static_cast<std::uint32_t>(round + 1));
+    ASSERT_NO_FATAL_FAILURE(run_into(running));
+    if (round % 3 == 0) {  // in the middle of a pulse
+      for (int i = 0; i < 3000 && !rig.board.bus().level(sim::Pin::q_switch); ++i)
+        rig.run(ps_per_us);
+      rig.run(up_to(100 * ps_per_us));
+    }
+    const Picoseconds pressed = rig.now() + ps_per_us;
+    // A press may be as short as a bounce.
+    const Picoseconds released =
+        pressed + (round % 4 == 0 ? 2 * ps_per_us : 10 * ps_per_ms + up_to(10 * ps_per_ms));
+    rig.board.world().schedule(sim::Pin::estop, true, pressed);
+    rig.board.world().schedule(sim::Pin::estop, false, released);
+    rig.board.run_until(pressed - ps_per_ns);
+    gate_was_on += rig.board.bus().level(sim::Pin::laser_gate);
+    pulse_was_on += rig.board.bus().level(sim::Pin::q_switch);
+    was_moving += rig.monitor.stepped(rig.now() - ps_per_ms, rig.now());
+    rig.board.run_until(pressed);
+    while (rig.energy.levels() != 0 && rig.now() < pressed + ps_per_ms)
+      rig.run(100 * sim::ps_per_ns);
+    slowest = std::max(slowest, rig.now() - pressed);
+    EXPECT_LE(rig.now() - pressed, contract);
+    rig.board.run_until(released + 25 * ps_per_ms);
+    for (const unsigned gpio :
+         {EnergyPads::q_switch, EnergyPads::gate, EnergyPads::arm, EnergyPads::pwm})
+      EXPECT_FALSE(rig.energy.high_within(gpio, pressed + contract, rig.now())) << "pad " << gpio;
+    // The sender learns of it, and where to go on; the machine knows where it stands.
+    EXPECT_EQ(running.finish(), link::JobEnd::alarm);
+    EXPECT_EQ(running.sender.result().status.first_unfired, rig.shots().size() - fired);
+    rig.run(40 * ps_per_ms);
+    EXPECT_EQ(rig.reported_position(profile.settings), rig.board.world().drives().position());
+    EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
+    EXPECT_EQ(rig.answer("$X"), "ok\r\n");
+    EXPECT_THAT(rig.status(), HasSubstr("<Idle"));
+    EXPECT_FALSE(rig.monitor.stepped(pressed + contract, rig.now()));
+    EXPECT_FALSE(rig.step_high());
+    EXPECT_EQ(rig.monitor.fired(pressed + contract, rig.now()), 0u);
+  }
+  std::printf("off after %.3f us; gate on %d, pulse on %d, moving %d\n",
+              static_cast<double>(slowest) / 1e6, gate_was_on, pulse_was_on, was_moving);
+  EXPECT_GT(gate_was_on, 0);
+  EXPECT_GT(pulse_was_on, 0);
+  EXPECT_GT(was_moving, 0);
+  expect_no_violations(rig);
+}
+
+}  // namespace
+}  // namespace lamplock::test

@@ -1,0 +1,134 @@
+// The CPU hangs, faults or loses its power at random moments of a job: what it drives ends by
+// itself, the reason is told after the restart, and nothing happens before a new job.
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using sim::chip::Master;
+using sim::chip::Width;
+using testing::HasSubstr;
+
+/// Memory that the image does not use.
+constexpr std::uint32_t spare = 0x2003'f000;
+constexpr Picoseconds contract = ps_per_ms;
+
+/// Ways to lose a CPU.
+enum class End : std::uint8_t {
+  spins_deaf,    ///< a loop with interrupts off
+  spins_in_isr,  ///< a loop at the level of the interrupt that feeds the ticks
+  undefined,     ///< an instruction that does not exist
+  bad_load,      ///< a load where nobody answers
+  bad_jump,      ///< a jump to nowhere
+  locked_up,     ///< a fault with no stack left
+  count
+};
+constexpr bool is_fault(End end) { return end >= End::undefined && end <= End::bad_jump; }
+
+class Loss : public testing::Test {
+ protected:
+  Picoseconds up_to(Picoseconds most) {
+    return std::uniform_int_distribution<Picoseconds>(0, most)(random_);
+  }
+  void put(ChipRig& rig, std::uint32_t address, std::uint16_t instruction) {
+    rig.board.chip().bus().write(address, instruction, Width::half, Master::core0,
+                                 rig.core().cycle());
+  }
+  void lose(ChipRig& rig, End end) {
+    sim::chip::Core& core = rig.core();
+    constexpr std::uint16_t loop = 0xe7fe, undefined = 0xde00, load_r0 = 0x6800;
+    put(rig, spare, end == End::undefined ? undefined : end == End::bad_load ? load_r0 : loop);
+    constexpr std::uint32_t nowhere = 0x3000'0000;
+    if (end == End::spins_deaf) core.set_primask(true);
+    if (end == End::spins_in_isr)
+      for (int i = 0; i < 200'000 && core.exception() != 16 + 1; ++i)
+        rig.board.chip().run_until(rig.board.chip().now() + 1);
+    if (end == End::bad_load) core.set_reg(0, nowhere);
+    if (end == End::locked_up) core.set_reg(13, nowhere);
+    core.set_reg(15, end == End::bad_jump || end == End::locked_up ? nowhere : spare);
+  }
+  std::mt19937_64 random_{11};
+};
+
+TEST_F(Loss, OfTheProcessorAtRandomMoments) {
+  const job::Profile profile = chip_profile();
+  Picoseconds longest = 0;
+  for (int round = 0; round < scaled(static_cast<int>(End::count)); ++round) {
+    const auto end = static_cast<End>(round % static_cast<int>(End::count));
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    ChipRig rig(profile);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    const auto session = static_cast<std::uint32_t>(100 + round);
+    const job::Job job = job::make_job(chip_points(60, random_()), profile, {});
+    RunningJob running(rig, job, session);
+    ASSERT_TRUE(running.run_until_fired(2 + random_() % 12));
+    open_gate(rig);
+    rig.run(ps_per_ms + up_to(2 * ps_per_ms));
+    lose(rig, end);
+    const Picoseconds lost = rig.now();
+    rig.run(contract);
+    const auto steps_at_loss = rig.board.world().drives().position();
+    const std::size_t shots = rig.shots().size();
+    rig.run(60 * ps_per_ms);
+    // A pulse that has begun ends by itself.
+    for (const unsigned gpio :
+         {EnergyPads::gate, EnergyPads::arm, EnergyPads::pwm, EnergyPads::trigger})
+      EXPECT_FALSE(rig.energy.high_within(gpio, lost + contract, rig.now())) << "pad " << gpio;
+    EXPECT_FALSE(
+        rig.energy.high_within(EnergyPads::q_switch, lost + contract + 200 * ps_per_us, rig.now()));
+    EXPECT_FALSE(rig.step_high());
+    longest = std::max(longest, rig.last_step() - lost);
+    running.sender.stop();
+    // The watchdog, if that is what it takes; a plan may take a second.
+    for (int i = 0; i < 120 && rig.board.chip().watchdog_resets() == 0; ++i)
+      rig.run(10 * ps_per_ms);
+    rig.run(30 * ps_per_ms);  // the host sees it go
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    rig.run(20 * ps_per_ms);
+    rig.listen();
+    EXPECT_EQ(rig.board.chip().watchdog_resets(), 1u);
+    EXPECT_THAT(rig.heard, HasSubstr(is_fault(end) ? "[MSG:Started by fault, pc 0x"
+                                                   : "[MSG:Started by watchdog"));
+    EXPECT_THAT(rig.heard, HasSubstr("job " + std::to_string(session) + " first point not fired " +
+                                     std::to_string(shots) + "]"));
+    EXPECT_THAT(rig.heard, HasSubstr("ALARM:3"));
+    EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
+    EXPECT_EQ(rig.board.world().drives().position(), steps_at_loss);
+    EXPECT_EQ(rig.shots().size(), shots);
+    // The rest of the job, by a program that asks first.
+    RunningJob locked(rig, job, session + 1, shots);
+    EXPECT_ANY_THROW(locked.sender.run());
+    EXPECT_EQ(rig.answer("$X"), "ok\r\n");
+    expect_no_violations(rig);
+  }
+  std::printf("last step %.1f us after the loss\n", static_cast<double>(longest) / 1e6);
+}
+
+TEST_F(Loss, OfPowerInAJob) {
+  const job::Profile profile = chip_profile();
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  for (int round = 0; round < scaled(4); ++round) {
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    const job::Job job = job::make_job(chip_points(60, random_()), profile, {});
+    RunningJob running(rig, job, static_cast<std::uint32_t>(round + 1));
+    ASSERT_TRUE(running.run_until_fired(2 + random_() % 12));
+    open_gate(rig);
+    rig.run(ps_per_ms + up_to(2 * ps_per_ms));
+    const Picoseconds cut = rig.now();
+    rig.board.power_cut();
+    EXPECT_EQ(rig.energy.levels(), 0u);
+    EXPECT_FALSE(rig.step_high());
+    rig.heard.clear();
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    EXPECT_THAT(rig.heard, HasSubstr("[MSG:Started by power on]"));
+    rig.run(30 * ps_per_ms);
+    EXPECT_FALSE(rig.energy.any_high_within(cut, rig.now()));
+    EXPECT_FALSE(rig.monitor.stepped(cut, rig.now()));
+    EXPECT_EQ(rig.board.stored_settings(), profile.settings);
+    EXPECT_THAT(rig.status(), HasSubstr("<Idle"));
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test

@@ -1,0 +1,109 @@
+// Jobs on the chip: the same steps on the same ticks and the same shots as the virtual board, and
+// the timing of long jobs with a busy link, to the cycle.
+#include <tuple>
+
+#include "host/link/simulated_transport.hpp"
+#include "sim/chip_board/board_timing.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+constexpr Picoseconds ps_per_tick = ps_per_us;
+/// From the tick to STEP on its pad (firmware: step_latency_clocks; found again by the first step).
+constexpr Picoseconds step_latency = 5 * 8 * sim::ps_per_ns;
+
+/// A step: its axis, tick and direction, counted from the lamp edge of the first shot. The lamp is
+/// steady and nominal, so that a tick is a microsecond.
+using Step = std::tuple<int, std::int64_t, std::int32_t>;
+
+std::vector<Step> steps_of(const PinMonitor& monitor, Picoseconds latency) {
+  std::vector<Step> steps;
+  const Picoseconds start = monitor.fires().front().edge;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const PinMonitor::Step& step : monitor.steps(axis)) {
+      const Picoseconds at = step.at - latency - start + ps_per_tick / 2;
+      steps.emplace_back(axis, at / ps_per_tick - (at < 0 ? 1 : 0), step.position);
+    }
+  return steps;
+}
+
+TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
+  for (const auto mode : {motion::JoinMode::free, motion::JoinMode::start_stop}) {
+    const job::Profile profile = chip_profile(100);
+    job::JobOptions options;
+    options.mode = mode;
+    const job::Job job =
+        job::make_job(histogram_walk(static_cast<std::size_t>(scaled(60)), 9), profile, options);
+    sim::VirtualBoard board(profile.settings, chip_world(profile));
+    const PinMonitor monitor(board.bus(), board.world().lamp());
+    link::SimulatedTransport transport(board);
+    ASSERT_EQ(link::JobSender(transport, job, RunningJob::options(1, 0)).run().end,
+              link::JobEnd::done);
+    ChipRig rig(profile);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    RunningJob running(rig, job, 1);
+    ASSERT_EQ(running.finish(), link::JobEnd::done);
+    expect_fired(rig, job);
+    const auto ours = steps_of(monitor, 0), chips = steps_of(rig.monitor, step_latency);
+    ASSERT_GT(ours.size(), 100u);
+    ASSERT_EQ(chips.size(), ours.size());
+    for (std::size_t i = 0; i < ours.size(); ++i) ASSERT_EQ(chips[i], ours[i]) << "step " << i;
+    const sim::Shots& virtual_shots = board.world().laser().shots();
+    ASSERT_EQ(rig.shots().size(), virtual_shots.size());
+    for (std::size_t i = 0; i < virtual_shots.size(); ++i)
+      ASSERT_EQ(rig.shots()[i].beat - rig.shots()[0].beat,
+                virtual_shots[i].beat - virtual_shots[0].beat)
+          << "shot " << i;
+    expect_no_violations(rig);
+  }
+}
+
+struct Run {
+  double lamp_hz, accel_m_s2;
+};
+class LongJob : public testing::TestWithParam<Run> {};
+
+TEST_P(LongJob, KeepsTheLatticeAndTheShotsWithABusyLink) {
+  constexpr double cycle_ns = 8;
+  job::Profile profile = chip_profile(GetParam().lamp_hz);
+  job::set_acceleration(profile, GetParam().accel_m_s2);
+  const job::Job job =
+      job::make_job(histogram_walk(static_cast<std::size_t>(scaled(2000)), 3), profile, {});
+  ChipRig rig(profile);
+  const sim::BoardTiming timing(rig.board, flash_image());
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  RunningJob running(rig, job, 1);
+  std::mt19937_64 random(4);
+  const Picoseconds limit = rig.now() + 300 * ps_per_s;
+  std::size_t junk = 0;
+  for (bool more = true; more; more = running.sender.step()) {
+    ASSERT_LT(rig.now(), limit) << rig.shots().size() << " shots";
+    // Between the frames somebody asks for the status and types what nobody understands.
+    if (rig.board.usb_host().unsent() != 0) continue;
+    rig.type(random() % 4 == 0 ? std::string(random() % 200, 'j') + "\n" : "?");
+    ++junk;
+  }
+  EXPECT_GT(junk, job.targets.size() / 20);
+  EXPECT_EQ(running.sender.result().end, link::JobEnd::done);
+  expect_fired(rig, job);
+  EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+  const sim::TimingTable table =
+      timing.table(profile.settings.milli(Id::q_switch_delay) * ps_per_us / 1000);
+  std::printf("%s", sim::timing_text(table).c_str());
+  EXPECT_LE(table.phase_worst_ns, 2 * cycle_ns);
+  EXPECT_LE(table.step_error_worst_ns, cycle_ns);
+  EXPECT_LT(table.stack_used, table.stack_size);
+  EXPECT_LE(table.masked_longest_us, 1.0);
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+  expect_no_violations(rig);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lamps, LongJob, testing::Values(Run{100, 2}, Run{1000, 10}),
+                         [](const auto& param_info) {
+                           return std::to_string(static_cast<int>(param_info.param.lamp_hz)) + "Hz";
+                         });
+
+}  // namespace
+}  // namespace lamplock::test

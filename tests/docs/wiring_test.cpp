@@ -1,0 +1,103 @@
+// docs/wiring.md says what the table of pins says: pin by pin, for both maps.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "firmware/boards/rp2040/lattice/tick_feed.hpp"
+#include "firmware/boards/rp2040/watchdog.hpp"
+#include "shared/boards/pico_pins.hpp"
+#include "shared/units.hpp"
+#include "tests/docs/page.hpp"
+
+namespace lamplock::boards {
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(' ');
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+using Row = std::vector<std::string>;
+
+/// Rows of the first table behind a heading, without its two head lines.
+std::vector<Row> table_of(const std::string& page, const std::string& heading) {
+  const std::size_t begin = page.find("\n## " + heading);
+  if (begin == std::string::npos) return {};
+  std::istringstream lines(page.substr(begin + 1));
+  std::string line;
+  std::getline(lines, line);
+  std::vector<Row> rows;
+  while (std::getline(lines, line) && line.rfind("## ", 0) != 0) {
+    if (line.rfind('|', 0) != 0) continue;
+    std::istringstream cells(line.substr(1));
+    Row row;
+    for (std::string cell; std::getline(cells, cell, '|');) row.push_back(trimmed(cell));
+    rows.push_back(row);
+  }
+  if (rows.size() > 1) rows.erase(rows.begin(), rows.begin() + 2);
+  return rows;
+}
+
+/// Pins of the Pico's two rows of contacts (Raspberry Pi Pico Datasheet, 2.1); 0 = on no contact.
+constexpr std::array<int, 30> contacts{1,  2,  4,  5,  6,  7,  9,  10, 11, 12, 14, 15, 16, 17, 19,
+                                       20, 21, 22, 24, 25, 26, 27, 29, 0,  0,  0,  31, 32, 34, 0};
+
+/// Level at rest: a released switch is closed to ground; what idles high is named.
+std::string off_level(const PinUse& use) {
+  switch (use.role) {
+    case Role::drives_enable:
+    case Role::probe:
+    case Role::uart_tx:
+    case Role::uart_rx:
+      return "high";
+    default:
+      return "low";
+  }
+}
+
+class WiringMap : public testing::TestWithParam<PinMap> {};
+
+TEST_P(WiringMap, ThePageHasEveryPinAsTheTableHasIt) {
+  const std::string heading = GetParam() == PinMap::glass ? "Pin map glass" : "Pin map cut";
+  const std::vector<Row> rows = table_of(test::read_repository_file("docs/wiring.md"), heading);
+  const PinTable& table = pins(GetParam());
+  ASSERT_EQ(rows.size(), table.size());
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const PinUse& use = table[i];
+    const int contact = contacts[use.gpio];
+    ASSERT_EQ(rows[i].size(), 7u) << use.name;
+    EXPECT_EQ(rows[i][0], std::to_string(use.gpio)) << use.name;
+    EXPECT_EQ(rows[i][1], contact == 0 ? "-" : std::to_string(contact)) << use.name;
+    EXPECT_EQ(rows[i][2], use.name);
+    EXPECT_EQ(rows[i][3], use.direction == Direction::output ? "out" : "in") << use.name;
+    EXPECT_EQ(rows[i][4], use.energy ? "yes" : "") << use.name;
+    EXPECT_EQ(rows[i][5], off_level(use)) << use.name;
+    EXPECT_NE(rows[i][6], "") << use.name;
+  }
+}
+
+TEST(Wiring, ThePageHasTheTimesOfTheFirmware) {
+  const std::string page = test::read_repository_file("docs/wiring.md");
+  std::ostringstream ahead;
+  ahead << "ticks are credits, " << rp2040::feed_lead_clocks / clocks_per_us
+        << " us ahead and at most one span of " << rp2040::feed_span_ticks << " ticks more";
+  EXPECT_NE(page.find(ahead.str()), std::string::npos) << ahead.str();
+  static_assert(rp2040::feed_lead_clocks + rp2040::feed_span_ticks * clocks_per_tick <=
+                1000 * clocks_per_us);
+  std::ostringstream restart;
+  restart << "restart " << rp2040::Watchdog::timeout_us / 1e6 << " s ("
+          << rp2040::Watchdog::planning_us / 1e6 << " s while planning";
+  EXPECT_NE(page.find(restart.str()), std::string::npos) << restart.str();
+}
+
+INSTANTIATE_TEST_SUITE_P(Maps, WiringMap, testing::Values(PinMap::glass, PinMap::cut),
+                         [](const auto& map) {
+                           return map.param == PinMap::glass ? "glass" : "cut";
+                         });
+
+}  // namespace
+}  // namespace lamplock::boards

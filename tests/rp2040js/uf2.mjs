@@ -1,0 +1,21 @@
+// Reads a UF2 file (UF2 format specification): what the boot loader of the chip would flash.
+
+const block_bytes = 512;
+const family_rp2040 = 0xe48bff56;
+const flash_base = 0x10000000;
+
+/** Calls write(offset in flash, bytes) for every block; throws at the first that is not right. */
+export function read_uf2(file, write) {
+  const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
+  const word = (at) => view.getUint32(at, true);
+  if (file.length === 0 || file.length % block_bytes !== 0) throw new Error('UF2: not whole blocks');
+  const count = file.length / block_bytes;
+  for (let i = 0; i < count; ++i) {
+    const at = i * block_bytes;
+    const start = word(at) === 0x0a324655 && word(at + 4) === 0x9e5d5157;
+    if (!start || word(at + 508) !== 0x0ab16f30) throw new Error(`UF2: block ${i} has no frame`);
+    if (word(at + 28) !== family_rp2040) throw new Error(`UF2: block ${i} is of another chip`);
+    if (word(at + 20) !== i || word(at + 24) !== count) throw new Error(`UF2: block ${i} misplaced`);
+    write(word(at + 12) - flash_base, file.subarray(at + 32, at + 32 + word(at + 16)));
+  }
+}
