@@ -161,12 +161,11 @@ bool JobRunner::plan_with_new_limits(const settings::Values& values) {
 }
 
 Result JobRunner::commit() {
-  if (provisional_begun()) {
-    keep_provisional();  // planning took too long: what it started from has passed
+  // Planning took too long and what it started from has passed, or there is no way on from there.
+  if (provisional_begun() || (!planned_ && provisional_ != 0)) {
+    keep_provisional();
   } else if (planned_) {
     commit_plan();
-  } else if (provisional_ != 0) {
-    keep_provisional();
   } else {
     failed_point_ = request_.points[failed_];
     return Result::unreachable;

@@ -321,33 +321,33 @@ TEST(ShotScheduler, MissesNothingInAKindWorld) {
 class ByHand : public testing::Test {
  protected:
   ByHand() {
-    clock.configure(free_beat());
-    scheduler.begin_job();
-    scheduler.permit(true, BeatReason::no_point_due);
+    clock_.configure(free_beat());
+    scheduler_.begin_job();
+    scheduler_.permit(true, BeatReason::no_point_due);
   }
-  bool token(FireToken& out) { return scheduler.next_token(out, clock); }
+  bool token(FireToken& out) { return scheduler_.next_token(out, clock_); }
   std::vector<PointOutcome> outcomes() {
     std::vector<PointOutcome> all;
     PointOutcome o;
-    while (scheduler.outcome(o)) all.push_back(o);
+    while (scheduler_.outcome(o)) all.push_back(o);
     return all;
   }
-  BeatClock clock;
-  ShotScheduler scheduler;
+  BeatClock clock_;
+  ShotScheduler scheduler_;
 };
 
 TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
-  scheduler.commit(shot_segment(0, 50), 3, 4);
-  scheduler.commit(shot_segment(1, 50), 5, 5);
+  scheduler_.commit(shot_segment(0, 50), 3, 4);
+  scheduler_.commit(shot_segment(1, 50), 5, 5);
   FireToken first, second;
   ASSERT_TRUE(token(first));
   EXPECT_EQ(first.beat, 4u);
-  EXPECT_EQ(first.expires_tick, clock.tick_of_beat(4) + 50);
-  EXPECT_EQ(first.not_before_tick, clock.tick_of_beat(4) - clock.beat_ticks() / 2);
+  EXPECT_EQ(first.expires_tick, clock_.tick_of_beat(4) + 50);
+  EXPECT_EQ(first.not_before_tick, clock_.tick_of_beat(4) - clock_.beat_ticks() / 2);
   EXPECT_FALSE(token(second));
-  scheduler.edge({true, 3, 0}, false, false);
+  scheduler_.edge({true, 3, 0}, false, false);
   EXPECT_FALSE(token(second)) << "the beat before the shot does not spend its token";
-  scheduler.edge({true, 4, 0}, true, true);
+  scheduler_.edge({true, 4, 0}, true, true);
   ASSERT_TRUE(token(second));
   EXPECT_EQ(second.beat, 5u);
   const auto done = outcomes();
@@ -356,51 +356,51 @@ TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
 }
 
 TEST_F(ByHand, AMissBlocksUntilTheRestart) {
-  for (std::uint32_t i = 0; i < 4; ++i) scheduler.commit(shot_segment(i, 50), 3 + i, 3 + i);
+  for (std::uint32_t i = 0; i < 4; ++i) scheduler_.commit(shot_segment(i, 50), 3 + i, 3 + i);
   FireToken t;
   ASSERT_TRUE(token(t));
-  scheduler.edge({true, 3, 0}, false, true);  // outside the window
+  scheduler_.edge({true, 3, 0}, false, true);  // outside the window
   EXPECT_FALSE(token(t));
-  scheduler.edge({true, 4, 0}, false, false);
+  scheduler_.edge({true, 4, 0}, false, false);
   EXPECT_FALSE(token(t));
   ASSERT_FALSE(outcomes().empty());
-  scheduler.restart(BeatReason::returning);
-  scheduler.cancel_after(5);
+  scheduler_.restart(BeatReason::returning);
+  scheduler_.cancel_after(5);
   EXPECT_FALSE(token(t)) << "what was planned before the restart never fires";
-  scheduler.commit(shot_segment(0, 50), 6, 8);
+  scheduler_.commit(shot_segment(0, 50), 6, 8);
   ASSERT_TRUE(token(t));
   EXPECT_EQ(t.beat, 8u);
 }
 
 TEST_F(ByHand, NothingFiresWithoutPermission) {
-  scheduler.commit(shot_segment(0, 50), 3, 3);
-  scheduler.permit(false, BeatReason::door);
+  scheduler_.commit(shot_segment(0, 50), 3, 3);
+  scheduler_.permit(false, BeatReason::door);
   FireToken t;
   EXPECT_FALSE(token(t));
-  EXPECT_FALSE(scheduler.permitted());
-  scheduler.edge({true, 3, 0}, false, false);
+  EXPECT_FALSE(scheduler_.permitted());
+  scheduler_.edge({true, 3, 0}, false, false);
   const auto done = outcomes();
   ASSERT_EQ(done.size(), 1u);
   EXPECT_EQ(done[0].outcome, Outcome::missed);
 }
 
 TEST_F(ByHand, ANewJobForgetsTheOldOne) {
-  scheduler.commit(shot_segment(7, 50), 3, 3);
-  scheduler.begin_job();
+  scheduler_.commit(shot_segment(7, 50), 3, 3);
+  scheduler_.begin_job();
   FireToken t;
   EXPECT_FALSE(token(t));
-  scheduler.edge({true, 3, 0}, false, false);
+  scheduler_.edge({true, 3, 0}, false, false);
   EXPECT_TRUE(outcomes().empty());
 }
 
 TEST_F(ByHand, ATokenSpentOnAStrayEdgeComesBack) {
-  scheduler.commit(shot_segment(0, 50), 3, 3);
+  scheduler_.commit(shot_segment(0, 50), 3, 3);
   FireToken t;
   ASSERT_TRUE(token(t));
-  scheduler.edge({}, false, true);  // a stray edge before the window took it
+  scheduler_.edge({}, false, true);  // a stray edge before the window took it
   ASSERT_TRUE(token(t));
   EXPECT_EQ(t.beat, 3u);
-  scheduler.edge({true, 3, 0}, true, true);
+  scheduler_.edge({true, 3, 0}, true, true);
   const auto done = outcomes();
   ASSERT_EQ(done.size(), 1u);
   EXPECT_EQ(done[0].outcome, Outcome::fired);
@@ -408,43 +408,43 @@ TEST_F(ByHand, ATokenSpentOnAStrayEdgeComesBack) {
 
 TEST_F(ByHand, EveryBeatHasItsReason) {
   Segment s = shot_segment(0, 50);
-  scheduler.commit(s, 3, 4);
+  scheduler_.commit(s, 3, 4);
   FireToken t;
   ASSERT_TRUE(token(t));
-  scheduler.edge({true, 2, 0}, false, false);  // before the job's first shot: kept apart
-  scheduler.edge({true, 3, 0}, false, false);
-  scheduler.edge({true, 4, 0}, true, true);
-  EXPECT_EQ(scheduler.ledger().beats_before(), 2u);
-  scheduler.commit(shot_segment(1, 50, false), 5, 6);  // a pass
-  scheduler.commit(shot_segment(2, 50), 7, 9);
+  scheduler_.edge({true, 2, 0}, false, false);  // before the job's first shot: kept apart
+  scheduler_.edge({true, 3, 0}, false, false);
+  scheduler_.edge({true, 4, 0}, true, true);
+  EXPECT_EQ(scheduler_.ledger().beats_before(), 2u);
+  scheduler_.commit(shot_segment(1, 50, false), 5, 6);  // a pass
+  scheduler_.commit(shot_segment(2, 50), 7, 9);
   ASSERT_TRUE(token(t));
-  scheduler.edge({true, 6, 1}, false, false);  // no edge on beat 5
-  scheduler.permit(false, BeatReason::hold);
-  scheduler.edge({true, 7, 0}, false, false);
-  scheduler.permit(true, BeatReason::no_point_due);
-  scheduler.edge({true, 8, 0}, false, false);
-  EXPECT_EQ(scheduler.ledger().beats(), 1u) << "beats after the last shot wait for the next one";
-  scheduler.edge({true, 9, 0}, true, true);
-  const BeatsByReason& by = scheduler.ledger().by_reason();
+  scheduler_.edge({true, 6, 1}, false, false);  // no edge on beat 5
+  scheduler_.permit(false, BeatReason::hold);
+  scheduler_.edge({true, 7, 0}, false, false);
+  scheduler_.permit(true, BeatReason::no_point_due);
+  scheduler_.edge({true, 8, 0}, false, false);
+  EXPECT_EQ(scheduler_.ledger().beats(), 1u) << "beats after the last shot wait for the next one";
+  scheduler_.edge({true, 9, 0}, true, true);
+  const BeatsByReason& by = scheduler_.ledger().by_reason();
   const auto count = [&](BeatReason r) { return by[static_cast<std::size_t>(r)]; };
   EXPECT_EQ(count(BeatReason::fired), 2u);
   EXPECT_EQ(count(BeatReason::no_edge), 1u);
   EXPECT_EQ(count(BeatReason::hold), 1u);
   EXPECT_EQ(count(BeatReason::moving), 1u);
   EXPECT_EQ(count(BeatReason::no_point_due), 1u);
-  EXPECT_EQ(scheduler.ledger().beats(), 6u);
+  EXPECT_EQ(scheduler_.ledger().beats(), 6u);
 }
 
 TEST_F(ByHand, RefusesMoreThanItCanHold) {
   for (std::uint32_t i = 0; i < ShotScheduler::capacity; ++i)
-    ASSERT_TRUE(scheduler.commit(shot_segment(i, 50), 3 + i, 3 + i));
-  EXPECT_EQ(scheduler.free(), 0u);
-  EXPECT_FALSE(scheduler.commit(shot_segment(0, 50), 900, 900));
+    ASSERT_TRUE(scheduler_.commit(shot_segment(i, 50), 3 + i, 3 + i));
+  EXPECT_EQ(scheduler_.free(), 0u);
+  EXPECT_FALSE(scheduler_.commit(shot_segment(0, 50), 900, 900));
 }
 
 TEST_F(ByHand, AShotThatNobodyPlannedIsCounted) {
-  scheduler.edge({true, 3, 0}, true, false);
-  EXPECT_EQ(scheduler.stray_shots(), 1u);
+  scheduler_.edge({true, 3, 0}, true, false);
+  EXPECT_EQ(scheduler_.stray_shots(), 1u);
 }
 
 }  // namespace

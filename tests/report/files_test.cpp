@@ -25,15 +25,15 @@ class ReportFiles : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder = fs::path(::testing::TempDir()) / "lamplock_report" / info->name();
-    fs::remove_all(folder);
+    folder_ = fs::path(::testing::TempDir()) / "lamplock_report" / info->name();
+    fs::remove_all(folder_);
   }
-  void TearDown() override { fs::remove_all(folder); }
+  void TearDown() override { fs::remove_all(folder_); }
   static std::string read(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  fs::path folder;
+  fs::path folder_;
 };
 
 TEST_F(ReportFiles, JsonHasExactlyTheKeysPromised) {
@@ -86,11 +86,11 @@ TEST_F(ReportFiles, UnknownIsNull) {
   const auto json = nlohmann::json::parse(to_json(report));
   for (const char* key : {"missed", "doubled", "largest_error_steps", "largest_jitter_error_steps"})
     EXPECT_TRUE(json.at(key).is_null()) << key;
-  write_report(report, run, folder);
-  EXPECT_TRUE(fs::exists(folder / "report.json"));
-  EXPECT_TRUE(fs::exists(folder / "cloud.png"));
-  EXPECT_FALSE(fs::exists(folder / "shots.csv"));
-  EXPECT_FALSE(fs::exists(folder / "shots.ply"));
+  write_report(report, run, folder_);
+  EXPECT_TRUE(fs::exists(folder_ / "report.json"));
+  EXPECT_TRUE(fs::exists(folder_ / "cloud.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "shots.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "shots.ply"));
 }
 
 TEST_F(ReportFiles, ANameThatIsNoTextCostsNothing) {
@@ -105,8 +105,8 @@ TEST_F(ReportFiles, CsvReadsBackExactly) {
   run.steps_per_mm = {200, 6400, 1 / 0.00015625, 1};
   run.shots[7].channel = 3;
   run.shots[8].steps = {-1, -123'456, 7, 0};
-  write_report(evaluate(run), run, folder);
-  std::ifstream in(folder / "shots.csv");
+  write_report(evaluate(run), run, folder_);
+  std::ifstream in(folder_ / "shots.csv");
   std::string line;
   std::getline(in, line);
   EXPECT_EQ(line, "index,channel,beat,time_us,x_mm,y_mm,z_mm");
@@ -133,8 +133,8 @@ TEST_F(ReportFiles, CsvReadsBackExactly) {
 TEST_F(ReportFiles, PlyHoldsEveryShot) {
   JobRun run = perfect_run(200, 6);
   run.shots[3].channel = 2;
-  write_report(evaluate(run), run, folder);
-  const std::string ply = read(folder / "shots.ply");
+  write_report(evaluate(run), run, folder_);
+  const std::string ply = read(folder_ / "shots.ply");
   const std::string end = "end_header\n";
   const std::size_t body = ply.find(end) + end.size();
   EXPECT_EQ(ply.substr(0, 4), "ply\n");
@@ -159,18 +159,18 @@ TEST_F(ReportFiles, PlyHoldsEveryShot) {
 }
 
 TEST_F(ReportFiles, AFolderThatCannotBeMadeIsOneLine) {
-  fs::create_directories(folder);
-  std::ofstream(folder / "file") << "in the way";
+  fs::create_directories(folder_);
+  std::ofstream(folder_ / "file") << "in the way";
   const JobRun run = perfect_run(5, 1);
   try {
-    write_report(evaluate(run), run, folder / "file" / "report");
+    write_report(evaluate(run), run, folder_ / "file" / "report");
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(std::string(error.what()).substr(0, 7), "error: ");
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
   }
-  fs::create_directories(folder / "taken" / "shots.csv");
-  EXPECT_THROW(write_report(evaluate(run), run, folder / "taken"), Error);
+  fs::create_directories(folder_ / "taken" / "shots.csv");
+  EXPECT_THROW(write_report(evaluate(run), run, folder_ / "taken"), Error);
 }
 
 /// A decoded picture, 8 bits a channel.
@@ -207,15 +207,15 @@ points::PointCloud sphere(int count) {
 }
 
 TEST_F(ReportFiles, PictureShowsFewAndManyPoints) {
-  fs::create_directories(folder);
+  fs::create_directories(folder_);
   const PictureOptions small{.width = 400, .height = 300, .yaw_deg = {}, .elevation_deg = {}};
-  write_cloud_picture(folder / "none.png", {}, small);
-  const Pixels none(folder / "none.png");
+  write_cloud_picture(folder_ / "none.png", {}, small);
+  const Pixels none(folder_ / "none.png");
   EXPECT_EQ(none.width, 400u);
   EXPECT_EQ(none.height, 300u);
   for (int count : {300, 3'000, 300'000}) {
-    write_cloud_picture(folder / "some.png", sphere(count), small);
-    const Pixels some(folder / "some.png");
+    write_cloud_picture(folder_ / "some.png", sphere(count), small);
+    const Pixels some(folder_ / "some.png");
     // Bright enough to see, and not a white patch.
     EXPECT_GT(some.brighter(180), none.brighter(180) + 200) << count;
     EXPECT_LT(some.brighter(250), some.bytes.size() / 50) << count;
@@ -223,7 +223,7 @@ TEST_F(ReportFiles, PictureShowsFewAndManyPoints) {
 }
 
 TEST_F(ReportFiles, PictureTakesAnyCloud) {
-  fs::create_directories(folder);
+  fs::create_directories(folder_);
   const PictureOptions small{.width = 80, .height = 60, .yaw_deg = {}, .elevation_deg = {}};
   const double nan = std::nan("");
   for (const points::PointCloud& cloud :
@@ -231,8 +231,8 @@ TEST_F(ReportFiles, PictureTakesAnyCloud) {
         points::PointCloud{{nan, 0, 0}, {0, HUGE_VAL, 0}},
         points::PointCloud{{0, 0, -1}, {0, 0, 1}},
         points::PointCloud{{-1e6, 0, 0}, {1e6, 1e-6, 0}}})
-    EXPECT_NO_THROW(write_cloud_picture(folder / "any.png", cloud, small));
-  EXPECT_THROW(write_cloud_picture(folder / "no" / "such.png", {}, small), Error);
+    EXPECT_NO_THROW(write_cloud_picture(folder_ / "any.png", cloud, small));
+  EXPECT_THROW(write_cloud_picture(folder_ / "no" / "such.png", {}, small), Error);
 }
 
 }  // namespace
