@@ -81,5 +81,37 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
   expect_no_violations(rig);
 }
 
+/// The door is looked at by the main loop, which may be away to plan a window; wires of the
+/// interlock chain take the laser away before.
+TEST_F(Stops, DoorOpensAndClosesAtRandomMoments) {
+  constexpr Picoseconds notice = 60 * ps_per_ms;
+  /// Braking from what a tenth of a metre allows, and what is handed out ahead.
+  constexpr Picoseconds to_rest = 250 * ps_per_ms;
+  const job::Profile profile = chip_profile();
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  for (int round = 0; round < scaled(6); ++round) {
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    const std::size_t fired = rig.shots().size();
+    const job::Job job = job::make_job(chip_points(50, random_()), profile, {});
+    RunningJob running(rig, job, static_cast<std::uint32_t>(round + 1));
+    ASSERT_TRUE(running.run_until_fired(1 + random_() % 20));
+    const Picoseconds opened = rig.now() + up_to(5 * ps_per_ms);
+    const Picoseconds closed = opened + to_rest + up_to(100 * ps_per_ms);
+    rig.board.world().schedule(sim::Pin::door, true, opened);
+    rig.board.world().schedule(sim::Pin::door, false, closed);
+    running.run_until(closed);
+    EXPECT_EQ(rig.monitor.fired(opened + notice, closed), 0u);
+    EXPECT_FALSE(rig.monitor.stepped(opened + to_rest, closed));
+    EXPECT_LT(rig.shots().size() - fired, job.targets.size());
+    rig.run(50 * ps_per_ms);
+    running.sender.resume();
+    EXPECT_EQ(running.finish(), link::JobEnd::done);
+    expect_fired(rig, job, fired);
+  }
+  EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+  expect_no_violations(rig);
+}
+
 }  // namespace
 }  // namespace lamplock::test
