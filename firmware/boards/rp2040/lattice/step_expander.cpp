@@ -6,8 +6,6 @@
 namespace lamplock::rp2040 {
 namespace {
 
-std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
-
 constexpr std::uint32_t place_mask = ring_ticks - 1;
 
 /// Puts `ticks` ticks that are all alike at `place` into a ring of words: its last, unfinished word

@@ -21,10 +21,6 @@ namespace lamplock::rp2040 {
 /// Longest low time that fits a word.
 inline constexpr std::uint32_t most_low_count = 0xffff;
 
-/// Ticks of a word at most: the words behind the lead outnumber those that DMA and FIFO read ahead,
-/// which must never meet a word before it is written.
-inline constexpr std::uint32_t most_ticks_a_word = 16;
-
 constexpr std::uint32_t tick_word(std::uint32_t ticks, std::uint32_t low_count) {
   return (ticks - 1) | low_count << 16;
 }
