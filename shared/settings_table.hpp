@@ -2,7 +2,8 @@
 //
 // Firmware, host, documentation and tests read this table and nothing else. Numbers are those of
 // grbl 1.1 where grbl has the setting, our own ones start at 900, in blocks: 900 beat, 920 laser
-// protection, 940 work space, 960 axes, 980 link. Values are kept in thousandths of the unit
+// protection, 940 work space, 960 axes, 980 link, 990 board. Values are kept in thousandths of the
+// unit
 // (`milli`) as 32-bit integers: exact, printable with three decimals, no floating point.
 #pragma once
 
@@ -52,6 +53,7 @@ enum class Id : std::uint8_t {
   min_corner_a,
   axes,
   dead_man,
+  pin_map,
   count
 };
 inline constexpr std::size_t setting_count = static_cast<std::size_t>(Id::count);
@@ -127,6 +129,10 @@ inline constexpr std::array<Row, setting_count> table{{
     {960, "axes", "count", 1'000, 4'000, 3'000, true, "number of axes"},
     {980, "dead_man", "ms", 0, 60'000'000, 2'000'000, false,
      "silence of the host in a job before a controlled stop; 0 = never"},
+    {990, "pin_map", "0..1", 0, 1'000, 0, true,
+     "what the pins of the board are for, from its next start on: 0 glass, 1 cut (fourth axis, "
+     "UART, "
+     "a limit switch for each axis)"},
 }};
 
 /// Row of a setting.

@@ -42,6 +42,8 @@ bool loosens(Id id, std::int32_t asked, std::int32_t own) {
       return own != 0 && (asked == 0 || asked > own);
     case Id::max_shot_rate:
       return asked > own;
+    case Id::pin_map:
+      return asked != own;
     default:
       return id >= Id::max_rate_x && id <= Id::travel_a && asked > own;
   }
@@ -56,8 +58,12 @@ bool inside_work_space(const settings::Values& job, const settings::Values& own,
 
 }  // namespace
 
-Controller::Controller(const settings::Values& stored, const InterruptMask& mask)
-    : mask_(mask), stored_(stored), values_(stored), runner_(clock_, shots_) {
+Controller::Controller(const settings::Values& stored, const InterruptMask& mask, int board_axes)
+    : mask_(mask),
+      board_axes_(board_axes),
+      stored_(stored),
+      values_(stored),
+      runner_(clock_, shots_) {
   use_settings(stored);
   shots_.permit(false, BeatReason::no_point_due);
   send_banner();
@@ -266,7 +272,7 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
   refused_value_ = 0;
   if (header.settings_hash != 0 && header.settings_hash != values.hash())
     return Result::settings_mismatch;
-  if (header.axes != values.whole(Id::axes)) {
+  if (header.axes != values.whole(Id::axes) || header.axes > board_axes_) {
     refused_value_ = settings::row(Id::axes).number;
     return Result::bad_value;
   }

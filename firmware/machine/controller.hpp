@@ -77,8 +77,9 @@ inline constexpr std::uint8_t most_shots_per_point = 1;
 /// The core.
 class Controller {
  public:
+  /// `board_axes`: as many as the board has outputs for; jobs with more are refused.
   explicit Controller(const settings::Values& stored = settings::Values{},
-                      const InterruptMask& mask = {});
+                      const InterruptMask& mask = {}, int board_axes = max_axes);
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
@@ -166,6 +167,7 @@ class Controller {
   void send_status_line();
 
   const InterruptMask mask_;
+  const int board_axes_;
   settings::Values stored_;
   settings::Values values_;  ///< stored, with the overrides of the job
   link::Link link_;

@@ -75,8 +75,8 @@ struct PinUse {
   std::string_view name;
 };
 
-/// The two maps.
-enum class PinMap : std::uint8_t { glass, cut };
+/// The two maps, numbered as the setting `pin_map` ($990) has it.
+enum class PinMap : std::uint8_t { glass = 0, cut = 1 };
 
 namespace detail {
 using enum Direction;
@@ -161,6 +161,9 @@ consteval std::uint8_t gpio(Role role) {
   detail::this_role_is_not_in_every_map();
   return 0;
 }
+
+/// How many axes a map has pins for.
+constexpr int axes(PinMap map) { return find_gpio(map, Role::step_a) ? 4 : 3; }
 
 constexpr Role step_role(int axis) { return static_cast<Role>(2 * axis); }
 constexpr Role dir_role(int axis) { return static_cast<Role>(2 * axis + 1); }

@@ -71,8 +71,7 @@ void BoardTiming::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   if (gpio == q_switch_gpio)
     phases_.push_back(static_cast<std::int64_t>(at - pads_[sync_gpio].rose));
   for (int axis = 0; axis < max_axes; ++axis)
-    if (boards::find_gpio(boards::PinMap::glass, boards::step_role(axis)) == gpio)
-      measure_steps(at);
+    if (boards::find_gpio(board_.map(), boards::step_role(axis)) == gpio) measure_steps(at);
 }
 
 void BoardTiming::measure_steps(chip::Cycle at) {
@@ -121,7 +120,7 @@ TimingTable BoardTiming::table(Picoseconds delay) const {
   table.ram_size = ram_total;
   table.flash_used = static_cast<std::uint32_t>(image_.size());
   table.flash_size = static_cast<std::uint32_t>(board_.chip().flash().storage().size());
-  for (const boards::PinUse& use : boards::pins(boards::PinMap::glass)) {
+  for (const boards::PinUse& use : boards::pins(board_.map())) {
     const Pad& pad = pads_[use.gpio];
     if (pad.rises == 0) continue;
     const auto ps = [&](chip::Cycle cycles) {

@@ -69,7 +69,7 @@ ChipBoard::ChipBoard(const chip::Image& image, const settings::Values& stored,
       chip_(options.chip),
       host_(chip_.wheel(), chip_.usb(), options.usb),
       slot_(chip_.wheel().add(*this)),
-      map_(options.map) {
+      map_(static_cast<boards::PinMap>(stored.whole(settings::Id::pin_map))) {
   chip_.load(image, "image");
   SettingsArea area = settings_area(chip_);
   settings::Store store(area);

@@ -27,7 +27,6 @@ namespace lamplock::sim {
 struct ChipBoardOptions {
   chip::ChipOptions chip{};
   chip::UsbHostOptions usb{};
-  boards::PinMap map = boards::PinMap::glass;
 };
 
 /// One board in its world.
@@ -58,6 +57,8 @@ class ChipBoard final : public Board,
   const World& world() const override { return *world_; }
   const std::vector<LatticeShot>& lattice_shots() const override { return lattice_shots_; }
 
+  /// As the stored settings have it.
+  boards::PinMap map() const { return map_; }
   chip::Chip& chip() { return chip_; }
   chip::UsbHost& usb_host() { return host_; }
   /// Power fails for a moment; the world goes on.
@@ -79,7 +80,7 @@ class ChipBoard final : public Board,
   chip::Chip chip_;
   chip::UsbHost host_;
   chip::TimeWheel::Slot slot_;
-  boards::PinMap map_;
+  const boards::PinMap map_;
   struct Pad {
     Pin pin = Pin::count;
     bool inverted = false;

@@ -1,7 +1,6 @@
 // Files of the repository, for tests that hold a page against the code it speaks of.
 #pragma once
 
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -10,8 +9,7 @@ namespace lamplock::test {
 
 /// Text of a file, named from the root of the repository; empty if it is not there.
 inline std::string read_repository_file(const std::string& path) {
-  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
-  std::ifstream file(root / path);
+  std::ifstream file(LAMPLOCK_ROOT "/" + path);
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

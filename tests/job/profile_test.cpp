@@ -111,8 +111,7 @@ TEST(Profile, MissingFileIsAnError) {
 
 /// The example states the defaults and mentions every setting, so that it cannot go stale unseen.
 TEST(Profile, TheExampleIsTheDefaultAndNamesEverySetting) {
-  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
-  const auto path = root / "examples" / "machine.toml";
+  const std::filesystem::path path = LAMPLOCK_ROOT "/examples/machine.toml";
   const Profile example = read_profile(path);
   EXPECT_EQ(example.settings, settings::Values{});
   std::ifstream in(path);

@@ -27,7 +27,7 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 
 }  // namespace
 
-Board::Board() : core_(store_.load(), CoreMasked::mask()), ports_(uart_send_gpio) {}
+Board::Board() : core_(stored_, CoreMasked::mask(), boards::axes(map_)), ports_(uart_send_gpio) {}
 
 void Board::start_ports() {
   const std::array<char, 16> number = flash_unique_number();

@@ -75,7 +75,8 @@ class Board {
 
   SettingsArea area_;
   settings::Store<SettingsArea> store_{area_};
-  boards::PinMap map_ = boards::PinMap::glass;
+  const settings::Values stored_ = store_.load();
+  const boards::PinMap map_ = static_cast<boards::PinMap>(stored_.whole(settings::Id::pin_map));
   machine::Controller core_;
   RealTime real_time_{map_};
   Ports ports_;

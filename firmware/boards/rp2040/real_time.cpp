@@ -52,7 +52,9 @@ void RealTime::start_pads() const {
   const std::uint32_t pulled_up = inputs_.pins();
   for (const boards::PinUse& use : boards::pins(map_)) {
     if (use.direction != boards::Direction::input) continue;
-    const bool up = (pulled_up >> use.gpio & 1) != 0 || use.role == Role::probe;
+    // An open serial line reads as idle.
+    const bool up =
+        (pulled_up >> use.gpio & 1) != 0 || use.role == Role::probe || use.role == Role::uart_rx;
     pads_bank0().gpio[use.gpio] =
         pad::input_enable | pad::schmitt | pad::drive_4ma | (up ? pad::pull_up : pad::pull_down);
   }

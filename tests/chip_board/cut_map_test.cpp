@@ -1,0 +1,148 @@
+// The pin map cut: a fourth axis, a limit switch for each axis, a second link by UART.
+#include <deque>
+
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::HasSubstr;
+
+job::Profile cut_profile(int axes) {
+  job::Profile profile = chip_profile();
+  profile.settings.set_milli(Id::pin_map, 1000);
+  profile.settings.set_milli(Id::axes, axes * 1000);
+  return profile;
+}
+
+/// A PC at the other end of the UART.
+class SerialCable final : public link::Transport, private sim::chip::ByteLine {
+ public:
+  explicit SerialCable(ChipRig& rig) : rig_(rig), uart_(rig.board.chip().system().uart0) {
+    uart_.connect(*this);
+  }
+  std::size_t write(std::span<const std::uint8_t> bytes) override {
+    for (const std::uint8_t byte : bytes) uart_.send_to_chip(byte);
+    return bytes.size();
+  }
+  std::size_t read(std::span<std::uint8_t> bytes) override {
+    const std::size_t n = std::min(bytes.size(), heard_.size());
+    std::copy_n(heard_.begin(), n, bytes.begin());
+    heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(n));
+    return n;
+  }
+  void wait(std::chrono::microseconds time) override {
+    const Picoseconds until = rig_.now() + time.count() * ps_per_us;
+    while (rig_.now() < until && heard_.empty()) rig_.run(100 * ps_per_us);
+  }
+  std::chrono::microseconds now() const override {
+    return std::chrono::microseconds(rig_.now() / ps_per_us);
+  }
+  bool connected() const override { return true; }
+  bool reconnect() override { return true; }
+
+ private:
+  void byte_sent(std::uint8_t byte, sim::chip::Cycle /*at*/) override { heard_.push_back(byte); }
+
+  ChipRig& rig_;
+  sim::chip::Uart& uart_;
+  std::deque<std::uint8_t> heard_;
+};
+
+TEST(CutMap, FourAxesMove) {
+  const job::Profile profile = cut_profile(4);
+  job::Job job = job::make_job(chip_points(40, 3), profile, {});
+  for (std::size_t i = 0; i < job.targets.size(); ++i)
+    job.targets[i].steps[3] = static_cast<std::int32_t>(i % 7) - 3;
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  RunningJob running(rig, job, 1);
+  ASSERT_EQ(running.finish(), link::JobEnd::done);
+  expect_fired(rig, job);
+  for (std::size_t i = 0; i < job.targets.size(); ++i)
+    ASSERT_NEAR(rig.shots()[i].steps[3], job.targets[i].steps[3], 1) << "shot " << i;
+  EXPECT_FALSE(rig.monitor.steps(3).empty());
+  EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+  expect_no_violations(rig);
+}
+
+TEST(CutMap, FourAxesAreRefusedWhereThreeHavePins) {
+  job::Profile profile = cut_profile(4);
+  profile.settings.set_milli(Id::pin_map, 0);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  RunningJob running(rig, job::make_job(chip_points(5, 3), profile, {}), 1);
+  try {
+    running.sender.run();
+    ADD_FAILURE() << "taken";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("$960"));
+  }
+  EXPECT_TRUE(rig.monitor.nothing_happened());
+}
+
+TEST(CutMap, AJobForTheOtherMapIsRefused) {
+  job::Profile profile = cut_profile(3);
+  ChipRig rig(chip_profile());
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  RunningJob running(rig, job::make_job(chip_points(5, 3), profile, {}), 1);
+  EXPECT_ANY_THROW(running.sender.run());
+  EXPECT_TRUE(rig.monitor.nothing_happened());
+}
+
+TEST(CutMap, EachAxisHasItsLimitSwitch) {
+  for (const sim::Pin pin : {sim::Pin::limit_x, sim::Pin::limit_y, sim::Pin::limit_z}) {
+    SCOPED_TRACE(static_cast<int>(pin));
+    const job::Profile profile = cut_profile(3);
+    ChipRig rig(profile);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    EXPECT_THAT(rig.status(), HasSubstr("<Idle"));
+    rig.board.world().schedule(pin, true, rig.now() + ps_per_ms);
+    rig.run(5 * ps_per_ms);
+    EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
+  }
+}
+
+TEST(CutMap, AJobByUart) {
+  const job::Profile profile = cut_profile(3);
+  const job::Job job = job::make_job(chip_points(40, 5), profile, {});
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  SerialCable cable(rig);
+  link::JobSender sender(cable, job, RunningJob::options(1, 0));
+  EXPECT_EQ(sender.run().end, link::JobEnd::done);
+  expect_fired(rig, job);
+  EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+  expect_no_violations(rig);
+}
+
+TEST(CutMap, WhoSpeaksIsAnsweredAndTheOtherLinkNotInAJob) {
+  const job::Profile profile = cut_profile(3);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  SerialCable cable(rig);
+  const auto heard_by_uart = [&cable] {
+    std::array<std::uint8_t, 4096> bytes;
+    return std::string(bytes.begin(),
+                       bytes.begin() + static_cast<std::ptrdiff_t>(cable.read(bytes)));
+  };
+  const auto say = [&cable](std::string_view text) {
+    cable.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  };
+  EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
+  EXPECT_EQ(heard_by_uart(), "");
+  rig.heard.clear();
+  say("$I\n");
+  rig.run(20 * ps_per_ms);
+  rig.listen();
+  EXPECT_THAT(heard_by_uart(), HasSubstr("[VER:"));
+  EXPECT_EQ(rig.heard, "");
+  RunningJob running(rig, job::make_job(chip_points(60, 5), profile, {}), 1);
+  ASSERT_TRUE(running.run_until_fired(5));
+  say("$X\n?\x18");
+  EXPECT_EQ(running.finish(), link::JobEnd::done);
+  EXPECT_EQ(heard_by_uart(), "");
+}
+
+}  // namespace
+}  // namespace lamplock::test
