@@ -39,6 +39,8 @@ Chip::Chip(const ChipOptions& options)
              Core(1, bus_, wheel_, irqs_, timing_, reporter())},
       seed_(options.seed) {
   map();
+  system_.clocks.listen(*this);
+  clocks_changed();
   for (int id = 0; id < 2; ++id) attach_core(id);
 }
 
@@ -52,6 +54,9 @@ void Chip::map() {
   Resets& resets = system_.resets;
   system_.map(bus_, gpio_);
   bus_.map_sio(sio_.core(0), sio_.core(1));
+  system_.psm.attach(PsmBit::xip, [this](bool held) {
+    if (held) xip_.reset();
+  });
   bus_.map(io_qspi_base, resets.attach(ResetBit::io_qspi, xip_.pins().io()));
   bus_.map(pads_qspi_base, resets.attach(ResetBit::pads_qspi, xip_.pins().pads()));
   bus_.map(dma_base, resets.attach(ResetBit::dma, pio_dma_.dma()));
@@ -88,12 +93,22 @@ void Chip::load(const Image& image, const std::string& where) {
   place_image(image, flash_, bus_, where);
 }
 
-void Chip::power_cut() {
+void Chip::lose_memory() {
   std::mt19937_64 noise(seed_ + wheel_.now());
   for (std::uint8_t& byte : bus_.sram()) byte = static_cast<std::uint8_t>(noise());
   for (std::uint8_t& byte : usb_dpram_) byte = static_cast<std::uint8_t>(noise());
+}
+
+void Chip::power_cut() {
+  lose_memory();
   xip_.power_cut();
   system_.reset(ChipReset::power_on);
+}
+
+void Chip::brown_out() {
+  if (!system_.vreg.brown_out_enabled()) return;
+  lose_memory();
+  system_.reset(ChipReset::brown_out);
 }
 
 void Chip::restart_cores() {

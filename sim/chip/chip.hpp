@@ -41,7 +41,7 @@ struct ChipOptions {
 };
 
 /// One chip with its flash.
-class Chip {
+class Chip final : private ClockListener {
  public:
   explicit Chip(const ChipOptions& options = {});
   Chip(const Chip&) = delete;
@@ -49,11 +49,17 @@ class Chip {
 
   /// Puts an image into the flash (and SRAM, if it says so); before power_on().
   void load(const Image& image, const std::string& where);
-  /// Power comes, or the RUN pin rises: both cores start in the ROM.
+  /// Power comes: both cores start in the ROM.
   void power_on() { system_.reset(ChipReset::power_on); }
-  /// Power fails for a moment, in the middle of whatever happens: flash keeps what it has, SRAM is
-  /// filled with noise, everything starts anew.
+
+  // Everything starts anew, in the middle of whatever happens.
+  /// Power fails for a moment: flash keeps what it has, SRAM is filled with noise.
   void power_cut();
+  /// The core's supply alone fails for a moment: SRAM is filled with noise; the flash, which has
+  /// its own, goes on with what it does. Nothing if the firmware has switched the detector off.
+  void brown_out();
+  /// The RUN pin goes low for a moment: SRAM is kept, the flash goes on.
+  void run_pin() { system_.reset(ChipReset::run_pin); }
 
   /// Runs until both cores have reached `until`, or a little more.
   void run_until(Cycle until);
@@ -80,6 +86,8 @@ class Chip {
   NotModelled reporter();
   void map();
   void attach_core(int id);
+  void clocks_changed() override { usb_.set_usb_clock(system_.clocks.hz(Clock::usb)); }
+  void lose_memory();
   void restart_cores();
   void run_both(Cycle until);
 

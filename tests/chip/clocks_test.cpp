@@ -150,7 +150,6 @@ TEST_F(ClocksTest, IdentificationIsThatOfSteppingB2) {
   EXPECT_EQ(system().tbman.read(0), 1u);
   EXPECT_EQ(system().vreg.read(0), 0x10b1u);
   EXPECT_EQ(system().vreg.read(4), 0x91u);
-  EXPECT_EQ(system().vreg.brown_out_mv(), 860);
   EXPECT_EQ(system().psm.read(0xc), 0x1ffffu);
   EXPECT_EQ(system().syscfg.read(8), 0x10000000u);
   system().busctrl.write(0, 0xffff);

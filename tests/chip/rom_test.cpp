@@ -422,6 +422,19 @@ TEST(Boot, TakesTheWatchdogsVectorOnceAndOnlyIfItMatches) {
   EXPECT_FALSE(start(0xb007'c0d3, good ^ 4, c));
 }
 
+TEST(Boot, ClearsTheNmiMasksUnlessSyscfgIsInReset) {
+  for (const bool held : {false, true}) {
+    Chip chip;
+    chip.resets.words[0] = held ? 1u << 18 : 0;
+    chip.syscfg.words = {{0, 5}, {4, 6}};
+    chip.give_boot2({0xe7fe});
+    chip.start();
+    ASSERT_TRUE(chip.run_to(BootRom::boot2_address));
+    EXPECT_EQ(chip.syscfg.words[0], held ? 5u : 0u);
+    EXPECT_EQ(chip.syscfg.words[4], held ? 6u : 0u);
+  }
+}
+
 TEST(Boot, TheRescueFlagHalts) {
   Chip chip;
   chip.give_boot2({0xe7fe});

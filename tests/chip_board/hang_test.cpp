@@ -104,6 +104,7 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
   std::printf("last step %.1f us after the loss\n", static_cast<double>(longest) / 1e6);
 }
 
+/// Of all power and of the core's alone in turn; the chip calls both power-on.
 TEST_F(Loss, OfPowerInAJob) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);
@@ -116,7 +117,10 @@ TEST_F(Loss, OfPowerInAJob) {
     open_gate(rig);
     rig.run(ps_per_ms + up_to(2 * ps_per_ms));
     const Picoseconds cut = rig.now();
-    rig.board.power_cut();
+    if (round % 2 == 0)
+      rig.board.power_cut();
+    else
+      rig.board.chip().brown_out();
     EXPECT_EQ(rig.energy.levels(), 0u);
     EXPECT_FALSE(rig.step_high());
     rig.heard.clear();

@@ -49,6 +49,11 @@ Xip::Xip(TimeWheel& wheel, Bus& bus, FlashChip& flash, NotModelled not_modelled)
   bus.map(0x4002'0000, pins_.pads());
 }
 
+void Xip::reset() {
+  ssi_.reset();
+  control_.reset();
+}
+
 void Xip::power_cut() {
   ssi_.power_cut();
   pins_.io().reset();

@@ -70,6 +70,8 @@ class Xip {
   QspiPins& pins() { return pins_; }
   Peripheral& control() { return control_; }
 
+  /// SSI and XIP_CTRL take their reset values; the pins have a reset of their own (RESETS).
+  void reset();
   /// Power fails: the flash stops where it is, everything here takes its reset values.
   void power_cut();
 

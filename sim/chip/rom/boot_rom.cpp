@@ -4,7 +4,9 @@
 #include <array>
 #include <bit>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "sim/chip/rom/crc32.hpp"
 
@@ -57,7 +59,8 @@ constexpr std::uint32_t watchdog = 0x4005'8000, chip_reset = 0x4006'4008;
 constexpr std::uint32_t xip_ctrl = 0x1400'0000, ssi = 0x1800'0000;
 constexpr std::uint32_t sio = 0xd000'0000, scs_vtor = 0xe000'ed08, scs_scr = 0xe000'ed10;
 
-constexpr std::uint32_t reset_io_qspi = 1u << 6, reset_pads_qspi = 1u << 9, reset_timer = 1u << 21;
+constexpr std::uint32_t reset_io_qspi = 1u << 6, reset_pads_qspi = 1u << 9, reset_syscfg = 1u << 18,
+                        reset_timer = 1u << 21;
 constexpr std::uint32_t reset_done = 8;
 constexpr std::uint32_t rescue_flag = 1u << 24;
 constexpr std::uint32_t scratch0 = watchdog + 0x0c, scratch4 = watchdog + 0x1c;
@@ -187,12 +190,8 @@ void BootRom::build() {
     std::uint32_t address;
   };
   std::vector<Entry> functions;
-  const auto named = [&](const std::string& name, std::uint32_t address) {
-    symbols_.push_back({"rom:" + name, address});
-    return address;
-  };
-  const auto listed = [&](const char* letters, const std::string& name, std::uint32_t address) {
-    functions.push_back({letters[0], letters[1], named(name, address) | 1u});
+  const auto listed = [&](const char* letters, std::uint32_t address) {
+    functions.push_back({letters[0], letters[1], address | 1u});
     return address;
   };
   // A leaf: one or more traps, then BX LR.
@@ -210,39 +209,37 @@ void BootRom::build() {
     return at;
   };
 
-  const std::uint32_t lookup = named("rom_table_lookup", leaf({Trap::lookup}));
-  listed("P3", "popcount32", leaf({Trap::popcount}));
-  listed("R3", "reverse32", leaf({Trap::reverse}));
-  listed("L3", "clz32", leaf({Trap::leading_zeros}));
-  listed("T3", "ctz32", leaf({Trap::trailing_zeros}));
-  listed("MS", "memset", leaf({Trap::memset_start, Trap::memset_block}));
-  listed("S4", "memset4", leaf({Trap::memset_start, Trap::memset4_block}));
-  listed("MC", "memcpy", leaf({Trap::memcpy_start, Trap::memcpy_block}));
-  listed("C4", "memcpy44", leaf({Trap::memcpy_start, Trap::memcpy44_block}));
-  const std::uint32_t connect =
-      listed("IF", "connect_internal_flash", leaf({Trap::connect, Trap::connect_wait}));
-  const std::uint32_t exit_xip =
-      listed("EX", "flash_exit_xip", framed({Trap::exit_xip_start, Trap::exit_xip}));
-  listed("RE", "flash_range_erase", framed({Trap::erase_start, Trap::flash_write}));
-  listed("RP", "flash_range_program", framed({Trap::program_start, Trap::flash_write}));
-  const std::uint32_t flush = listed("FC", "flash_flush_cache", leaf({Trap::flush}));
-  listed("CX", "flash_enter_cmd_xip", leaf({Trap::enter_xip}));
-  listed("UB", "reset_to_usb_boot", code.here());
+  const std::uint32_t lookup = leaf({Trap::lookup});
+  listed("P3", leaf({Trap::popcount}));
+  listed("R3", leaf({Trap::reverse}));
+  listed("L3", leaf({Trap::leading_zeros}));
+  listed("T3", leaf({Trap::trailing_zeros}));
+  listed("MS", leaf({Trap::memset_start, Trap::memset_block}));
+  listed("S4", leaf({Trap::memset_start, Trap::memset4_block}));
+  listed("MC", leaf({Trap::memcpy_start, Trap::memcpy_block}));
+  listed("C4", leaf({Trap::memcpy_start, Trap::memcpy44_block}));
+  const std::uint32_t connect = listed("IF", leaf({Trap::connect, Trap::connect_wait}));
+  const std::uint32_t exit_xip = listed("EX", framed({Trap::exit_xip_start, Trap::exit_xip}));
+  listed("RE", framed({Trap::erase_start, Trap::flash_write}));
+  listed("RP", framed({Trap::program_start, Trap::flash_write}));
+  const std::uint32_t flush = listed("FC", leaf({Trap::flush}));
+  listed("CX", leaf({Trap::enter_xip}));
+  listed("UB", code.here());
   code.trap(Trap::reset_usb);
-  dead_ = named("dead", code.half(A::wfi));
+  dead_ = code.half(A::wfi);
   code.branch(dead_);
 
-  wait_ = listed("WV", "wait_for_vector", code.trap(Trap::wait_start));
+  wait_ = listed("WV", code.trap(Trap::wait_start));
   const std::uint32_t wait = code.trap(Trap::wait);
   code.half(A::wfe);
   code.branch(wait);
   code.half(A::sev);
   code.branch(wait);
 
-  usb_boot_ = named("usb_boot", code.trap(Trap::usb_boot));
+  usb_boot_ = code.trap(Trap::usb_boot);
   code.branch(dead_);
-  const std::uint32_t start = named("start", code.trap(Trap::boot_start));
-  main_ = named("main", code.trap(Trap::boot_main));
+  const std::uint32_t start = code.trap(Trap::boot_start);
+  main_ = code.trap(Trap::boot_main);
   code.call(connect);
   code.call(exit_xip);
   code.half(0x2000);  // MOVS r0, #0
@@ -740,8 +737,12 @@ void BootRom::boot_start(Context& c) {
   state_ = RomState::booting;
   c.store(clocks + 0xa0, 0xffff'ffff);  // WAKE_EN0, WAKE_EN1
   c.store(clocks + 0xa4, 0xffff'ffff);
-  c.store(syscfg, 0);  // no NMI for either core
-  c.store(syscfg + 4, 0);
+  // No NMI for either core. The real ROM stores even where SYSCFG is still held in reset: lost, and
+  // not the image's doing, so that it is left out here.
+  if ((c.load(resets) & reset_syscfg) == 0) {
+    c.store(syscfg, 0);
+    c.store(syscfg + 4, 0);
+  }
   if ((c.load(chip_reset) & rescue_flag) != 0) {
     c.store(chip_reset, rescue_flag);
     state_ = RomState::rescue;

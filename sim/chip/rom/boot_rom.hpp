@@ -15,8 +15,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "sim/chip/bus.hpp"
 #include "sim/chip/flash/qspi_pins.hpp"
@@ -92,12 +90,6 @@ class BootRom {
   /// Address of a function or datum (with the Thumb bit for functions); 0 if there is none.
   std::uint32_t function(char first, char second) const;
   std::uint32_t datum(char first, char second) const;
-  /// Names and addresses of what is in the ROM, for profiles.
-  struct Symbol {
-    std::string name;
-    std::uint32_t address;
-  };
-  const std::vector<Symbol>& symbols() const { return symbols_; }
 
  private:
   enum class Trap : std::uint8_t;
@@ -131,7 +123,6 @@ class BootRom {
   NotModelled not_modelled_;
   RomTiming timing_;
   RomState state_ = RomState::reset;
-  std::vector<Symbol> symbols_;
   std::uint32_t function_table_ = 0, data_table_ = 0;
   std::uint32_t main_ = 0, dead_ = 0, usb_boot_ = 0, wait_ = 0, attempt_ = 0;
 };

@@ -117,12 +117,6 @@ void VregAndChipReset::note(ChipReset cause) {
   }
 }
 
-int VregAndChipReset::brown_out_mv() const {
-  constexpr int lowest_mv = 473;  // 2.10.3: steps of 43 mV
-  constexpr int step_mv = 43;
-  return lowest_mv + step_mv * static_cast<int>(brown_out_ >> 4 & 15u);
-}
-
 std::uint32_t VregAndChipReset::read(std::uint32_t offset) {
   if (offset > 0x8) not_modelled_("VREG_AND_CHIP_RESET: no register at this offset");
   return peek(offset);

@@ -69,7 +69,8 @@ class Psm final : public Peripheral {
   std::uint32_t force_on_ = 0, force_off_ = 0, watchdog_select_ = 0;
 };
 
-/// What has reset the whole chip. Power-on and brown-out cannot be told apart by software.
+/// What has reset the whole chip. Power-on and brown-out cannot be told apart by software (both are
+/// HAD_POR). A watchdog's reset is none of these: CHIP_RESET keeps what it had.
 enum class ChipReset : std::uint8_t { power_on, brown_out, run_pin, debug_port };
 
 /// Regulator, brown-out detector, and the cause of the last reset of the chip.
@@ -79,9 +80,8 @@ class VregAndChipReset final : public Peripheral {
 
   /// Notes the cause of a reset that is about to take place.
   void note(ChipReset cause);
-  /// Whether the brown-out detector is on (2.10.3), and its threshold in millivolts of the core.
+  /// Whether the brown-out detector is on (2.10.3).
   bool brown_out_enabled() const { return (brown_out_ & 1u) != 0; }
-  int brown_out_mv() const;
 
   std::string_view name() const override { return "VREG_AND_CHIP_RESET"; }
   std::uint32_t read(std::uint32_t offset) override;

@@ -79,6 +79,9 @@ class Resets final : public Peripheral {
       if (!resets_.held(bit_)) return block_.write(offset, value);
       report();
     }
+    std::uint32_t write_clear_bits(std::uint32_t offset) const override {
+      return block_.write_clear_bits(offset);
+    }
     void reset() override { block_.reset(); }
     ResetBit bit() const { return bit_; }
 

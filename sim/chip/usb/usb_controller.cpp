@@ -108,9 +108,7 @@ std::uint32_t UsbController::read(std::uint32_t offset) {
   return peek(offset);
 }
 
-std::uint32_t UsbController::peek(std::uint32_t offset) const { return register_at(offset); }
-
-std::uint32_t UsbController::register_at(std::uint32_t offset) const {
+std::uint32_t UsbController::peek(std::uint32_t offset) const {
   switch (offset) {
     case reg::addr_endp:
       return addr_endp_;
@@ -361,10 +359,7 @@ void UsbController::set_vbus_pin(bool level) {
   update_interrupt();
 }
 
-void UsbController::set_usb_clock(std::uint64_t hz) {
-  usb_hz_ = hz;
-  update_pull_up();
-}
+void UsbController::set_usb_clock(std::uint64_t hz) { usb_hz_ = hz; }
 
 void UsbController::update_pull_up() {
   const bool enabled = (main_ctrl_ & main_ctrl::controller_en) != 0 &&
@@ -374,9 +369,9 @@ void UsbController::update_pull_up() {
     wanted = (phy_direct_ & phy::dp_pullup_en) != 0;
   // That the device pulls up only with VBUS detected is what the override in USB_PWR is for.
   const bool on = enabled && wanted && vbus_detected();
+  if (on == pull_up_) return;
   if (on && usb_hz_ != usb_clock_hz)
     violation("pull-up enabled with clk_usb at " + std::to_string(usb_hz_) + " Hz, not 48 MHz");
-  if (on == pull_up_) return;
   pull_up_ = on;
   last_activity_ = now();
   if (!on) {

@@ -132,7 +132,6 @@ class UsbController final : public Peripheral, public Timed, public usb::DeviceE
     std::uint8_t count = 0;  ///< for an interrupt per two buffers
   };
 
-  std::uint32_t register_at(std::uint32_t offset) const;
   std::uint32_t status() const;
   std::uint32_t raw_interrupts() const;
   std::uint32_t should_handle() const;
