@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <random>
 #include <set>
 #include <string>
@@ -265,6 +264,17 @@ TEST(FlashChip, StatusPowerDownAndReset) {
   EXPECT_EQ(b.reports.size(), 1u);
 }
 
+TEST(FlashChip, AResetWhileBusyIsTold) {
+  Bench b;
+  b.program(0, {0});
+  b.command({0x99});
+  EXPECT_TRUE(b.reports.empty()) << "not enabled: ignored";
+  b.command({0x66});
+  b.command({0x99});
+  EXPECT_EQ(b.status(), 1);
+  EXPECT_EQ(b.reports.size(), 1u);
+}
+
 TEST(FlashChip, PowerCutAtAThousandMoments) {
   std::mt19937_64 random(11);
   int untouched = 0, torn = 0, finished = 0;
@@ -325,22 +335,6 @@ TEST(FlashChip, APowerCutIsRepeatableBySeed) {
   };
   EXPECT_EQ(run(5), run(5));
   EXPECT_NE(run(5), run(6));
-}
-
-TEST(FlashChip, KeepsItsContentsInAFile) {
-  const std::string path = testing::TempDir() + "flash_test.bin";
-  Bench a;
-  a.program(0x1234, {1, 2, 3});
-  a.flash.save(path);
-  Bench b;
-  const std::uint8_t* const before = b.flash.storage().data();
-  b.flash.load(path);
-  EXPECT_EQ(b.flash.storage().data(), before) << "mapped memory stays where it is";
-  EXPECT_EQ(b.at(0x1235), 2);
-  FlashChip small(64 * 1024);
-  EXPECT_THROW(small.load(path), std::runtime_error);
-  std::filesystem::remove(path);
-  EXPECT_THROW(b.flash.load(path), std::runtime_error);
 }
 
 /// The interface, its registers by name.

@@ -252,6 +252,7 @@ TEST(Images, AreFoundOutAndPlaced) {
             std::string::npos);
   EXPECT_NE(failure([&] { load_image(folder + "image_test.none"); }).find("cannot be opened"),
             std::string::npos);
+  EXPECT_NE(failure([&] { load_image(folder); }).find(": cannot be read; "), std::string::npos);
   EXPECT_NE(failure([&] { load_image(file("empty.bin", {})); }).find("0 bytes"), std::string::npos);
   const Image high = parse_uf2(uf2_file(1, 0xe48b'ff56, 0x10ff'ff00), "x");
   EXPECT_NE(failure([&] { place_image(high, flash, bus, "x"); }).find("do not fit"),

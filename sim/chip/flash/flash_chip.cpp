@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
 #include <utility>
 
@@ -279,9 +278,9 @@ void FlashChip::start_command(std::uint8_t command, Picoseconds now) {
     begin(dummies != 0 ? Phase::dummy : Phase::output, 1);
   };
   if (command != cmd_reset && command != cmd_enable_reset) reset_enabled_ = false;
-  const bool status_read =
-      command == cmd_read_status_1 || command == cmd_read_status_2 || command == cmd_read_status_3;
-  if ((busy(now) && !status_read) || (power_down_ && command != cmd_release_power_down)) {
+  const bool while_busy = command == cmd_read_status_1 || command == cmd_read_status_2 ||
+                          command == cmd_read_status_3 || command == cmd_enable_reset;
+  if ((busy(now) && !while_busy) || (power_down_ && command != cmd_release_power_down)) {
     if (command == cmd_reset && reset_enabled_)
       report("FLASH reset (99h) while busy: what was running goes on here");
     p.phase = Phase::ignore;
@@ -541,31 +540,6 @@ void FlashChip::cut_erase(double done) {
     }
     byte = static_cast<std::uint8_t>(value);
   }
-}
-
-// --- files ---
-
-void FlashChip::load(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw std::runtime_error(path + ": cannot be opened; give a file with the flash's contents");
-  std::vector<std::uint8_t> data((std::istreambuf_iterator<char>(file)),
-                                 std::istreambuf_iterator<char>());
-  if (data.size() > storage_.size())
-    throw std::runtime_error(path + ": " + std::to_string(data.size()) + " bytes, the flash has " +
-                             std::to_string(storage_.size()) +
-                             "; choose a larger flash or another file");
-  data.resize(storage_.size(), 0xff);
-  // In place: the bus has mapped this memory.
-  std::copy(data.begin(), data.end(), storage_.begin());
-}
-
-void FlashChip::save(const std::string& path) const {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  for (const std::uint8_t byte : storage_) file.put(static_cast<char>(byte));
-  file.flush();
-  if (!file)
-    throw std::runtime_error(path + ": cannot be written; check the folder and the space left");
 }
 
 }  // namespace lamplock::sim::chip

@@ -75,9 +75,6 @@ class FlashChip {
   /// read before it is done.
   std::span<std::uint8_t> storage() { return storage_; }
   std::span<const std::uint8_t> storage() const { return storage_; }
-  /// Contents from and to a file; a shorter file leaves the rest erased. Throw std::runtime_error.
-  void load(const std::string& path);
-  void save(const std::string& path) const;
 
   void set_unique_id(const std::array<std::uint8_t, 8>& id) { unique_id_ = id; }
   const std::array<std::uint8_t, 8>& unique_id() const { return unique_id_; }

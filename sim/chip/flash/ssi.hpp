@@ -37,8 +37,6 @@ class Ssi final : public Peripheral, private Timed {
   void write(std::uint32_t offset, std::uint32_t value) override;
   void reset() override;
 
-  /// Reads through the XIP window work.
-  bool xip_works() const { return mapped_; }
   /// Cycles of clk_sys that filling a line of eight bytes takes at the present setting.
   std::uint32_t line_fill_cycles() const;
   /// Power has been cut: forgets everything, and the flash's too.

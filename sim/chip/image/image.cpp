@@ -217,8 +217,11 @@ Image parse_bin(Bytes file, const std::string& where) {
 Image load_image(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) fail(path, "cannot be opened", "give a .elf, .uf2 or .bin file");
-  const std::vector<std::uint8_t> file((std::istreambuf_iterator<char>(stream)),
-                                       std::istreambuf_iterator<char>());
+  // By read(), which turns an error (a folder) into a bad stream; iterators throw.
+  std::vector<std::uint8_t> file;
+  std::array<char, 4096> block{};
+  while (stream.read(block.data(), block.size()), stream.gcount() > 0)
+    file.insert(file.end(), block.data(), block.data() + stream.gcount());
   if (stream.bad()) fail(path, "cannot be read", "check the file");
   const std::uint32_t magic = file.size() >= 4 ? word(file, 0) : 0;
   if (magic == 0x464c'457f) return parse_elf(file, path);
