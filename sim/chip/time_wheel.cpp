@@ -2,11 +2,9 @@
 
 #include <algorithm>
 
+#include "sim/chip/wide.hpp"
+
 namespace lamplock::sim::chip {
-namespace {
-/// Cycles times picoseconds outgrow 64 bits within a second.
-__extension__ using Wide = __int128;
-}  // namespace
 
 /// The first part is not due first any more.
 void TimeWheel::promote_second() {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "sim/chip/system/wide.hpp"
+#include "sim/chip/wide.hpp"
 
 namespace lamplock::sim::chip {
 

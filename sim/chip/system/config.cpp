@@ -1,16 +1,16 @@
 #include "sim/chip/system/config.hpp"
 
+#include <string>
 #include <utility>
 
 namespace lamplock::sim::chip {
 
 namespace {
 
-// CHIP_ID (2.20): REVISION 31:28, PART 27:12, MANUFACTURER 11:0. Revision 2 is stepping B2.
-constexpr std::uint32_t chip_id_b2 = 2u << 28 | 0x0002u << 12 | 0x927u;
-constexpr std::uint32_t sysinfo_platform_asic = 1u << 1;
-constexpr std::uint32_t offset_gitref = 0x40;
-constexpr std::uint32_t tbman_platform_asic = 1u << 0;
+// SYSINFO (2.20): CHIP_ID with REVISION 31:28, PART 27:12, MANUFACTURER 11:0, revision 2 being
+// stepping B2; PLATFORM with ASIC 1. GITREF_RP2040 at 0x40 is not known.
+constexpr std::array<std::uint32_t, 2> sysinfo_words{2u << 28 | 0x0002u << 12 | 0x927u, 1u << 1};
+constexpr std::array<std::uint32_t, 1> tbman_words{1u << 0};  // PLATFORM: ASIC 0 (2.23)
 
 // SYSCFG (2.21): PROC0_NMI_MASK, PROC1_NMI_MASK, PROC_CONFIG, PROC_IN_SYNC_BYPASS,
 // PROC_IN_SYNC_BYPASS_HI, DBGFORCE, MEMPOWERDOWN.
@@ -27,28 +27,27 @@ constexpr std::uint32_t busctrl_end = 0x28;
 
 }  // namespace
 
-Sysinfo::Sysinfo(NotModelled not_modelled) : not_modelled_(std::move(not_modelled)) {}
+Identification::Identification(std::string_view name, std::span<const std::uint32_t> words,
+                               NotModelled not_modelled)
+    : name_(name), words_(words), not_modelled_(std::move(not_modelled)) {}
 
-std::uint32_t Sysinfo::peek(std::uint32_t offset) const {
-  switch (offset) {
-    case 0x0:
-      return chip_id_b2;
-    case 0x4:
-      return sysinfo_platform_asic;
-    default:
-      return 0;
-  }
+Identification Identification::sysinfo(NotModelled not_modelled) {
+  return {"SYSINFO", sysinfo_words, std::move(not_modelled)};
 }
 
-std::uint32_t Sysinfo::read(std::uint32_t offset) {
-  if (offset == offset_gitref)
-    not_modelled_("SYSINFO GITREF_RP2040: reads as 0");
-  else if (offset > 0x4)
-    not_modelled_("SYSINFO: no register at this offset");
+Identification Identification::tbman(NotModelled not_modelled) {
+  return {"TBMAN", tbman_words, std::move(not_modelled)};
+}
+
+std::uint32_t Identification::peek(std::uint32_t offset) const {
+  return offset / 4 < words_.size() ? words_[offset / 4] : 0;
+}
+
+std::uint32_t Identification::read(std::uint32_t offset) {
+  if (offset / 4 >= words_.size())
+    not_modelled_(std::string(name_) + ": reads as 0 at this offset");
   return peek(offset);
 }
-
-void Sysinfo::write(std::uint32_t, std::uint32_t) {}
 
 Syscfg::Syscfg(Callbacks callbacks, NotModelled not_modelled)
     : callbacks_(std::move(callbacks)), not_modelled_(std::move(not_modelled)) {
@@ -83,19 +82,6 @@ void Syscfg::write(std::uint32_t offset, std::uint32_t value) {
     not_modelled_("SYSCFG PROC_IN_SYNC_BYPASS_HI, DBGFORCE, MEMPOWERDOWN: without effect");
   tell(offset);
 }
-
-Tbman::Tbman(NotModelled not_modelled) : not_modelled_(std::move(not_modelled)) {}
-
-std::uint32_t Tbman::peek(std::uint32_t offset) const {
-  return offset == 0 ? tbman_platform_asic : 0;
-}
-
-std::uint32_t Tbman::read(std::uint32_t offset) {
-  if (offset != 0) not_modelled_("TBMAN: no register at this offset");
-  return peek(offset);
-}
-
-void Tbman::write(std::uint32_t, std::uint32_t) {}
 
 Busctrl::Busctrl(NotModelled not_modelled) : not_modelled_(std::move(not_modelled)) { reset(); }
 

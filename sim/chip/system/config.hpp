@@ -9,23 +9,30 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string_view>
 
 #include "sim/chip/peripheral.hpp"
 
 namespace lamplock::sim::chip {
 
-/// SYSINFO: read only.
-class Sysinfo final : public Peripheral {
+/// A block that only says what the chip is; writes are lost.
+class Identification final : public Peripheral {
  public:
-  explicit Sysinfo(NotModelled not_modelled);
-  std::string_view name() const override { return "SYSINFO"; }
+  /// SYSINFO, or TBMAN, which says that this is a chip and no FPGA.
+  static Identification sysinfo(NotModelled not_modelled);
+  static Identification tbman(NotModelled not_modelled);
+  std::string_view name() const override { return name_; }
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
-  void write(std::uint32_t offset, std::uint32_t value) override;
+  void write(std::uint32_t /*offset*/, std::uint32_t /*value*/) override {}
   void reset() override {}
 
  private:
+  Identification(std::string_view name, std::span<const std::uint32_t> words,
+                 NotModelled not_modelled);
+  std::string_view name_;
+  std::span<const std::uint32_t> words_;
   NotModelled not_modelled_;
 };
 
@@ -51,26 +58,10 @@ class Syscfg final : public Peripheral {
   std::array<std::uint32_t, 7> registers_{};
 };
 
-/// TBMAN: read only; says that this is a chip, not an FPGA.
-class Tbman final : public Peripheral {
- public:
-  explicit Tbman(NotModelled not_modelled);
-  std::string_view name() const override { return "TBMAN"; }
-  std::uint32_t read(std::uint32_t offset) override;
-  std::uint32_t peek(std::uint32_t offset) const override;
-  void write(std::uint32_t offset, std::uint32_t value) override;
-  void reset() override {}
-
- private:
-  NotModelled not_modelled_;
-};
-
 /// BUSCTRL: priorities are acknowledged, counters of the bus fabric do not count.
 class Busctrl final : public Peripheral {
  public:
   explicit Busctrl(NotModelled not_modelled);
-  /// BUS_PRIORITY: PROC0 bit 0, PROC1 bit 4, DMA_R bit 8, DMA_W bit 12.
-  std::uint32_t priority() const { return priority_; }
   std::string_view name() const override { return "BUSCTRL"; }
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;

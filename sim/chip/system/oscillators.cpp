@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim/chip/system/wide.hpp"
+#include "sim/chip/wide.hpp"
 
 namespace lamplock::sim::chip {
 

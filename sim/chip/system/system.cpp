@@ -23,11 +23,11 @@ System::System(TimeWheel& wheel, Gpio& gpio, Sio& sio, IrqLines& irqs, Callbacks
                  resets.watchdog_fired();
                  psm.watchdog_release();
                }),
-      sysinfo(not_modelled),
+      sysinfo(Identification::sysinfo(not_modelled)),
       syscfg({std::move(callbacks.nmi_mask),
               [&sio](std::uint32_t pins) { sio.set_synchroniser_bypass(pins); }},
              not_modelled),
-      tbman(not_modelled),
+      tbman(Identification::tbman(not_modelled)),
       busctrl(not_modelled),
       uart0(0, wheel, clocks, irqs, not_modelled),
       uart1(1, wheel, clocks, irqs, not_modelled),

@@ -41,8 +41,8 @@ class System {
 
   /// Puts all blocks, those of Gpio included, behind their resets and on the bus.
   void map(Bus& bus, Gpio& gpio);
-  /// Power-on, brown-out or the RUN pin: everything, the watchdog's scratch registers included. All
-  /// stages of `psm` are held and released.
+  /// All causes alike: everything, the watchdog with its scratch registers included. All stages of
+  /// `psm` are held and released.
   void reset(ChipReset cause);
 
   Xosc xosc;
@@ -55,9 +55,9 @@ class System {
   Psm psm;
   VregAndChipReset vreg;
   Watchdog watchdog;
-  Sysinfo sysinfo;
+  Identification sysinfo;
   Syscfg syscfg;
-  Tbman tbman;
+  Identification tbman;
   Busctrl busctrl;
   Uart uart0, uart1;
   Pwm pwm;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sim/chip/system/clocks.hpp"
-#include "sim/chip/system/wide.hpp"
 #include "sim/chip/time_wheel.hpp"
+#include "sim/chip/wide.hpp"
 
 namespace lamplock::sim::chip {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "sim/chip/system/wide.hpp"
+#include "sim/chip/wide.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -71,7 +71,6 @@ Uart::Uart(int number, TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotMode
       not_modelled_(std::move(not_modelled)),
       name_("UART" + std::to_string(number)),
       irq_(number == 0 ? Irq::uart0 : Irq::uart1) {
-  clocks_.listen(*this);
   reset();
 }
 

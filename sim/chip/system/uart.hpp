@@ -30,7 +30,7 @@ class ByteLine {
 };
 
 /// One of the two.
-class Uart final : public Peripheral, private Timed, private ClockListener {
+class Uart final : public Peripheral, private Timed {
  public:
   Uart(int number, TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_modelled);
   Uart(const Uart&) = delete;
@@ -55,7 +55,6 @@ class Uart final : public Peripheral, private Timed, private ClockListener {
 
   void run(Cycle to) override;
   void clock_changed() override { schedule(); }
-  void clocks_changed() override {}
 
   bool on(std::uint32_t control_bit) const { return (control_ & control_bit) != 0; }
   std::size_t depth() const;

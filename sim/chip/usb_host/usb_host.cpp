@@ -268,13 +268,13 @@ void UsbHost::waited(Picoseconds at) {
       go_on(at);
       break;
     default:
-      enter(step_, at);
+      enter(step_);
       break;
   }
 }
 
 /// Asks what belongs to a step of enumeration.
-void UsbHost::enter(Step step, Picoseconds at) {
+void UsbHost::enter(Step step) {
   step_ = step;
   switch (step) {
     case Step::first_descriptor:
@@ -301,7 +301,7 @@ void UsbHost::enter(Step step, Picoseconds at) {
       ask_descriptor(descriptor::string, 0, 0, 255);
       break;
     case Step::strings:
-      next_string(at);
+      next_string();
       break;
     case Step::set_configuration:
       ask(setup_packet(0, set_configuration, port_.configuration, 0, 0));
@@ -366,7 +366,7 @@ void UsbHost::enumeration_answer(const ControlAnswer& answer, Picoseconds at) {
       if (options_.second_reset) begin_reset(at, Step::second_reset);
       device_info_.max_packet0 = device_bytes_[7];
       if (options_.second_reset) return;
-      return enter(Step::set_address, at);
+      return enter(Step::set_address);
     case Step::set_address:
       address_ = options_.address;
       step_ = Step::device;
@@ -377,13 +377,13 @@ void UsbHost::enumeration_answer(const ControlAnswer& answer, Picoseconds at) {
     case Step::configuration:
     case Step::languages:
     case Step::strings:
-      return descriptor_answer(answer, at);
+      return descriptor_answer(answer);
     default:
-      return class_answer(answer, at);
+      return class_answer(answer);
   }
 }
 
-void UsbHost::descriptor_answer(const ControlAnswer& answer, Picoseconds at) {
+void UsbHost::descriptor_answer(const ControlAnswer& answer) {
   switch (step_) {
     case Step::device:
       if (!std::equal(device_bytes_.begin(),
@@ -394,14 +394,14 @@ void UsbHost::descriptor_answer(const ControlAnswer& answer, Picoseconds at) {
       device_bytes_ = answer.data;
       device_info_ = parse_device(answer.data, violations_);
       if (device_info_.max_packet0 == 0) return give_up("device descriptor is useless");
-      return enter(Step::qualifier, at);
+      return enter(Step::qualifier);
     case Step::qualifier:
       if (!answer.stalled) violation("device: has a device qualifier without high speed");
-      return enter(Step::configuration_head, at);
+      return enter(Step::configuration_head);
     case Step::configuration_head:
       configuration_bytes_ = answer.data;
       if (answer.data.size() != 9) return give_up("not 9 bytes of the configuration");
-      return enter(Step::configuration, at);
+      return enter(Step::configuration);
     case Step::configuration:
       configuration_bytes_ = answer.data;
       port_ = parse_configuration(answer.data, device_info_, violations_);
@@ -411,25 +411,25 @@ void UsbHost::descriptor_answer(const ControlAnswer& answer, Picoseconds at) {
                               device_info_.manufacturer_string})
         if (index != 0) strings_to_read_.push_back(index);
       strings_.clear();
-      if (strings_to_read_.empty()) return enter(Step::set_configuration, at);
-      return enter(Step::languages, at);
+      if (strings_to_read_.empty()) return enter(Step::set_configuration);
+      return enter(Step::languages);
     case Step::languages:
       if (answer.data.size() < 4 || answer.data[0] != answer.data.size())
         violation("string 0: no list of languages");
       else
         language_ = static_cast<std::uint16_t>(answer.data[2] | answer.data[3] << 8);
-      return enter(Step::strings, at);
+      return enter(Step::strings);
     default: {  // a string
       const int index = strings_to_read_.back();
       strings_to_read_.pop_back();
       strings_[index] = parse_string(answer.data, index, violations_);
-      if (!next_string(at)) enter(Step::set_configuration, at);
+      if (!next_string()) enter(Step::set_configuration);
     }
   }
 }
 
 /// Asks for the next string that has not been read; false if there is none.
-bool UsbHost::next_string(Picoseconds) {
+bool UsbHost::next_string() {
   while (!strings_to_read_.empty() && strings_.contains(strings_to_read_.back()))
     strings_to_read_.pop_back();
   if (strings_to_read_.empty()) return false;
@@ -438,16 +438,16 @@ bool UsbHost::next_string(Picoseconds) {
   return true;
 }
 
-void UsbHost::class_answer(const ControlAnswer& answer, Picoseconds at) {
+void UsbHost::class_answer(const ControlAnswer& answer) {
   switch (step_) {
     case Step::set_configuration:
       in_data1_ = out_data1_ = notify_data1_ = false;
-      return enter(Step::set_line_coding, at);
+      return enter(Step::set_line_coding);
     case Step::set_line_coding:
-      return enter(Step::get_line_coding, at);
+      return enter(Step::get_line_coding);
     case Step::get_line_coding:
       if (answer.data != line_coding) violation("GET_LINE_CODING is not what was set");
-      return enter(Step::line_state, at);
+      return enter(Step::line_state);
     default:
       step_ = Step::running;
   }

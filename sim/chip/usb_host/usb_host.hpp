@@ -86,7 +86,7 @@ class UsbHost final : public Timed, public usb::HostEnd {
 
   void unplug();
   void plug();
-  /// Frames stop after the transaction in progress; only once enumerated.
+  /// Frames stop; a transaction in progress breaks off. Only once enumerated.
   void suspend();
   void resume();
   void set_dtr(bool on);
@@ -173,7 +173,7 @@ class UsbHost final : public Timed, public usb::HostEnd {
   void stop_frames();
 
   // Enumeration
-  void enter(Step step, Picoseconds at);
+  void enter(Step step);
   void waited(Picoseconds at);
   void begin_reset(Picoseconds at, Step step);
   void detach();
@@ -182,9 +182,9 @@ class UsbHost final : public Timed, public usb::HostEnd {
                       std::size_t length);
   void control_done(const ControlTransfer& transfer, const ControlAnswer& answer, Picoseconds at);
   void enumeration_answer(const ControlAnswer& answer, Picoseconds at);
-  void descriptor_answer(const ControlAnswer& answer, Picoseconds at);
-  void class_answer(const ControlAnswer& answer, Picoseconds at);
-  bool next_string(Picoseconds at);
+  void descriptor_answer(const ControlAnswer& answer);
+  void class_answer(const ControlAnswer& answer);
+  bool next_string();
   void give_up(const std::string& why);
   void violation(const std::string& text);
 

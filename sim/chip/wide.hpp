@@ -1,4 +1,5 @@
-// A signed integer wide enough for products of times in picoseconds and frequencies.
+// A signed integer wide enough for products of times in picoseconds and frequencies, which outgrow
+// 64 bits within a second.
 //
 // In, out: nothing; a name for a type that is an extension of the compilers used.
 // Who: the parts that turn cycles of one clock into cycles of another.
