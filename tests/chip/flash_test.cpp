@@ -507,6 +507,20 @@ TEST(Xip, CacheMemoryShowsWhileTheCacheIsOff) {
   EXPECT_EQ(w.read(0x1400'0008), 3u) << "flush ready, stream empty";
 }
 
+TEST(Xip, RegistersThatAreNotThereAreTold) {
+  Wired w;
+  for (const std::uint32_t address :
+       {Wired::ssi + 0x2c, Wired::ssi + 0xfc, 0x1400'0020u, 0x4002'001cu}) {
+    w.reports.clear();
+    EXPECT_EQ(w.read(address), 0u);
+    EXPECT_EQ(w.reports.size(), 1u) << std::hex << address;
+  }
+  w.reports.clear();
+  for (const std::uint32_t address : {Wired::ssi + 0x28, Wired::ssi + 0xf8, 0x4002'0018u})
+    w.read(address);
+  EXPECT_TRUE(w.reports.empty());
+}
+
 TEST(XipCache, HoldsTwoLinesOfASet) {
   XipCache cache;
   EXPECT_FALSE(cache.access(0));

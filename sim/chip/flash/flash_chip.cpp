@@ -58,17 +58,6 @@ std::string hex_byte(std::uint8_t value) {
 
 }  // namespace
 
-FlashTiming FlashTiming::slowest() {
-  return {.page_program = 3 * ps_per_ms,
-          .sector_erase = 400 * ps_per_ms,
-          .block_erase_32k = 1600 * ps_per_ms,
-          .block_erase_64k = 2 * ps_per_s,
-          .chip_erase = 25 * ps_per_s,
-          .write_status = 15 * ps_per_ms,
-          .release_power_down = 3 * ps_per_us,
-          .reset = 30 * ps_per_us};
-}
-
 FlashChip::FlashChip(std::size_t size, FlashTiming timing, NotModelled not_modelled,
                      std::uint64_t seed)
     : timing_(timing), not_modelled_(std::move(not_modelled)), random_(seed) {

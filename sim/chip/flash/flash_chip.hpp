@@ -35,7 +35,6 @@ struct FlashTiming {
   Picoseconds write_status = 10 * ps_per_ms;       ///< tW, 15 ms
   Picoseconds release_power_down = 3 * ps_per_us;  ///< tRES1
   Picoseconds reset = 30 * ps_per_us;              ///< tRST
-  static FlashTiming slowest();
 };
 
 /// What has been done to the chip, for tests of wear levelling and for reports.
@@ -77,8 +76,6 @@ class FlashChip {
   std::span<const std::uint8_t> storage() const { return storage_; }
 
   void set_unique_id(const std::array<std::uint8_t, 8>& id) { unique_id_ = id; }
-  const std::array<std::uint8_t, 8>& unique_id() const { return unique_id_; }
-  void set_timing(const FlashTiming& timing) { timing_ = timing; }
   /// Quad enable (status 2, bit 1) as delivered; the parts on a Pico come with it set.
   void set_quad_enable(bool on);
   const FlashCounts& counts() const { return counts_; }

@@ -96,6 +96,12 @@ std::uint32_t QspiPins::Pads::peek(std::uint32_t offset) const {
   return offset / 4 <= count ? pad[offset / 4 - 1] : 0;
 }
 
+std::uint32_t QspiPins::Pads::read(std::uint32_t offset) {
+  if (offset / 4 > count && owner.not_modelled_)
+    owner.not_modelled_("PADS_QSPI: no register at this offset");
+  return peek(offset);
+}
+
 void QspiPins::Pads::write(std::uint32_t offset, std::uint32_t value) {
   if (offset == 0)
     voltage = value & 1u;

@@ -55,7 +55,7 @@ class QspiPins {
   struct Pads final : Peripheral {
     explicit Pads(QspiPins& pins) : owner(pins) { set_defaults(); }
     std::string_view name() const override { return "PADS_QSPI"; }
-    std::uint32_t read(std::uint32_t offset) override { return peek(offset); }
+    std::uint32_t read(std::uint32_t offset) override;
     std::uint32_t peek(std::uint32_t offset) const override;
     void write(std::uint32_t offset, std::uint32_t value) override;
     void reset() override;

@@ -362,6 +362,9 @@ std::uint32_t Ssi::read(std::uint32_t offset) {
     raw_interrupts_ &= ~clears;
     return any ? 1 : 0;
   }
+  const bool modelled = offset != mwcr && offset != imr && offset != isr &&
+                        (offset < dmacr || offset > dmardlr) && offset <= txd_drive_edge;
+  if (!modelled && not_modelled_) not_modelled_("XIP_SSI register that reads as 0");
   return peek(offset);
 }
 

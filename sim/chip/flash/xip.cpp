@@ -67,9 +67,10 @@ std::uint32_t Xip::Control::peek(std::uint32_t offset) const {
 }
 
 std::uint32_t Xip::Control::read(std::uint32_t offset) {
-  if (offset >= ctr_hit && offset <= stream_fifo && owner.not_modelled_)
-    owner.not_modelled_(offset <= ctr_acc ? "XIP_CTRL CTR_HIT, CTR_ACC read"
-                                          : "XIP_CTRL stream read");
+  if (offset >= ctr_hit && owner.not_modelled_)
+    owner.not_modelled_(offset <= ctr_acc       ? "XIP_CTRL CTR_HIT, CTR_ACC read"
+                        : offset <= stream_fifo ? "XIP_CTRL stream read"
+                                                : "XIP_CTRL: no register at this offset");
   // A read of FLUSH waits until the flush is done; here it is done at once and reads 0.
   return peek(offset);
 }

@@ -46,8 +46,6 @@ class XipCache {
 
   std::uint32_t hits() const { return hits_; }
   std::uint32_t accesses() const { return accesses_; }
-  void set_hits(std::uint32_t value) { hits_ = value; }
-  void set_accesses(std::uint32_t value) { accesses_ = value; }
 
  private:
   struct Set {

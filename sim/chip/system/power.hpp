@@ -47,8 +47,6 @@ class Psm final : public Peripheral {
   explicit Psm(NotModelled not_modelled);
 
   void attach(PsmBit bit, Stage stage);
-  /// Held by FRCE_OFF.
-  bool held(PsmBit bit) const { return (force_off_ >> static_cast<unsigned>(bit) & 1u) != 0; }
   /// The watchdog has fired: the stages that WDSEL selects are held, then released in order.
   void watchdog_hold();
   void watchdog_release();

@@ -272,8 +272,10 @@ std::uint32_t Uart::read(std::uint32_t offset) {
     schedule();
     return value;
   }
-  if (offset > offset_dmacr && offset < offset_identification)
-    not_modelled_(name_ + ": no register at this offset");
+  const bool gap = (offset > offset_rsr && offset < offset_fr) ||
+                   (offset > offset_fr && offset < offset_ilpr) ||
+                   (offset > offset_dmacr && offset < offset_identification);
+  if (gap) not_modelled_(name_ + ": no register at this offset");
   return peek(offset);
 }
 

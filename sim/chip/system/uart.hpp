@@ -39,8 +39,6 @@ class Uart final : public Peripheral, private Timed {
   void connect(ByteLine& line) { line_ = &line; }
   /// The other end begins to send a byte as soon as the line is free.
   void send_to_chip(std::uint8_t byte);
-  /// Bytes that send_to_chip has taken and that have not arrived.
-  std::size_t bytes_on_line() const { return incoming_.size(); }
   /// Time of a frame as configured; 0: the baud rate is not set.
   Picoseconds frame_time() const;
 

@@ -46,7 +46,6 @@ inline constexpr std::uint32_t sim_timing = 1u << 31;
 namespace sie_ctrl {
 inline constexpr std::uint32_t resume = 1u << 12;  ///< self-clearing
 inline constexpr std::uint32_t pullup_en = 1u << 16;
-inline constexpr std::uint32_t rpu_opt = 1u << 17;
 inline constexpr std::uint32_t transceiver_pd = 1u << 18;
 inline constexpr std::uint32_t direct = 7u << 24;  ///< DIRECT_EN, DP, DM
 inline constexpr std::uint32_t ep0_int_nak = 1u << 27;

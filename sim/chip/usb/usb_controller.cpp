@@ -513,7 +513,9 @@ std::optional<UsbController::Endpoint> UsbController::find_endpoint(std::uint8_t
   Endpoint endpoint;
   endpoint.index = 2u * number + (out ? 1u : 0u);
   if (number == 0) {
-    endpoint.control = ep_control::enable | (sie_ctrl_ & (3u << 28 | sie_ctrl::ep0_double_buf));
+    endpoint.control =
+        ep_control::enable |
+        (sie_ctrl_ & (sie_ctrl::ep0_int_2buf | sie_ctrl::ep0_int_1buf | sie_ctrl::ep0_double_buf));
     if ((sie_ctrl_ & sie_ctrl::ep0_int_nak) != 0) endpoint.control |= ep_control::int_nak;
     if ((sie_ctrl_ & sie_ctrl::ep0_int_stall) != 0) endpoint.control |= ep_control::int_stall;
   } else {

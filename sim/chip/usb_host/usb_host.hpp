@@ -110,7 +110,6 @@ class UsbHost final : public Timed, public usb::HostEnd {
     std::vector<std::uint8_t> data;
   };
   const ControlAnswer& last_control() const { return last_control_; }
-  bool control_pending() const { return transfer_now_.has_value() || !control_queue_.empty(); }
 
   /// Sees every transaction before it goes out and may put faults into it.
   using Saboteur = std::function<void(usb::Transaction&)>;
