@@ -282,6 +282,15 @@ TEST(BootRom, ErasesAndProgramsFlashInItsRealTime) {
   EXPECT_TRUE(chip.reports.empty()) << *chip.reports.begin();
 }
 
+TEST(BootRom, ProgramsFromAddressZeroToo) {
+  Chip chip;
+  chip.command_mode();
+  chip.call("RP", {0x8000, 0, 256});
+  EXPECT_TRUE(std::equal(chip.bus.rom().begin(), chip.bus.rom().begin() + 256,
+                         chip.flash.storage().begin() + 0x8000));
+  EXPECT_EQ(chip.flash.counts().sectors_erased, 0u);
+}
+
 TEST(BootRom, LeavesContinuousReadMode) {
   Chip chip;
   chip.flash.select(0);

@@ -104,15 +104,21 @@ class BootRom {
   void connect_flash(Context& context);
   void exit_xip_start(Context& context);
   void exit_xip(Context& context);
+  void erase_start(Context& context);
+  void program_start(Context& context);
   void flash_write(Context& context);
   void next_write(Context& context);
   void flush_cache(Context& context);
   void enter_command_xip(Context& context);
   void usb_boot(Context& context);
+  void enter_boot_loader(Context& context);
   void boot_start(Context& context);
+  void boot_main(Context& context);
   void boot_attempt(Context& context);
   void boot_read(Context& context);
   void boot_check(Context& context);
+  void boot_enter(Context& context);
+  void wait_start(Context& context);
   void wait_for_vector(Context& context);
   /// Moves a byte each way; true when nothing is left. r5 = bytes to send, r6 = bytes to take.
   enum class Send : std::uint8_t { zeros, ones, memory };

@@ -1,0 +1,150 @@
+// The image of the ROM: vectors, tables, and Thumb frames around the traps.
+#include "sim/chip/rom/rom_context.hpp"
+
+#include <array>
+#include <vector>
+
+namespace lamplock::sim::chip {
+
+/// Lays Thumb code and tables down.
+class BootRom::Assembler {
+ public:
+  explicit Assembler(std::span<std::uint8_t> memory, std::uint32_t at) : memory_(memory), at_(at) {}
+  std::uint32_t here() const { return at_; }
+  std::uint32_t half(std::uint32_t value) {
+    memory_[at_] = static_cast<std::uint8_t>(value);
+    memory_[at_ + 1] = static_cast<std::uint8_t>(value >> 8);
+    at_ += 2;
+    return at_ - 2;
+  }
+  std::uint32_t trap(Trap number) { return half(0xde00u | static_cast<std::uint32_t>(number)); }
+  void branch(std::uint32_t to) { half(0xe000u | (((to - at_ - 4) >> 1) & 0x7ffu)); }
+  void call(std::uint32_t to) {
+    const std::uint32_t offset = to - at_ - 4;
+    const std::uint32_t sign = offset >> 24 & 1u;
+    half(0xf000u | sign << 10 | (offset >> 12 & 0x3ffu));
+    const std::uint32_t j1 = (~(offset >> 23) ^ sign) & 1u, j2 = (~(offset >> 22) ^ sign) & 1u;
+    half(0xd000u | j1 << 13 | j2 << 11 | (offset >> 1 & 0x7ffu));
+  }
+  void word(std::uint32_t value) {
+    half(value & 0xffffu);
+    half(value >> 16);
+  }
+  static constexpr std::uint32_t bx_lr = 0x4770, push = 0xb5f0, pop = 0xbdf0, wfe = 0xbf20,
+                                 wfi = 0xbf30, sev = 0xbf40;
+
+ private:
+  std::span<std::uint8_t> memory_;
+  std::uint32_t at_;
+};
+
+void BootRom::build() {
+  using A = Assembler;
+  // Nothing that is not ours may run: UDF everywhere.
+  for (std::size_t i = 0; i < memory_.size(); i += 2) {
+    memory_[i] = static_cast<std::uint8_t>(Trap::bad);
+    memory_[i + 1] = 0xde;
+  }
+  A code(memory_, 0x100);
+  struct Entry {
+    char first, second;
+    std::uint32_t address;
+  };
+  std::vector<Entry> functions;
+  const auto listed = [&](const char* letters, std::uint32_t address) {
+    functions.push_back({letters[0], letters[1], address | 1u});
+    return address;
+  };
+  // A leaf: one or more traps, then BX LR.
+  const auto leaf = [&](std::initializer_list<Trap> traps) {
+    const std::uint32_t at = code.here();
+    for (const Trap trap : traps) code.trap(trap);
+    code.half(A::bx_lr);
+    return at;
+  };
+  // A function that keeps its state in r4..r7.
+  const auto framed = [&](std::initializer_list<Trap> traps) {
+    const std::uint32_t at = code.half(A::push);
+    for (const Trap trap : traps) code.trap(trap);
+    code.half(A::pop);
+    return at;
+  };
+
+  const std::uint32_t lookup = leaf({Trap::lookup});
+  listed("P3", leaf({Trap::popcount}));
+  listed("R3", leaf({Trap::reverse}));
+  listed("L3", leaf({Trap::leading_zeros}));
+  listed("T3", leaf({Trap::trailing_zeros}));
+  listed("MS", leaf({Trap::memset_start, Trap::memset_block}));
+  listed("S4", leaf({Trap::memset_start, Trap::memset4_block}));
+  listed("MC", leaf({Trap::memcpy_start, Trap::memcpy_block}));
+  listed("C4", leaf({Trap::memcpy_start, Trap::memcpy44_block}));
+  const std::uint32_t connect = listed("IF", leaf({Trap::connect, Trap::connect_wait}));
+  const std::uint32_t exit_xip = listed("EX", framed({Trap::exit_xip_start, Trap::exit_xip}));
+  listed("RE", framed({Trap::erase_start, Trap::flash_write}));
+  listed("RP", framed({Trap::program_start, Trap::flash_write}));
+  const std::uint32_t flush = listed("FC", leaf({Trap::flush}));
+  listed("CX", leaf({Trap::enter_xip}));
+  listed("UB", code.here());
+  code.trap(Trap::reset_usb);
+  dead_ = code.half(A::wfi);
+  code.branch(dead_);
+
+  wait_ = listed("WV", code.trap(Trap::wait_start));
+  const std::uint32_t wait = code.trap(Trap::wait);
+  code.half(A::wfe);
+  code.branch(wait);
+  code.half(A::sev);
+  code.branch(wait);
+
+  usb_boot_ = code.trap(Trap::usb_boot);
+  code.branch(dead_);
+  const std::uint32_t start = code.trap(Trap::boot_start);
+  main_ = code.trap(Trap::boot_main);
+  code.call(connect);
+  code.call(exit_xip);
+  code.half(0x2000);  // MOVS r0, #0
+  code.half(0x4680);  // MOV r8, r0: attempts
+  attempt_ = code.trap(Trap::boot_attempt);
+  code.trap(Trap::boot_read);
+  code.trap(Trap::boot_check);
+  code.call(flush);
+  code.trap(Trap::boot_enter);
+
+  while (code.here() % 4 != 0) code.half(0);
+  const std::uint32_t revision = code.here();
+  code.word(0x1a30'0001);  // of this model, not of any real ROM
+  const std::uint32_t copyright = code.here();
+  constexpr char text[] = "lamplock model of the RP2040 boot ROM";
+  static_assert(sizeof text % 2 == 0);
+  for (std::size_t i = 0; i < sizeof text; i += 2)
+    code.half(static_cast<std::uint8_t>(text[i]) |
+              static_cast<std::uint32_t>(static_cast<std::uint8_t>(text[i + 1])) << 8);
+
+  const auto table = [&](const std::vector<Entry>& entries) {
+    const std::uint32_t at = code.here();
+    for (const Entry& entry : entries) {
+      code.half(static_cast<std::uint8_t>(entry.first) |
+                static_cast<std::uint32_t>(static_cast<std::uint8_t>(entry.second)) << 8);
+      code.half(entry.address);
+    }
+    code.half(0);
+    return at;
+  };
+  function_table_ = table(functions);
+  data_table_ = table({{'G', 'R', revision}, {'C', 'R', copyright}});
+
+  // Vectors and the words at fixed places (2.8.3).
+  A vectors(memory_, 0);
+  vectors.word(boot2_address);
+  vectors.word(start | 1u);
+  vectors.word(dead_ | 1u);
+  vectors.word(dead_ | 1u);
+  vectors.half('M' | 'u' << 8);
+  vectors.half(0x01 | 3u << 8);  // version 3: revision B2
+  vectors.half(function_table_);
+  vectors.half(data_table_);
+  vectors.half(lookup | 1u);
+}
+
+}  // namespace lamplock::sim::chip
