@@ -2,7 +2,7 @@
 //
 // In:  WATCHDOG TICK; the frequency of clk_ref.
 // Out: how many ticks there have been; the cycle of clk_sys in which a tick to come falls.
-// Who: Watchdog owns it; it and Timer count its ticks. Nothing happens per tick.
+// Who: Watchdog sets it; it and Timer count its ticks. Nothing happens per tick.
 #pragma once
 
 #include <cstdint>
