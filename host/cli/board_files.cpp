@@ -2,6 +2,7 @@
 
 #include "host/error.hpp"
 #include "host/report/report.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::cli {
 
@@ -21,11 +22,9 @@ void PinTrace::finish() {
 }
 
 PerAxis<double> steps_per_mm(const settings::Values& values) {
-  constexpr double milli_per_unit = 1000.0;
   PerAxis<double> result{};
   for (int axis = 0; axis < max_axes; ++axis)
-    result[static_cast<std::size_t>(axis)] =
-        values.milli(settings::Id::steps_per_mm_x, axis) / milli_per_unit;
+    result[index(axis)] = in_units(values, settings::Id::steps_per_mm_x, axis);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include "host/cli/options.hpp"
 #include "host/cli/prepare.hpp"
 #include "host/cli/run_job.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -14,8 +15,6 @@ using settings::Id;
 
 /// Slow enough to watch.
 constexpr double default_speed_m_s = 0.05;
-constexpr double mm_min_per_m_s = 60'000.0;
-constexpr double milli_per_unit = 1000.0;
 
 struct Options {
   std::string input;
@@ -30,7 +29,7 @@ job::Profile frame_profile(const Options& options) {
   job::Profile profile = options.machine.profile();
   for (int axis = 0; axis < profile.settings.whole(Id::axes); ++axis) {
     const Id id = settings::for_axis(Id::max_rate_x, axis);
-    const double own = profile.settings.milli(id) / milli_per_unit;
+    const double own = in_units(profile.settings, id);
     job::state_setting(profile, id, std::min(own, options.speed_m_s * mm_min_per_m_s), "--speed");
   }
   job::state_setting(profile, Id::lamp_mode, static_cast<double>(settings::LampMode::free_beat),

@@ -7,6 +7,7 @@
 #include "host/cli/prepare.hpp"
 #include "host/cli/staged_file.hpp"
 #include "host/job/job_file.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -27,7 +28,7 @@ void describe(const job::Job& job, const std::string& file, Console& console) {
   Json overrides = Json::object();
   for (const wire::Override& item : job.header.used_overrides()) {
     const settings::Row& row = settings::row(settings::find_number(item.number));
-    const double value = item.value_milli / 1000.0;
+    const double value = item.value_milli / milli_per_unit;
     overrides[std::string(row.name)] = value;
     console.say("    ${:<3} {} = {:g} {}", item.number, row.name, value, row.unit);
   }

@@ -13,6 +13,7 @@
 #include "host/cli/report_folder.hpp"
 #include "host/cli/staged_file.hpp"
 #include "host/error.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -201,7 +202,7 @@ bool LampFaults::any() const {
 
 sim::LampConfig LampFaults::lamp(const settings::Values& values) const {
   sim::LampConfig config;
-  config.frequency_hz = values.milli(Id::lamp_frequency) / 1000.0;
+  config.frequency_hz = in_units(values, Id::lamp_frequency);
   config.triggered = values.whole(Id::lamp_mode) == static_cast<int>(LampMode::master);
   config.jitter_us = jitter_us;
   config.wander = wander_percent * percent;

@@ -2,13 +2,13 @@
 
 #include "host/cli/staged_file.hpp"
 #include "host/error.hpp"
-#include "host/model/file.hpp"
+#include "host/file.hpp"
 #include "host/model/read_points.hpp"
 
 namespace lamplock::cli {
 
 void check_point_file(const std::filesystem::path& file) {
-  const std::string extension = model::lower_extension(file);
+  const std::string extension = lower_extension(file);
   if (extension != ".xyz" && extension != ".ply")
     throw Error(Exit::bad_input, file.string(), "is not a kind of point list",
                 "name it .xyz or .ply");
@@ -16,7 +16,7 @@ void check_point_file(const std::filesystem::path& file) {
 }
 
 void write_point_file(const std::filesystem::path& file, std::span<const points::Point> cloud) {
-  const bool ply = model::lower_extension(file) == ".ply";
+  const bool ply = lower_extension(file) == ".ply";
   write_whole(file, [&](const std::filesystem::path& path) {
     if (ply)
       model::write_ply(path, cloud);

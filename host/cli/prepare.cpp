@@ -1,6 +1,9 @@
 #include "host/cli/prepare.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -15,6 +18,7 @@
 #include "host/points/rays.hpp"
 #include "host/points/slice.hpp"
 #include "host/points/weld.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -26,7 +30,6 @@ using points::Point;
 using points::PointCloud;
 using settings::Id;
 
-constexpr double milli_per_unit = 1000.0;
 /// Rounding of scaled coordinates; far below a step.
 constexpr double rounding_mm = 1e-6;
 
@@ -134,9 +137,9 @@ void require_points(const PointCloud& cloud, InputKind kind, const fs::path& inp
 Bounds work_space_mm(const settings::Values& values) {
   std::array<double, 3> low{}, high{};
   for (int axis = 0; axis < std::min(3, values.whole(Id::axes)); ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
-    low[i] = values.milli(Id::min_corner_x, axis) / milli_per_unit;
-    high[i] = low[i] + values.milli(Id::travel_x, axis) / milli_per_unit;
+    const std::size_t i = index(axis);
+    low[i] = in_units(values, Id::min_corner_x, axis);
+    high[i] = low[i] + in_units(values, Id::travel_x, axis);
   }
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }

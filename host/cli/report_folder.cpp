@@ -8,7 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.hpp"
-#include "host/model/file.hpp"
+#include "host/file.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -39,7 +40,6 @@ void read_optional(const nlohmann::json& json, const char* key, std::optional<T>
 }
 
 void read_settings(const nlohmann::json& json, settings::Values& values) {
-  constexpr double milli_per_unit = 1000.0;
   for (std::size_t i = 0; i < settings::setting_count; ++i) {
     const auto id = static_cast<settings::Id>(i);
     const auto found = json.find(std::string(settings::row(id).name));
@@ -116,7 +116,7 @@ void write_report_whole(const report::Report& report, const report::JobRun& run,
 report::Report read_report(const fs::path& folder) {
   std::error_code ignored;
   const fs::path file = fs::is_directory(folder, ignored) ? folder / "report.json" : folder;
-  const std::string text = model::read_file(file);
+  const std::string text = read_file(file);
   try {
     return parse(text);
   } catch (const nlohmann::json::exception&) {

@@ -12,10 +12,12 @@
 #include "host/cli/progress.hpp"
 #include "host/cli/report_folder.hpp"
 #include "host/cli/steering.hpp"
+#include "host/file.hpp"
 #include "host/link/serial_transport.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "host/link/tcp_transport.hpp"
 #include "host/report/summary.hpp"
+#include "host/units.hpp"
 #include "shared/beat_reason.hpp"
 #include "sim/endpoint/tcp_address.hpp"
 
@@ -25,11 +27,7 @@ namespace {
 using link::JobEnd;
 using settings::Id;
 
-constexpr double milli_per_unit = 1000.0;
-
-double lamp_hz(const settings::Values& values) {
-  return values.milli(Id::lamp_frequency) / milli_per_unit;
-}
+double lamp_hz(const settings::Values& values) { return in_units(values, Id::lamp_frequency); }
 
 /// A real laser fires only when somebody has said so.
 void ask_permission(const Work& work, const BoardOptions& options) {
@@ -106,7 +104,7 @@ void tell_timing(const sim::BoardTiming& timing, const Work& work, const BoardOp
   console.text(table);
   if (options.timing.empty()) return;
   write_whole(options.timing, [&](const std::filesystem::path& path) {
-    std::ofstream(path) << table << "\n" << timing.profile().text();
+    write_file(path, table + "\n" + timing.profile().text());
   });
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "host/error.hpp"
+#include "host/units.hpp"
 #include "shared/work_space.hpp"
 
 namespace lamplock::job {
@@ -16,7 +17,6 @@ namespace {
 
 using settings::Id;
 
-constexpr double milli_per_unit = 1000.0;
 constexpr int point_axes = 3;
 constexpr std::string_view axis_names = "XYZA";
 
@@ -28,8 +28,7 @@ class Rounder {
  public:
   explicit Rounder(const settings::Values& values) : limits_(work_space(values)) {
     for (int axis = 0; axis < point_axes; ++axis)
-      steps_per_mm_[static_cast<std::size_t>(axis)] =
-          values.milli(Id::steps_per_mm_x, axis) / milli_per_unit;
+      steps_per_mm_[index(axis)] = in_units(values, Id::steps_per_mm_x, axis);
   }
 
   /// False if the point is outside.
@@ -54,8 +53,8 @@ class Rounder {
 std::string describe_work_space(const settings::Values& values) {
   std::string text;
   for (int axis = 0; axis < values.whole(Id::axes); ++axis) {
-    const double corner = values.milli(Id::min_corner_x, axis) / milli_per_unit;
-    const double travel = values.milli(Id::travel_x, axis) / milli_per_unit;
+    const double corner = in_units(values, Id::min_corner_x, axis);
+    const double travel = in_units(values, Id::travel_x, axis);
     text += fmt::format("{}{} {:g}..{:g}", axis == 0 ? "" : ", ",
                         axis_names[static_cast<std::size_t>(axis)], corner, corner + travel);
   }

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 #include "host/error.hpp"
+#include "host/file.hpp"
 #include "shared/wire/bytes.hpp"
 #include "shared/wire/crc32.hpp"
 
@@ -108,22 +108,13 @@ Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name
 
 void write_job_file(const std::filesystem::path& file, const Job& job) {
   const std::vector<std::uint8_t> bytes = encode_job_file(job);
-  std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()),
-            static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out)
-    throw Error(Exit::bad_input, file.string(), "cannot write the job file",
-                "check path and space");
+  write_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 Job read_job_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file))
-    throw Error(Exit::bad_input, file.string(), "cannot read the job file", "check the path");
-  const std::vector<char> text((std::istreambuf_iterator<char>(in)), {});
-  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  return decode_job_file(bytes, file.string());
+  const std::string bytes = read_file(file);
+  return decode_job_file({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
+                         file.string());
 }
 
 }  // namespace lamplock::job

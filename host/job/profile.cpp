@@ -5,12 +5,13 @@
 #include <toml++/toml.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <string_view>
 
 #include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/units.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::job {
@@ -21,7 +22,6 @@ using settings::Row;
 using settings::setting_count;
 
 constexpr std::string_view first_axis_suffix = "_x";
-constexpr double milli_per_unit = 1000.0;
 
 [[noreturn]] void fail(const std::string& where, const std::string& what,
                        const std::string& remedy) {
@@ -89,12 +89,10 @@ void read_key(Profile& profile, std::string_view key, const toml::node& node,
 Profile default_profile() { return {}; }
 
 Profile read_profile(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file))
-    fail(file.string(), "cannot read the machine profile", "check the path");
+  const std::string text = read_file(file);
   toml::table table;
   try {
-    table = toml::parse(in, file.string());
+    table = toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
     fail(location(file, error.source()), std::string(error.description()), "correct the line");
   }
@@ -120,14 +118,12 @@ void set_lamp_hz(Profile& profile, double hz) {
 }
 
 void set_acceleration(Profile& profile, double m_s2) {
-  constexpr double mm_s2_per_m_s2 = 1000.0;
   for (int axis = 0; axis < max_axes; ++axis)
     state_setting(profile, settings::for_axis(Id::acceleration_x, axis), m_s2 * mm_s2_per_m_s2,
                   "--accel");
 }
 
 void set_speed(Profile& profile, double m_s) {
-  constexpr double mm_min_per_m_s = 60'000.0;
   for (int axis = 0; axis < max_axes; ++axis)
     state_setting(profile, settings::for_axis(Id::max_rate_x, axis), m_s * mm_min_per_m_s,
                   "--speed");

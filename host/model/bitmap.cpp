@@ -9,7 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "host/model/file.hpp"
+#include "host/bytes.hpp"
+#include "host/file.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -17,13 +18,9 @@ namespace {
 // Far above what a glass block can show, and low enough for memory (4 bytes a pixel).
 constexpr long long most_pixels = 100'000'000;
 
-unsigned byte_at(const std::string& bytes, std::size_t offset) {
-  return static_cast<unsigned char>(bytes[offset]);
-}
-
-std::uint32_t u32_at(const std::string& bytes, std::size_t offset) {
-  return byte_at(bytes, offset) | byte_at(bytes, offset + 1) << 8 |
-         byte_at(bytes, offset + 2) << 16 | byte_at(bytes, offset + 3) << 24;
+std::uint32_t u32_at(const std::string& bytes, std::size_t offset,
+                     std::endian order = std::endian::little) {
+  return load<std::uint32_t>(bytes.data() + offset, order);
 }
 
 /// The image library fills up a BMP that is cut off, so its size is checked first: file header of
@@ -36,7 +33,7 @@ void require_whole_bmp(const std::filesystem::path& file, const std::string& byt
   if (!bytes.starts_with("BM")) return;
   if (bytes.size() < shortest) refuse(file, "the image is cut off", "export it again");
   const bool core = u32_at(bytes, header_size_offset) == core_header;
-  const std::uint64_t bits = byte_at(bytes, core ? 24 : 28);
+  const std::uint64_t bits = load<std::uint8_t>(bytes.data() + (core ? 24 : 28));
   const std::uint64_t row = (static_cast<std::uint64_t>(width) * bits + 31) / 32 * 4;
   const std::uint64_t need = u32_at(bytes, 10) + row * static_cast<std::uint64_t>(height);
   if (bytes.size() < need) refuse(file, "the image is cut off", "export it again");
@@ -48,8 +45,7 @@ void require_whole_png(const std::filesystem::path& file, const std::string& byt
   constexpr std::size_t signature = 8, around_data = 12;
   if (bytes.compare(1, 3, "PNG") != 0) return;
   for (std::size_t at = signature; at + around_data <= bytes.size();) {
-    const std::size_t length = byte_at(bytes, at) << 24 | byte_at(bytes, at + 1) << 16 |
-                               byte_at(bytes, at + 2) << 8 | byte_at(bytes, at + 3);
+    const std::size_t length = u32_at(bytes, at, std::endian::big);
     if (bytes.compare(at + 4, 4, "IEND") == 0) return;
     at += around_data + length;
   }

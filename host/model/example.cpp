@@ -1,15 +1,13 @@
 #include "host/model/example.hpp"
 
-#include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <string>
 #include <vector>
 
-#include "host/model/file.hpp"
+#include "host/bytes.hpp"
+#include "host/file.hpp"
 #include "host/model/transform.hpp"
 
 namespace lamplock::model {
@@ -106,12 +104,6 @@ std::vector<Profile> septum_profile(double angle) {
   return profile;
 }
 
-void append_float(std::string& bytes, double value) {
-  auto raw = std::bit_cast<std::array<char, sizeof(float)>>(static_cast<float>(value));
-  if constexpr (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
-  bytes.append(raw.data(), raw.size());
-}
-
 }  // namespace
 
 Mesh example_model() {
@@ -128,16 +120,13 @@ void write_stl(const std::filesystem::path& path, const Mesh& mesh) {
   constexpr std::size_t header_bytes = 80;
   std::string bytes(header_bytes, ' ');
   bytes.replace(0, 13, "lamplock, mm ");
-  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
-  for (unsigned shift = 0; shift < 32; shift += 8) {
-    bytes.push_back(static_cast<char>(count >> shift & 0xFF));
-  }
+  append(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const auto& triangle : mesh.triangles) {
     // Normals may be left zero: readers take them from the order of the corners.
-    for (int axis = 0; axis < 3; ++axis) append_float(bytes, 0);
+    for (int axis = 0; axis < 3; ++axis) append(bytes, 0.0f);
     for (const std::uint32_t corner : triangle) {
       const points::Point& p = mesh.vertices[corner];
-      for (const double coordinate : {p.x, p.y, p.z}) append_float(bytes, coordinate);
+      for (const double coordinate : {p.x, p.y, p.z}) append(bytes, static_cast<float>(coordinate));
     }
     bytes.append(2, '\0');
   }

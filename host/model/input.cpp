@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "host/model/file.hpp"
+#include "host/file.hpp"
 #include "host/model/ply.hpp"
 
 namespace lamplock::model {

@@ -2,15 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
 #include <cstdint>
-#include <cstring>
+#include <optional>
 #include <string>
 
-#include "host/model/file.hpp"
+#include "host/bytes.hpp"
+#include "host/file.hpp"
 #include "host/model/text.hpp"
 
 namespace lamplock::model {
@@ -22,22 +19,14 @@ using std::filesystem::path;
 // corners of three 32-bit floats and 16 bits of attributes, all little-endian.
 constexpr std::size_t stl_count_offset = 80, stl_data_offset = 84, stl_triangle_bytes = 50;
 
-template <class Value>
-Value little_endian(std::string_view bytes, std::size_t offset) {
-  std::array<char, sizeof(Value)> raw{};
-  std::memcpy(raw.data(), bytes.data() + offset, raw.size());
-  if constexpr (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
-  return std::bit_cast<Value>(raw);
+/// Triangles that a binary STL promises.
+std::size_t stl_count(std::string_view bytes) {
+  return load<std::uint32_t>(bytes.data() + stl_count_offset);
 }
 
-[[noreturn]] void refuse_vertex(const path& file, std::size_t index, double x, double y, double z) {
-  refuse(file, fmt::format("vertex {} is ({}, {}, {})", index, x, y, z), "repair the model");
-}
-
-void require_finite(const path& file, std::size_t index, const std::array<double, 3>& vertex) {
-  for (const double coordinate : vertex) {
-    if (!std::isfinite(coordinate)) refuse_vertex(file, index, vertex[0], vertex[1], vertex[2]);
-  }
+[[noreturn]] void refuse_line(const path& file, std::size_t line, std::string_view what) {
+  refuse(file, fmt::format("line {}: {}", line, what),
+         "the file is cut off or damaged: export it again");
 }
 
 std::size_t check_binary_stl(const path& file, std::string_view bytes) {
@@ -45,29 +34,26 @@ std::size_t check_binary_stl(const path& file, std::string_view bytes) {
     refuse(file, fmt::format("{} bytes are too few for an STL", bytes.size()),
            "the file is cut off or no STL: export it again");
   }
-  const std::size_t count = little_endian<std::uint32_t>(bytes, stl_count_offset);
+  const std::size_t count = stl_count(bytes);
   const std::size_t present = (bytes.size() - stl_data_offset) / stl_triangle_bytes;
   if (present < count) {
     refuse(file, fmt::format("{} triangles promised, {} in the file", count, present),
            "the file is cut off or no STL: export it again");
   }
   for (std::size_t corner = 0; corner < 3 * count; ++corner) {
-    const std::size_t offset = stl_data_offset + corner / 3 * stl_triangle_bytes + 12 +
-                               corner % 3 * 12;  // 12 bytes: the normal, then each corner
-    require_finite(file, corner,
-                   {little_endian<float>(bytes, offset), little_endian<float>(bytes, offset + 4),
-                    little_endian<float>(bytes, offset + 8)});
+    // 12 bytes: the normal, then each corner.
+    const char* at =
+        bytes.data() + stl_data_offset + corner / 3 * stl_triangle_bytes + 12 + corner % 3 * 12;
+    require_finite(file, corner, {load<float>(at), load<float>(at + 4), load<float>(at + 8)});
   }
   return stl_data_offset + count * stl_triangle_bytes;
 }
 
-bool read_vertex(std::string_view& text, std::array<double, 3>& vertex) {
-  for (double& coordinate : vertex) {
-    const auto number = to_double(next_field(text));
-    if (!number) return false;
-    coordinate = *number;
-  }
-  return true;
+std::optional<points::Point> read_vertex(std::string_view text) {
+  const auto x = to_double(next_field(text)), y = to_double(next_field(text)),
+             z = to_double(next_field(text));
+  if (!x || !y || !z) return std::nullopt;
+  return points::Point{*x, *y, *z};
 }
 
 /// Follows the words of an ASCII STL. Only what may not be left out is demanded.
@@ -87,9 +73,9 @@ class AsciiStl {
       corners_ = 0;
     } else if (word == "vertex") {
       require(in_facet_ && ++corners_ <= 3, "a vertex outside a facet");
-      std::array<double, 3> vertex{};
-      require(read_vertex(text, vertex), "a vertex without three numbers");
-      require_finite(file_, vertices_++, vertex);
+      const auto vertex = read_vertex(text);
+      require(vertex.has_value(), "a vertex without three numbers");
+      require_finite(file_, vertices_++, *vertex);
     } else if (word == "endfacet") {
       require(in_facet_ && corners_ == 3, "a facet without three corners");
       in_facet_ = false;
@@ -105,10 +91,8 @@ class AsciiStl {
   void end() { require(!in_solid_, "the file ends before endsolid"); }
 
  private:
-  void require(bool condition, const std::string& what) {
-    if (condition) return;
-    refuse(file_, fmt::format("line {}: {}", number_, what),
-           "the file is cut off or damaged: export it again");
+  void require(bool condition, std::string_view what) const {
+    if (!condition) refuse_line(file_, number_, what);
   }
 
   const path& file_;
@@ -126,11 +110,9 @@ class Obj {
     number_ = number;
     const std::string_view word = next_field(text);
     if (word == "v") {
-      std::array<double, 3> vertex{};
-      if (!read_vertex(text, vertex)) {
-        damaged(fmt::format("vertex {} without three numbers", vertices_));
-      }
-      require_finite(file_, vertices_++, vertex);
+      const auto vertex = read_vertex(text);
+      if (!vertex) damaged(fmt::format("vertex {} without three numbers", vertices_));
+      require_finite(file_, vertices_++, *vertex);
     } else if (word == "f") {
       face(text);
     }
@@ -160,10 +142,7 @@ class Obj {
     if (corners < 3) damaged(fmt::format("a face of {} corners", corners));
   }
 
-  [[noreturn]] void damaged(const std::string& what) {
-    refuse(file_, fmt::format("line {}: {}", number_, what),
-           "the file is cut off or damaged: export it again");
-  }
+  [[noreturn]] void damaged(std::string_view what) const { refuse_line(file_, number_, what); }
 
   const path& file_;
   std::size_t number_ = 0, vertices_ = 0, highest_ = 0, highest_line_ = 0;
@@ -171,12 +150,16 @@ class Obj {
 
 }  // namespace
 
+void require_finite(const path& file, std::size_t index, const points::Point& vertex) {
+  if (points::is_finite(vertex)) return;
+  refuse(file, fmt::format("vertex {} is ({}, {}, {})", index, vertex.x, vertex.y, vertex.z),
+         "repair the model");
+}
+
 std::size_t check_stl(const path& file, std::string_view bytes) {
   // Binary files may begin with "solid" too: there the count decides, as in the mesh library.
-  const bool counted =
-      bytes.size() >= stl_data_offset &&
-      bytes.size() == stl_data_offset + stl_triangle_bytes *
-                                            little_endian<std::uint32_t>(bytes, stl_count_offset);
+  const bool counted = bytes.size() >= stl_data_offset &&
+                       bytes.size() == stl_data_offset + stl_triangle_bytes * stl_count(bytes);
   const std::size_t begin = bytes.find_first_not_of(" \t\r\n");
   const bool text = begin != std::string_view::npos && bytes.substr(begin).starts_with("solid") &&
                     bytes.find('\0') == std::string_view::npos;

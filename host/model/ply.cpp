@@ -7,9 +7,10 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
-#include "host/model/file.hpp"
+#include "host/bytes.hpp"
+#include "host/file.hpp"
+#include "host/model/mesh_checks.hpp"
 #include "host/model/text.hpp"
 
 namespace lamplock::model {
@@ -72,22 +73,13 @@ std::optional<PlyProperty> parse_property(std::string_view rest) {
   return property;
 }
 
-template <class Value>
-double decode(const char* bytes, bool swap) {
-  std::array<char, sizeof(Value)> raw{};
-  std::memcpy(raw.data(), bytes, sizeof(Value));
-  if (swap) std::reverse(raw.begin(), raw.end());
-  return static_cast<double>(std::bit_cast<Value>(raw));
-}
-
 /// The values behind the header, one after the other, whatever the format.
 class Values {
  public:
   Values(std::string_view data, PlyFormat format)
       : rest_(data),
         ascii_(format == PlyFormat::ascii),
-        swap_((format == PlyFormat::little_endian) !=
-              (std::endian::native == std::endian::little)) {}
+        order_(format == PlyFormat::big_endian ? std::endian::big : std::endian::little) {}
 
   /// Nothing at the end of the data or if the text is not a number.
   std::optional<double> next(PlyType type) {
@@ -98,21 +90,21 @@ class Values {
     rest_.remove_prefix(size);
     switch (type) {
       case PlyType::int8:
-        return decode<std::int8_t>(bytes, swap_);
+        return load<std::int8_t>(bytes, order_);
       case PlyType::uint8:
-        return decode<std::uint8_t>(bytes, swap_);
+        return load<std::uint8_t>(bytes, order_);
       case PlyType::int16:
-        return decode<std::int16_t>(bytes, swap_);
+        return load<std::int16_t>(bytes, order_);
       case PlyType::uint16:
-        return decode<std::uint16_t>(bytes, swap_);
+        return load<std::uint16_t>(bytes, order_);
       case PlyType::int32:
-        return decode<std::int32_t>(bytes, swap_);
+        return load<std::int32_t>(bytes, order_);
       case PlyType::uint32:
-        return decode<std::uint32_t>(bytes, swap_);
+        return load<std::uint32_t>(bytes, order_);
       case PlyType::float32:
-        return decode<float>(bytes, swap_);
+        return load<float>(bytes, order_);
       case PlyType::float64:
-        return decode<double>(bytes, swap_);
+        return load<double>(bytes, order_);
     }
     return std::nullopt;
   }
@@ -137,7 +129,8 @@ class Values {
   }
 
   std::string_view rest_;
-  bool ascii_, swap_;
+  bool ascii_;
+  std::endian order_;
 };
 
 /// Walks through all elements of one file.
@@ -198,10 +191,7 @@ class Reader {
         }
       }
       const points::Point point{row[column[0]], row[column[1]], row[column[2]]};
-      if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) {
-        refuse(file_, fmt::format("vertex {} is ({}, {}, {})", i, point.x, point.y, point.z),
-               "repair the model");
-      }
+      require_finite(file_, i, point);
       vertices.push_back(point);
     }
   }

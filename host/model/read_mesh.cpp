@@ -6,13 +6,12 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <string>
 #include <tuple>
 
-#include "host/model/file.hpp"
+#include "host/file.hpp"
 #include "host/model/mesh_checks.hpp"
 #include "host/model/ply.hpp"
 
@@ -57,10 +56,10 @@ void append_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pa
   }
 }
 
-void require_finite(const path& file, const std::vector<points::Point>& corners) {
+void require_finite_corners(const path& file, const std::vector<points::Point>& corners) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const points::Point& p = corners[i];
-    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
+    if (points::is_finite(p)) continue;
     refuse(file,
            fmt::format("corner {} of triangle {} is ({}, {}, {})", i % 3, i / 3, p.x, p.y, p.z),
            "repair the model");
@@ -113,7 +112,7 @@ Mesh read_mesh(const path& file) {
   if (corners.size() > std::numeric_limits<std::uint32_t>::max()) {
     refuse(file, fmt::format("{} triangles are too many", corners.size() / 3), "reduce the mesh");
   }
-  require_finite(file, corners);
+  require_finite_corners(file, corners);
   Mesh mesh = merge_corners(corners);
   if (mesh.triangles.empty()) {
     refuse(file, "the mesh is empty: it has no triangle", "give a model with a surface");

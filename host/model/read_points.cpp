@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <iterator>
 
-#include "host/model/file.hpp"
+#include "host/bytes.hpp"
+#include "host/file.hpp"
 #include "host/model/ply.hpp"
 #include "host/model/text.hpp"
 
@@ -63,12 +63,6 @@ points::PointCloud read_ply(const path& file, const std::string& bytes) {
   return read_ply_vertices(file, bytes, header);
 }
 
-void append_little_endian(std::string& bytes, double value) {
-  auto raw = std::bit_cast<std::array<char, sizeof(double)>>(value);
-  if constexpr (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
-  bytes.append(raw.data(), raw.size());
-}
-
 }  // namespace
 
 points::PointCloud read_point_list(const path& file) {
@@ -93,9 +87,9 @@ void write_ply(const path& file, std::span<const points::Point> cloud) {
       "property double x\nproperty double y\nproperty double z\nend_header\n",
       cloud.size());
   for (const points::Point& point : cloud) {
-    append_little_endian(bytes, point.x);
-    append_little_endian(bytes, point.y);
-    append_little_endian(bytes, point.z);
+    append(bytes, point.x);
+    append(bytes, point.y);
+    append(bytes, point.z);
   }
   write_file(file, bytes);
 }

@@ -2,25 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "host/error.hpp"
 
 namespace lamplock::points {
-namespace {
-
-bool finite(const Point& point) {
-  return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
-}
-
-}  // namespace
-
 void check_bounds(std::span<const Point> cloud, const Bounds& work_space,
                   const std::string& where) {
   std::size_t bad = 0, first = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     // contains() is false for NaN, so one test serves both.
-    if (work_space.contains(cloud[i]) && finite(cloud[i])) continue;
+    if (work_space.contains(cloud[i]) && is_finite(cloud[i])) continue;
     if (bad++ == 0) first = i;
   }
   if (bad == 0) return;
@@ -30,8 +20,8 @@ void check_bounds(std::span<const Point> cloud, const Bounds& work_space,
       Exit::bad_input, where,
       fmt::format("{} of {} points {}, the first is point {} at ({:.6g}, {:.6g}, {:.6g}) mm", bad,
                   cloud.size(),
-                  finite(point) ? "lie outside the work space" : "are unusable or outside", first,
-                  point.x, point.y, point.z),
+                  is_finite(point) ? "lie outside the work space" : "are unusable or outside",
+                  first, point.x, point.y, point.z),
       fmt::format("make the object fit x {:g}..{:g}, y {:g}..{:g}, z {:g}..{:g} mm", low.x, high.x,
                   low.y, high.y, low.z, high.z));
 }

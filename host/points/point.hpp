@@ -1,6 +1,7 @@
 // A point in millimetres: the currency of the host between model, points, order and job.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 namespace lamplock::points {
@@ -11,5 +12,9 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 using PointCloud = std::vector<Point>;
+
+inline bool is_finite(const Point& point) {
+  return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
+}
 
 }  // namespace lamplock::points

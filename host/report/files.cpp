@@ -2,14 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iterator>
 #include <system_error>
 
-#include "host/error.hpp"
+#include "host/bytes.hpp"
+#include "host/file.hpp"
 #include "host/report/picture.hpp"
 #include "host/report/report.hpp"
 
@@ -18,52 +15,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void cannot_write(const fs::path& path, const std::string& why) {
-  throw Error(Exit::job_failed, path.string(), "cannot be written (" + why + ")",
-              "choose a folder that can be written with --report DIR");
-}
-
-void write_file(const fs::path& path, const char* data, std::size_t size) {
-  errno = 0;
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.write(data, static_cast<std::streamsize>(size));
-  out.close();
-  if (!out) cannot_write(path, errno != 0 ? std::strerror(errno) : "unknown reason");
-}
-
 /// Where a shot lies in the input's coordinates.
 points::Point position_mm(const sim::Shot& shot, const PerAxis<double>& steps_per_mm) {
   return {shot.steps[0] / steps_per_mm[0], shot.steps[1] / steps_per_mm[1],
           shot.steps[2] / steps_per_mm[2]};
 }
 
-template <class Bits>
-void append_little_endian(fmt::memory_buffer& data, Bits bits) {
-  for (std::size_t byte = 0; byte < sizeof bits; ++byte)
-    data.push_back(static_cast<char>((bits >> (8 * byte)) & 0xff));
-}
-
-void append_float(fmt::memory_buffer& data, double value) {
-  append_little_endian(data, std::bit_cast<std::uint32_t>(static_cast<float>(value)));
-}
-
 /// PLY, binary little endian: x y z in mm, then the beat and the channel.
 void write_ply(const JobRun& run, const fs::path& path) {
-  fmt::memory_buffer data;
-  fmt::format_to(std::back_inserter(data),
-                 "ply\nformat binary_little_endian 1.0\ncomment shots, mm\nelement vertex {}\n"
-                 "property float x\nproperty float y\nproperty float z\n"
-                 "property uint beat\nproperty uchar channel\nend_header\n",
-                 run.shots.size());
+  std::string data = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment shots, mm\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n"
+      "property uint beat\nproperty uchar channel\nend_header\n",
+      run.shots.size());
   for (const sim::Shot& shot : run.shots) {
     const points::Point p = position_mm(shot, run.steps_per_mm);
-    append_float(data, p.x);
-    append_float(data, p.y);
-    append_float(data, p.z);
-    append_little_endian(data, static_cast<std::uint32_t>(shot.beat));
+    for (const double coordinate : {p.x, p.y, p.z}) append(data, static_cast<float>(coordinate));
+    append(data, static_cast<std::uint32_t>(shot.beat));
     data.push_back(static_cast<char>(shot.channel));
   }
-  write_file(path, data.data(), data.size());
+  write_file(path, data);
 }
 
 points::PointCloud engraved(const JobRun& run) {
@@ -78,7 +49,7 @@ points::PointCloud engraved(const JobRun& run) {
 
 void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
                      const fs::path& path) {
-  fmt::memory_buffer text;
+  std::string text;
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "index,channel,beat,time_us,x_mm,y_mm,z_mm\n");
   for (const sim::Shot& shot : shots) {
@@ -87,15 +58,14 @@ void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_m
     fmt::format_to(out, "{},{},{},{}.{:06},{},{},{}\n", shot.index, shot.channel, shot.beat,
                    shot.at / sim::ps_per_us, shot.at % sim::ps_per_us, p.x, p.y, p.z);
   }
-  write_file(path, text.data(), text.size());
+  write_file(path, text);
 }
 
 void write_report(const Report& report, const JobRun& run, const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) cannot_write(folder, error.message());
-  const std::string json = to_json(report);
-  write_file(folder / "report.json", json.data(), json.size());
+  if (error) refuse(folder, "cannot be made (" + error.message() + ")", "choose another folder");
+  write_file(folder / "report.json", to_json(report));
   if (run.shots_known) {
     write_shots_csv(run.shots, run.steps_per_mm, folder / "shots.csv");
     write_ply(run, folder / "shots.ply");

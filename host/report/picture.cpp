@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "host/error.hpp"
+#include "host/file.hpp"
 #include "host/report/camera.hpp"
 #include "host/report/cloud_light.hpp"
 #include "host/report/glass_scene.hpp"
@@ -15,15 +15,15 @@
 namespace lamplock::report {
 namespace {
 
+/// Glass round the cloud, relative to its longest side.
+constexpr float margin = 0.1f;
+constexpr unsigned threads = 2;
+
 /// Points moved so that their middle is the origin: floats then resolve them wherever they lie.
 struct CentredCloud {
   std::vector<Vec> points;
   Vec half;  ///< half the size
 };
-
-bool is_finite(const points::Point& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 CentredCloud centred(const points::PointCloud& cloud) {
   constexpr double far = std::numeric_limits<double>::max();
@@ -49,10 +49,10 @@ CentredCloud centred(const points::PointCloud& cloud) {
 }
 
 /// The glass round the cloud; flat clouds get a slab.
-Box block_round(const CentredCloud& cloud, double margin) {
+Box block_round(const CentredCloud& cloud) {
   const float longest = std::max({cloud.half.x, cloud.half.y, cloud.half.z});
   if (!(longest > 0)) return {{-1, -1, -1}, {1, 1, 1}};
-  const float glass = static_cast<float>(2 * margin) * longest;
+  const float glass = 2 * margin * longest;
   const auto thick = [&](float half) { return std::max(half + glass, 0.25f * longest); };
   const Vec half{thick(cloud.half.x), thick(cloud.half.y), thick(cloud.half.z)};
   return {half * -1.0f, half};
@@ -71,6 +71,7 @@ float natural_elevation(const Box& block) {
 
 float natural_yaw(const Box& block) { return std::clamp(40 * relative_height(block), 8.0f, 28.0f); }
 
+/// Transfer function of sRGB (IEC 61966-2-1).
 std::uint8_t to_srgb(float linear, float noise) {
   const float v = std::clamp(linear, 0.0f, 1.0f);
   const float s = v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
@@ -93,7 +94,7 @@ float soft_clip(float v) {
   return v <= knee ? v : knee + (1 - knee) * (1 - std::exp(-(v - knee) / (1 - knee)));
 }
 
-std::vector<std::uint8_t> developed(const Image& scene, const Image& cloud, unsigned threads) {
+std::vector<std::uint8_t> developed(const Image& scene, const Image& cloud) {
   std::vector<std::uint8_t> bytes(scene.pixels.size() * 3);
   for_rows(scene.height, threads, [&](int y) {
     for (int x = 0; x < scene.width; ++x) {
@@ -117,28 +118,22 @@ void write_png(const std::filesystem::path& path, const std::vector<std::uint8_t
   png.format = PNG_FORMAT_RGB;
   png.flags = PNG_IMAGE_FLAG_FAST;
   if (png_image_write_to_file(&png, path.c_str(), 0, bytes.data(), 0, nullptr) == 0)
-    throw Error(Exit::job_failed, path.string(),
-                std::string("cannot be written (") + png.message + ")",
-                "choose a folder that can be written with --report DIR");
+    refuse(path, std::string("cannot be written (") + png.message + ")", "choose another folder");
 }
 
 }  // namespace
 
 void write_cloud_picture(const std::filesystem::path& path, const points::PointCloud& cloud,
-                         const PictureOptions& options) {
+                         const PictureSize& size) {
   const CentredCloud centred_cloud = centred(cloud);
-  const Box block = block_round(centred_cloud, options.margin);
-  const Box stage{plinth_under(block).low,
-                  {plinth_under(block).high.x, plinth_under(block).high.y, block.high.z}};
-  const auto elevation = options.elevation_deg.value_or(natural_elevation(block));
-  const auto yaw = options.yaw_deg.value_or(natural_yaw(block));
-  const Camera camera(stage, static_cast<float>(yaw), static_cast<float>(elevation), options.width,
-                      options.height);
-  Image scene(options.width, options.height);
-  paint_glass_scene(scene, block, camera, options.threads);
-  const Image light =
-      cloud_light(centred_cloud.points, block, camera, options.width, options.height);
-  write_png(path, developed(scene, light, options.threads), options.width, options.height);
+  const Box block = block_round(centred_cloud);
+  const Box plinth = plinth_under(block);
+  const Box stage{plinth.low, {plinth.high.x, plinth.high.y, block.high.z}};
+  const Camera camera(stage, natural_yaw(block), natural_elevation(block), size.width, size.height);
+  Image scene(size.width, size.height);
+  paint_glass_scene(scene, block, camera, threads);
+  const Image light = cloud_light(centred_cloud.points, block, camera, size.width, size.height);
+  write_png(path, developed(scene, light), size.width, size.height);
 }
 
 }  // namespace lamplock::report

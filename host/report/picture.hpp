@@ -8,26 +8,21 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 
 #include "host/points/point.hpp"
 
 namespace lamplock::report {
 
-/// How the picture is taken. Lengths in mm, angles in degrees.
-struct PictureOptions {
+/// Size of the picture in pixels.
+struct PictureSize {
   int width = 1200;
   int height = 1200;
-  /// Camera round the block from the front (-y) to the right, and above the horizon; empty: by the
-  /// shape of the cloud, flat ones more from above and from the front.
-  std::optional<double> yaw_deg, elevation_deg;
-  double margin = 0.1;  ///< glass round the cloud, relative to its longest side
-  unsigned threads = 2;
 };
 
-/// Writes the picture. An empty cloud gives an empty block. Points that are not finite are left
-/// out. Throws lamplock::Error if the file cannot be written.
+/// Writes the picture; flat clouds are seen more from above and from the front. An empty cloud
+/// gives an empty block. Points that are not finite are left out. Throws lamplock::Error if the
+/// file cannot be written.
 void write_cloud_picture(const std::filesystem::path& path, const points::PointCloud& cloud,
-                         const PictureOptions& options = {});
+                         const PictureSize& size = {});
 
 }  // namespace lamplock::report

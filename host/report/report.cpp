@@ -7,6 +7,7 @@
 
 #include "host/error.hpp"
 #include "host/report/matching.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::report {
 namespace {
@@ -64,7 +65,7 @@ nlohmann::ordered_json settings_json(const settings::Values& values) {
     if (row.whole)
       json[name] = values.whole(id);
     else
-      json[name] = values.milli(id) / 1000.0;
+      json[name] = in_units(values, id);
   }
   return json;
 }
@@ -78,7 +79,7 @@ Report evaluate(const JobRun& run) {
   report.input = run.input;
   report.mode = run.mode;
   report.board = run.board;
-  report.lamp_hz = run.settings.milli(settings::Id::lamp_frequency) / 1000.0;
+  report.lamp_hz = in_units(run.settings, settings::Id::lamp_frequency);
   report.points = run.points.size();
   report.shots = run.shots_known ? run.shots.size() : run.shots_fired;
   report.beats = run.beats;

@@ -4,8 +4,8 @@
 
 #include <set>
 
+#include "host/file.hpp"
 #include "host/model/bitmap.hpp"
-#include "host/model/file.hpp"
 #include "host/points/bitmap_points.hpp"
 #include "host/points/bounds.hpp"
 #include "tests/points/shapes.hpp"
@@ -32,7 +32,7 @@ std::string png_of(unsigned width, unsigned height, const std::vector<std::uint8
   image.format = PNG_FORMAT_RGBA;
   const auto path = folder.file("written.png");
   EXPECT_NE(png_image_write_to_file(&image, path.c_str(), 0, rgba.data(), 0, nullptr), 0);
-  return model::read_file(path);
+  return read_file(path);
 }
 
 /// A BMP of 24 bits, rows from the bottom: 2 x 2 pixels black, white / grey 100, white.

@@ -7,8 +7,8 @@
 #include <limits>
 #include <sstream>
 
+#include "host/file.hpp"
 #include "host/model/example.hpp"
-#include "host/model/file.hpp"
 #include "host/model/input.hpp"
 #include "host/model/read_mesh.hpp"
 #include "host/model/transform.hpp"
@@ -92,7 +92,7 @@ std::string binary_ply_of(const Mesh& mesh, bool big_endian) {
 
 std::string binary_stl_of(const Mesh& mesh, const TemporaryFolder& folder) {
   model::write_stl(folder.file("written.stl"), mesh);
-  return model::read_file(folder.file("written.stl"));
+  return read_file(folder.file("written.stl"));
 }
 
 /// The same closed body whatever the format, to the single precision of the formats.

@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "host/model/file.hpp"
+#include "host/file.hpp"
 #include "host/model/read_points.hpp"
 #include "tests/points/shapes.hpp"
 #include "tests/scale.hpp"
@@ -101,7 +101,7 @@ TEST(PointList, DamagedPlyNeverDoesMoreThanFail) {
   const TemporaryFolder folder;
   std::mt19937_64 random(2);
   model::write_ply(folder.file("whole.ply"), test::random_cloud(random, 20, 50));
-  const std::string whole = model::read_file(folder.file("whole.ply"));
+  const std::string whole = read_file(folder.file("whole.ply"));
   for (int i = 0; i < test::scaled(250); ++i) {
     std::string bytes = whole;
     bytes[random() % bytes.size()] = static_cast<char>(random() % 256);

@@ -208,7 +208,7 @@ points::PointCloud sphere(int count) {
 
 TEST_F(ReportFiles, PictureShowsFewAndManyPoints) {
   fs::create_directories(folder_);
-  const PictureOptions small{.width = 400, .height = 300, .yaw_deg = {}, .elevation_deg = {}};
+  const PictureSize small{.width = 400, .height = 300};
   write_cloud_picture(folder_ / "none.png", {}, small);
   const Pixels none(folder_ / "none.png");
   EXPECT_EQ(none.width, 400u);
@@ -224,7 +224,7 @@ TEST_F(ReportFiles, PictureShowsFewAndManyPoints) {
 
 TEST_F(ReportFiles, PictureTakesAnyCloud) {
   fs::create_directories(folder_);
-  const PictureOptions small{.width = 80, .height = 60, .yaw_deg = {}, .elevation_deg = {}};
+  const PictureSize small{.width = 80, .height = 60};
   const double nan = std::nan("");
   for (const points::PointCloud& cloud :
        {points::PointCloud{{1, 2, 3}}, points::PointCloud{{1, 2, 3}, {1, 2, 3}},

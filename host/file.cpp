@@ -1,11 +1,11 @@
-#include "host/model/file.hpp"
+#include "host/file.hpp"
 
 #include <algorithm>
 #include <fstream>
 
 #include "host/error.hpp"
 
-namespace lamplock::model {
+namespace lamplock {
 
 void refuse(const std::filesystem::path& path, const std::string& what, const std::string& remedy) {
   throw Error(Exit::bad_input, path.string(), what, remedy);
@@ -22,7 +22,7 @@ std::string read_file(const std::filesystem::path& path) {
   std::string bytes(std::filesystem::file_size(path, failure), '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!file) refuse(path, "cannot be read", "check its permissions");
-  if (bytes.empty()) refuse(path, "the file is empty", "export it again");
+  if (bytes.empty()) refuse(path, "the file is empty", "make it again");
   return bytes;
 }
 
@@ -41,4 +41,4 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-}  // namespace lamplock::model
+}  // namespace lamplock

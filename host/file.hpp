@@ -1,12 +1,11 @@
-// Whole files in and out, with the errors a user understands. Called by all readers and writers of
-// models and clouds.
+// Whole files in and out, with the errors a user understands. Called by all readers and writers.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <string_view>
 
-namespace lamplock::model {
+namespace lamplock {
 
 /// Throws Error (bad_input) about `path`.
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what,
@@ -21,4 +20,4 @@ void write_file(const std::filesystem::path& path, std::string_view bytes);
 /// The extension in lower case with its dot, `.stl`.
 std::string lower_extension(const std::filesystem::path& path);
 
-}  // namespace lamplock::model
+}  // namespace lamplock
