@@ -28,7 +28,7 @@ Input read_stdin(std::chrono::milliseconds wait) {
 }  // namespace
 
 void Steering::look() {
-  progress_.update(sender_.progress().points_fired);
+  progress_.update(sender_.points_fired());
   if (stopping_) return;
   const int interrupts = interrupt_.count();
   if (interrupts > 1) return stop();

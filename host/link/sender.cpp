@@ -28,7 +28,6 @@ constexpr microseconds rest_timeout{10'000'000};
 constexpr int most_soft_refusals = 20;
 constexpr microseconds longest_wait{10'000};
 constexpr microseconds shortest_wait{500};
-constexpr std::chrono::milliseconds progress_interval{50};
 constexpr std::int64_t us_per_ms = 1'000;
 
 std::uint32_t choose_session(std::uint32_t wanted) {
@@ -77,16 +76,9 @@ JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions op
   asked_at_ = now - options_.reply_timeout;
 }
 
-JobResult JobSender::run(const std::function<void(const Progress&)>& report) {
-  using Clock = std::chrono::steady_clock;
-  auto reported = Clock::now();
+JobResult JobSender::run() {
   while (step()) {
-    const auto now = Clock::now();
-    if (!report || now - reported < progress_interval) continue;
-    reported = now;
-    report(progress());
   }
-  if (report) report(progress());
   return result();
 }
 
@@ -108,19 +100,9 @@ bool JobSender::step() {
   return true;
 }
 
-Progress JobSender::progress() const {
-  const std::size_t first = options_.first_index;
-  Progress progress;
-  progress.points_total = job_.targets.size();
-  progress.points_fired =
-      phase_ == Phase::hello || phase_ == Phase::begin ? first : status_.first_unfired;
-  progress.elapsed = result().elapsed;
-  if (progress.points_fired > first)
-    progress.left = microseconds(static_cast<std::int64_t>(
-        static_cast<double>(progress.elapsed.count()) *
-        static_cast<double>(progress.points_total - progress.points_fired) /
-        static_cast<double>(progress.points_fired - first)));
-  return progress;
+std::size_t JobSender::points_fired() const {
+  const bool begun = phase_ != Phase::hello && phase_ != Phase::begin;
+  return begun ? status_.first_unfired : options_.first_index;
 }
 
 JobResult JobSender::result() const {
@@ -245,7 +227,7 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
       throw Error(
           Exit::bad_input, where,
           fmt::format("refuses {}", of_point ? "the record" : describe_setting(refused.value)),
-          "keep inside the range of the setting");
+          "keep to the machine's own settings, which it lists after $$");
     default:
       throw Error(Exit::bad_input, where,
                   fmt::format("refuses the job (result {})", static_cast<int>(refused.result)),

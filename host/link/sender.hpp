@@ -39,14 +39,6 @@ struct SenderOptions {
   std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
 };
 
-/// Where a job stands.
-struct Progress {
-  std::size_t points_fired = 0;  ///< all before this index are done
-  std::size_t points_total = 0;
-  std::chrono::microseconds elapsed{0};
-  std::optional<std::chrono::microseconds> left;  ///< by the pace so far; unknown at first
-};
-
 /// How a job ended.
 enum class JobEnd : std::uint8_t {
   done,       ///< every point fired
@@ -73,10 +65,9 @@ class JobSender {
   /// the job.
   JobSender(Transport& transport, const job::Job& job, SenderOptions options = {});
 
-  /// Runs the job to its end; `progress` is called some 20 times a second. Throws Error:
-  /// no_device (no answer, other version), bad_input (the machine refuses the job or a point),
-  /// job_failed (busy, locked, door open).
-  JobResult run(const std::function<void(const Progress&)>& progress = {});
+  /// Runs the job to its end. Throws Error: no_device (no answer, other version), bad_input (the
+  /// machine refuses the job or a point), job_failed (busy, locked, door open).
+  JobResult run();
 
   /// One round: read, answer, send, wait a little. False once the job has ended. Throws as run().
   bool step();
@@ -89,7 +80,8 @@ class JobSender {
   }
   void stop() noexcept { wish_.store(Wish::stop); }
 
-  Progress progress() const;
+  /// All points before this index are done.
+  std::size_t points_fired() const;
   JobResult result() const;
   const wire::Status& status() const { return status_; }
   std::uint32_t session() const { return session_; }

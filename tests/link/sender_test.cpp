@@ -60,12 +60,13 @@ TEST(Sender, GoodCableSendsNothingTwice) {
   const job::Job job = random_job(5000, 1);
   JobSender sender(*board, job, fixed_session());
   std::size_t seen = 0;
-  const JobResult result = sender.run([&](const Progress& progress) {
-    EXPECT_GE(progress.points_fired, seen);
-    seen = progress.points_fired;
-  });
+  while (sender.step()) {
+    EXPECT_GE(sender.points_fired(), seen);
+    seen = sender.points_fired();
+  }
+  EXPECT_EQ(sender.points_fired(), job.targets.size());
+  const JobResult result = sender.result();
   EXPECT_EQ(result.end, JobEnd::done);
-  EXPECT_EQ(seen, job.targets.size());
   EXPECT_EQ(result.resent, 0u);
   EXPECT_EQ(result.bad_frames, 0u);
   EXPECT_EQ(result.reconnects, 0u);
