@@ -30,10 +30,18 @@ constexpr std::string_view ok_line = "ok\r\n";
 constexpr std::string_view version_line = "[VER:1.1h.20261121:lamplock]\r\n";
 constexpr std::string_view state_names[] = {"Idle", "Run", "Hold:0", "Alarm", "Door:1", "Alarm"};
 
-/// The firmware's settings are the truth for limits and protections: true if a job asks for more
-/// than the machine's own setting allows.
-bool loosens(Id id, std::int32_t asked, std::int32_t own) {
+/// The firmware's settings are the truth for what the machine is, for its limits and protections:
+/// true if a job asks for another machine or for more than the machine's own setting allows. With
+/// other steps/mm every limit would mean another length.
+bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
   switch (id) {
+    case Id::step_pulse:
+    case Id::steps_per_mm_x:
+    case Id::steps_per_mm_y:
+    case Id::steps_per_mm_z:
+    case Id::steps_per_mm_a:
+    case Id::axes:
+      return asked != own;
     case Id::soft_limits:
     case Id::hard_limits:
     case Id::lamp_warm_up:
@@ -262,7 +270,7 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
     refused_value_ = item.number;
     const Id id = settings::find_number(item.number);
     if (id == Id::count) return Result::bad_value;
-    if (loosens(id, item.value_milli, stored_.milli(id))) return Result::bad_value;
+    if (oversteps(id, item.value_milli, stored_.milli(id))) return Result::bad_value;
     if (!values.set_milli(id, item.value_milli)) return Result::bad_value;
   }
   for (int axis = 0; axis < max_axes; ++axis) {

@@ -148,6 +148,29 @@ TEST(Safety, ProtectionsCannotBeLoosenedByAJob) {
   }
 }
 
+TEST(Safety, AJobCannotChangeWhatTheMachineIs) {
+  const job::Profile machine = lamp_profile();
+  const std::pair<Id, std::int32_t> other[] = {{Id::steps_per_mm_x, 400'000},
+                                               {Id::steps_per_mm_y, 199'999},
+                                               {Id::steps_per_mm_z, 201'000},
+                                               {Id::steps_per_mm_a, 100'000},
+                                               {Id::axes, 2'000},
+                                               {Id::axes, 4'000},
+                                               {Id::step_pulse, 400}};
+  for (const auto& [id, value] : other) {
+    job::Profile asked = machine;
+    ASSERT_TRUE(asked.settings.set_milli(id, value));
+    asked.stated.set(static_cast<std::size_t>(id));
+    Rig rig(machine);
+    // $0 cannot be named: 0 says that a refusal is not about a setting.
+    const std::string name = "$" + std::to_string(settings::row(id).number);
+    EXPECT_THAT(refusal(rig, job::make_job({{1, 1, 0}, {2, 1, 0}}, asked, {})),
+                HasSubstr("machine: refuses " + (id == Id::step_pulse ? "a value" : name)));
+    EXPECT_TRUE(rig.monitor.nothing_happened());
+    EXPECT_EQ(rig.board.controller().values(), machine.settings) << "kept what it refused";
+  }
+}
+
 TEST(Safety, AJobMayAskForLessAndItEndsWithTheJob) {
   const job::Profile machine = lamp_profile();
   job::Profile slower = machine;
