@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -28,7 +29,7 @@ using sim::Picoseconds;
 constexpr std::chrono::milliseconds pace{1};
 /// Falling behind by more is told, and made up for by waiting less, not by hurrying.
 constexpr std::chrono::milliseconds tolerated_lag{100};
-/// What a host that does not read is owed at most, bytes.
+/// What a host or board that does not read is owed at most, bytes.
 constexpr std::size_t most_unsent = 65'536;
 
 struct Options {
@@ -67,24 +68,31 @@ class Ports {
   void exchange(sim::Board& board) {
     std::array<std::uint8_t, 1024> bytes{};
     for (const auto& port : ports_) {
+      if (to_board_.size() >= most_unsent) break;  // the host waits, nothing is lost
       const std::size_t count = port->read(bytes);
       if (count == 0) continue;
-      if (speaker_ != port.get()) unsent_.clear();
+      if (speaker_ != port.get()) to_host_.clear();
       speaker_ = port.get();
-      board.write(std::span(bytes).first(count));
+      append(to_board_, std::span(bytes).first(count));
     }
+    drop_front(to_board_, board.write(to_board_));
     for (std::size_t count = board.read(bytes); count > 0; count = board.read(bytes))
-      if (unsent_.size() < most_unsent)
-        unsent_.insert(unsent_.end(), bytes.begin(),
-                       bytes.begin() + static_cast<std::ptrdiff_t>(count));
-    const std::size_t sent = speaker_->write(unsent_);
-    unsent_.erase(unsent_.begin(), unsent_.begin() + static_cast<std::ptrdiff_t>(sent));
+      if (to_host_.size() < most_unsent) append(to_host_, std::span(bytes).first(count));
+    drop_front(to_host_, speaker_->write(to_host_));
   }
 
  private:
+  using Bytes = std::vector<std::uint8_t>;
+  static void append(Bytes& queue, std::span<const std::uint8_t> bytes) {
+    queue.insert(queue.end(), bytes.begin(), bytes.end());
+  }
+  static void drop_front(Bytes& queue, std::size_t count) {
+    queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+
   std::vector<std::unique_ptr<sim::ByteEndpoint>> ports_;
   sim::ByteEndpoint* speaker_ = nullptr;
-  std::vector<std::uint8_t> unsent_;
+  Bytes to_board_, to_host_;
 };
 
 /// Runs until the user or --seconds ends it.
