@@ -304,8 +304,7 @@ void Planner::make_segment(const PlanRequest& request, std::uint32_t i, const Mo
     s.end.axis[index(a)] = {axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2),
                             end_speed};
   }
-  if (target.shots != 0)
-    s.shot = {true, request.points[i], shot_window_ticks(i), target.channel, target.energy};
+  if (target.shots != 0) s.shot = {true, shot_window_ticks(i), target.channel, target.energy};
 }
 
 bool Planner::inside(std::uint32_t i, const MotionState& from) const {

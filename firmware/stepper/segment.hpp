@@ -81,7 +81,6 @@ constexpr Int128 middle_of_step(std::int32_t step) {
 /// The shot that a segment ends with.
 struct SegmentShot {
   bool present = false;
-  std::uint32_t point = 0;              ///< index in the job
   std::uint32_t half_window_ticks = 0;  ///< ticks around the lattice tick inside the tolerance
   std::uint8_t channel = 0;
   std::uint16_t energy = 0;

@@ -29,7 +29,7 @@ Segment shot_segment(std::uint32_t point, std::uint32_t half_window, bool shot =
   Segment s;
   s.ends_point = true;
   s.point = point;
-  s.shot = {shot, point, half_window, 0, 0};
+  s.shot = {shot, half_window, 0, 0};
   return s;
 }
 
