@@ -208,6 +208,28 @@ TEST_F(DmaTest, InterruptRegisters) {
   EXPECT_EQ(rig.dma_look(n_channels), 12u);
 }
 
+// A set alias on INTS acknowledges what was written, not everything that is pending.
+TEST_F(DmaTest, AliasesClearOnlyWhatTheyNameInInterruptRegisters) {
+  rig.dma(inte0, 3);
+  for (const unsigned channel : {0u, 1u}) start(channel, ram, ram + 0x100, 1, {.chain = channel});
+  rig.run(10);
+  ASSERT_EQ(rig.dma_look(ints0), 3u);
+  rig.dma(0x2000 + ints0, 1);  // set
+  EXPECT_EQ(rig.dma_look(ints0), 2u);
+  rig.dma(0x3000 + intr_dma, 2);  // clear
+  EXPECT_EQ(rig.dma_look(intr_dma), 0u);
+}
+
+TEST_F(DmaTest, ErrorsSurviveAChangeOfOtherBitsOfControl) {
+  start(0, 0x3000'0000, ram, 4, {});
+  rig.run(10);
+  ASSERT_NE(rig.dma_look(ch(0, 0x10)) & 1u << 30, 0u);
+  rig.dma(0x3000 + ch(0, 0x10), 1);  // clears EN
+  EXPECT_EQ(rig.dma_look(ch(0, 0x10)) & (1u << 30 | 1u), 1u << 30);
+  rig.dma(0x2000 + ch(0, 0x10), 1u << 30);
+  EXPECT_EQ(rig.dma_look(ch(0, 0x10)) & 1u << 30, 0u);
+}
+
 TEST_F(DmaTest, PacingTimerSpreadsTransfers) {
   // 3/100: 30 transfers in 1000 clocks, whatever the phase.
   rig.dma(timer0 + 4, 3u << 16 | 100);

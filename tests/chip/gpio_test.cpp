@@ -153,6 +153,13 @@ TEST_F(GpioTest, EdgesOfPinsNobodyWaitsForAreLatchedToo) {
   EXPECT_TRUE(line(1));
 }
 
+TEST_F(GpioTest, OnlyTheEdgesOfInterruptRegistersAreClearedByOnes) {
+  EXPECT_EQ(gpio_.io_bank().write_clear_bits(0x0f0), 0xcccc'ccccu);
+  EXPECT_EQ(gpio_.io_bank().write_clear_bits(0x0fc), 0xcccc'ccccu);
+  EXPECT_EQ(gpio_.io_bank().write_clear_bits(0x100), 0u);
+  EXPECT_EQ(gpio_.io_bank().write_clear_bits(control(29)), 0u);
+}
+
 TEST_F(GpioTest, LevelInterruptFollowsThePinAndForceNeedsNoEnable) {
   io(0x100, 2);  // GPIO0 level high
   gpio_.set_external(0, External::high, 10);

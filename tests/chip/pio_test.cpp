@@ -556,6 +556,20 @@ TEST(PioRegisters, AtomicAliasesWork) {
   EXPECT_EQ(rig.look(pinctrl), 0x0400'001eu);
 }
 
+// Of flags that a written 1 clears an alias names those it clears.
+TEST(PioRegisters, AliasesClearOnlyTheFlagsTheyName) {
+  Rig rig;
+  rig.pio(irq_force, 0x0f);
+  rig.pio(irq + 0x2000, 0x01);
+  EXPECT_EQ(rig.look(irq), 0x0eu);
+  rig.pio(irq + 0x3000, 0x02);
+  EXPECT_EQ(rig.look(irq), 0x0cu);
+  for (int i = 0; i < 5; ++i) rig.pio(txf, 0);  // TXOVER 0
+  rig.look(rxf + 4);                            // RXUNDER 1
+  rig.pio(fdebug + 0x3000, 1u << 16);
+  EXPECT_EQ(rig.look(fdebug), 1u << 9);
+}
+
 // ---------------------------------------------------------------------------------------------
 // Kernels of the scheme for ticks and lamp
 

@@ -11,11 +11,13 @@ namespace lamplock::sim::chip {
 namespace {
 
 // Offsets (RP2040 datasheet, 2.5.7).
-constexpr std::uint32_t channel_stride = 0x40, intr = 0x400, inte0 = 0x404, ints1 = 0x41c,
-                        timer0 = 0x420, multi_chan_trigger = 0x430, sniff_ctrl = 0x434,
-                        sniff_data = 0x438, fifo_levels = 0x440, chan_abort = 0x444,
-                        n_channels = 0x448, debug = 0x800;
+constexpr std::uint32_t channel_stride = 0x40, intr = 0x400, inte0 = 0x404, ints0 = 0x40c,
+                        ints1 = 0x41c, timer0 = 0x420, multi_chan_trigger = 0x430,
+                        sniff_ctrl = 0x434, sniff_data = 0x438, fifo_levels = 0x440,
+                        chan_abort = 0x444, n_channels = 0x448, debug = 0x800;
 constexpr std::uint32_t channel_bits = (1u << dma_channel_count) - 1u;
+constexpr std::uint32_t error_bits = 3u
+                                     << 29;  // WRITE_ERROR and READ_ERROR of CTRL, cleared by ones
 
 // TREQ_SEL.
 constexpr unsigned first_timer = 0x3b, permanent = 0x3f;
@@ -454,6 +456,12 @@ void Dma::write(std::uint32_t offset, std::uint32_t value) {
   }
   find_due(clock);
   owner_.changed();
+}
+
+std::uint32_t Dma::write_clear_bits(std::uint32_t offset) const {
+  if (offset < dma_channel_count * channel_stride)
+    return layouts[offset >> 4 & 3u][offset >> 2 & 3u] == Role::control ? error_bits : 0;
+  return offset == intr || offset == ints0 || offset == ints1 ? channel_bits : 0;
 }
 
 void Dma::reset() {

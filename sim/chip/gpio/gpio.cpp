@@ -288,6 +288,11 @@ void Gpio::IoBank::write(std::uint32_t offset, std::uint32_t value) {
   gpio_.update_irq_lines();
 }
 
+// The edges in INTR0-3.
+std::uint32_t Gpio::IoBank::write_clear_bits(std::uint32_t offset) const {
+  return offset >= offset_intr && offset < offset_destinations ? 0xcccc'ccccu : 0;
+}
+
 void Gpio::IoBank::reset() {
   for (unsigned gpio = 0; gpio < gpio_count; ++gpio) gpio_.write_control(gpio, control_reset);
   gpio_.destinations_ = {};

@@ -137,6 +137,7 @@ class Gpio : private Timed {
     std::uint32_t read(std::uint32_t offset) override;
     std::uint32_t peek(std::uint32_t offset) const override { return gpio_.io_register(offset); }
     void write(std::uint32_t offset, std::uint32_t value) override;
+    std::uint32_t write_clear_bits(std::uint32_t offset) const override;
     void reset() override;
 
    private:

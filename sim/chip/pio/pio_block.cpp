@@ -310,6 +310,10 @@ void PioBlock::write(std::uint32_t offset, std::uint32_t value) {
   owner_.changed();
 }
 
+std::uint32_t PioBlock::write_clear_bits(std::uint32_t offset) const {
+  return offset == fdebug_offset || offset == irq_offset ? ~0u : 0;
+}
+
 void PioBlock::reset() {
   const Cycle next = owner_.bring_up_to_date();
   const pio::InputHistory inputs = shared_.inputs;
