@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/chip/hex.hpp"
+
 namespace lamplock::sim::chip {
 
 static_assert(std::endian::native == std::endian::little, "memory is kept as the chip has it");
@@ -89,13 +91,6 @@ std::uint32_t lane(std::uint32_t word, std::uint32_t address, Width width) {
       break;
   }
   return word;
-}
-
-std::string hex(std::uint32_t value) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string text = "0x00000000";
-  for (std::size_t i = 0; i < 8; ++i) text[9 - i] = digits[(value >> (4 * i)) & 15];
-  return text;
 }
 
 }  // namespace

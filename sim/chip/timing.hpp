@@ -14,7 +14,9 @@ struct Timing {
   /// From the end of one handler, or from a higher priority that comes late, to the first
   /// instruction of the next one: entry (15) without its eight stores. Not documented either.
   std::uint32_t tail_chain = 7;
-  std::uint32_t apb_read_wait = 3;  ///< beyond the first cycle; measured by others as 3 or 4
+  /// Beyond the one cycle of data phase that every access has. An APB access takes two cycles, the
+  /// bridge adds one to reads and two to writes (RP2040 datasheet, 2.1.3): LDR 4 cycles, STR 5.
+  std::uint32_t apb_read_wait = 2;
   std::uint32_t apb_write_wait = 3;
   std::uint32_t ahb_wait = 0;   ///< AHB-Lite blocks: PIO, DMA, USB DPRAM, XIP control
   std::uint32_t dma_start = 2;  ///< from a request to the first read

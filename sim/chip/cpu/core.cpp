@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim/chip/cpu/decode.hpp"
+#include "sim/chip/hex.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -195,17 +196,23 @@ Access Core::write_bus(std::uint32_t address, Width width, std::uint32_t value) 
   return access;
 }
 
-// A load or store adds here what it costs beyond one cycle: 1, but nothing on the I/O port.
-inline bool Core::load(std::uint32_t address, Width width, std::uint32_t& value) {
-  Access access{0, 0, true};
-  if ((address & (static_cast<std::uint32_t>(width) - 1)) == 0) [[likely]]
-    access = read_bus(address, width);
+// A load or store adds here what it costs beyond one cycle: 1, but nothing on the I/O port. False:
+// it faulted.
+inline bool Core::complete(std::uint32_t address, const Access& access) {
   if (access.fault) [[unlikely]] {
     hard_fault();
     return false;
   }
-  value = access.value;
   cycle_ += access.wait + ((address >> 28) != sio_nibble ? 1u : 0u);
+  return true;
+}
+
+inline bool Core::load(std::uint32_t address, Width width, std::uint32_t& value) {
+  Access access{0, 0, true};
+  if ((address & (static_cast<std::uint32_t>(width) - 1)) == 0) [[likely]]
+    access = read_bus(address, width);
+  if (!complete(address, access)) return false;
+  value = access.value;
   return true;
 }
 
@@ -213,12 +220,7 @@ inline bool Core::store(std::uint32_t address, Width width, std::uint32_t value)
   Access access{0, 0, true};
   if ((address & (static_cast<std::uint32_t>(width) - 1)) == 0) [[likely]]
     access = write_bus(address, width, value);
-  if (access.fault) [[unlikely]] {
-    hard_fault();
-    return false;
-  }
-  cycle_ += access.wait + ((address >> 28) != sio_nibble ? 1u : 0u);
-  return true;
+  return complete(address, access);
 }
 
 // Between two words of a multiple access: an interrupt abandons the instruction, which starts
@@ -230,61 +232,69 @@ bool Core::abandon_for_interrupt() {
   return takeable_;
 }
 
-bool Core::load_block(std::uint32_t address, unsigned count, std::array<std::uint32_t, 9>& words) {
+// The words of a multiple access, one after the other. False: it faulted or was abandoned.
+template <class Transfer>
+inline bool Core::each_word(std::uint32_t address, unsigned count, const Transfer& transfer) {
   for (unsigned i = 0; i < count; ++i) {
     if (i != 0 && abandon_for_interrupt()) return false;
-    const Access access =
-        (address & 3) == 0 ? read_bus(address + 4 * i, Width::word) : Access{0, 0, true};
+    const Access access = (address & 3) == 0 ? transfer(address + 4 * i, i) : Access{0, 0, true};
     if (access.fault) {
       hard_fault();
       return false;
     }
+    cycle_ += 1 + access.wait;
+  }
+  return true;
+}
+
+bool Core::load_block(std::uint32_t address, unsigned count, Words& words) {
+  return each_word(address, count, [&](std::uint32_t at, unsigned i) {
+    const Access access = read_bus(at, Width::word);
     words[i] = access.value;
-    cycle_ += 1 + access.wait;
-  }
-  return true;
+    return access;
+  });
 }
 
-bool Core::store_block(std::uint32_t address, unsigned count,
-                       const std::array<std::uint32_t, 9>& words) {
-  for (unsigned i = 0; i < count; ++i) {
-    if (i != 0 && abandon_for_interrupt()) return false;
-    const Access access =
-        (address & 3) == 0 ? write_bus(address + 4 * i, Width::word, words[i]) : Access{0, 0, true};
-    if (access.fault) {
-      hard_fault();
-      return false;
-    }
-    cycle_ += 1 + access.wait;
-  }
-  return true;
+bool Core::store_block(std::uint32_t address, unsigned count, const Words& words) {
+  return each_word(address, count, [&](std::uint32_t at, unsigned i) {
+    return write_bus(at, Width::word, words[i]);
+  });
 }
 
-// --- Multiple accesses: 1 + N cycles, the N counted by the blocks
-// -----------------------------------
+// --- Multiple accesses: 1 + N cycles, the N counted by the blocks --------------------------------
+
+// Low registers of a list, lowest first, to and from words; how many there are.
+unsigned Core::gather(unsigned list, Words& words) const {
+  unsigned next = 0;
+  for (unsigned i = 0; i < 8; ++i)
+    if ((list >> i & 1) != 0) words[next++] = r_[i];
+  return next;
+}
+
+unsigned Core::scatter(unsigned list, const Words& words) {
+  unsigned next = 0;
+  for (unsigned i = 0; i < 8; ++i)
+    if ((list >> i & 1) != 0) r_[i] = words[next++];
+  return next;
+}
 
 bool Core::load_multiple(std::uint16_t op) {
   const unsigned list = imm8(op), base = register8(op);
   if (list == 0) return unpredictable(op);
   const auto count = static_cast<unsigned>(std::popcount(list));
-  std::array<std::uint32_t, 9> words;
+  Words words;
   const std::uint32_t address = r_[base];
   if (!load_block(address, count, words)) return false;
   r_[base] = address + 4 * count;
-  unsigned next = 0;
-  for (unsigned i = 0; i < 8; ++i)
-    if ((list >> i & 1) != 0) r_[i] = words[next++];
+  scatter(list, words);
   return true;
 }
 
 bool Core::store_multiple(std::uint16_t op) {
   const unsigned list = imm8(op), base = register8(op);
   if (list == 0) return unpredictable(op);
-  const auto count = static_cast<unsigned>(std::popcount(list));
-  std::array<std::uint32_t, 9> words;
-  unsigned next = 0;
-  for (unsigned i = 0; i < 8; ++i)
-    if ((list >> i & 1) != 0) words[next++] = r_[i];
+  Words words;
+  const unsigned count = gather(list, words);
   const std::uint32_t address = r_[base];
   if (!store_block(address, count, words)) return false;
   r_[base] = address + 4 * count;
@@ -294,19 +304,17 @@ bool Core::store_multiple(std::uint16_t op) {
 bool Core::push(std::uint16_t op) {
   const unsigned list = op & 0x1ff;
   if (list == 0) return unpredictable(op);
-  const auto count = static_cast<unsigned>(std::popcount(list));
-  std::array<std::uint32_t, 9> words;
-  unsigned next = 0;
-  for (unsigned i = 0; i < 8; ++i)
-    if ((list >> i & 1) != 0) words[next++] = r_[i];
-  if ((list & 0x100) != 0) words[next] = r_[14];
+  Words words;
+  unsigned count = gather(list, words);
+  if ((list & 0x100) != 0) words[count++] = r_[14];
   const std::uint32_t address = r_[13] - 4 * count;
   if (!store_block(address, count, words)) return false;
   r_[13] = address;
   return true;
 }
 
-// Moves the program counter itself: POP {..., PC} is a branch.
+// Moves the program counter itself: POP {..., PC} is a branch. Its own cycle comes before the
+// words, so that no more than the two of the branch are left when it cannot be abandoned any more.
 void Core::pop(std::uint16_t op) {
   const unsigned list = op & 0x1ff;
   if (list == 0) {
@@ -314,13 +322,11 @@ void Core::pop(std::uint16_t op) {
     return;
   }
   const auto count = static_cast<unsigned>(std::popcount(list));
-  std::array<std::uint32_t, 9> words;
-  if (!load_block(r_[13], count, words)) return;
-  r_[13] += 4 * count;
-  unsigned next = 0;
-  for (unsigned i = 0; i < 8; ++i)
-    if ((list >> i & 1) != 0) r_[i] = words[next++];
+  Words words;
   cycle_ += 1;
+  if (abandon_for_interrupt() || !load_block(r_[13], count, words)) return;
+  r_[13] += 4 * count;
+  const unsigned next = scatter(list, words);
   if ((list & 0x100) == 0)
     pc_ += 2;
   else
@@ -370,8 +376,7 @@ inline bool Core::condition(unsigned code) const {
   return met != ((code & 1) != 0);
 }
 
-// --- Shifts by register: amounts 0..255
-// -------------------------------------------------------------
+// --- Shifts by register: amounts 0..255 ----------------------------------------------------------
 
 std::uint32_t Core::shift_left(std::uint32_t value, std::uint32_t amount) {
   if (amount == 0) return value;
@@ -400,8 +405,7 @@ std::uint32_t Core::rotate_right(std::uint32_t value, std::uint32_t amount) {
   return result;
 }
 
-// --- Faulting and rare instructions
-// -----------------------------------------------------------------
+// --- Faulting and rare instructions --------------------------------------------------------------
 
 bool Core::undefined() {
   hard_fault();
@@ -409,12 +413,8 @@ bool Core::undefined() {
 }
 
 bool Core::unpredictable(std::uint16_t instruction) {
-  if (not_modelled_) {
-    constexpr std::string_view digits = "0123456789abcdef";
-    std::string text = "unpredictable instruction 0x0000 executed";
-    for (std::size_t i = 0; i < 4; ++i) text[27 + 3 - i] = digits[(instruction >> (4 * i)) & 15u];
-    not_modelled_(text);
-  }
+  if (not_modelled_)
+    not_modelled_("unpredictable instruction " + hex(instruction, 4) + " executed");
   return undefined();
 }
 
@@ -566,8 +566,7 @@ bool Core::execute_msr(std::uint16_t first, std::uint16_t second) {
   return true;
 }
 
-// --- One instruction
-// -------------------------------------------------------------------------------
+// --- One instruction -----------------------------------------------------------------------------
 
 // A switch over all instructions: long, but each case is a line of the manual. An instruction that
 // faults, sleeps or returns from an exception has moved the program counter itself and returns.
@@ -851,18 +850,15 @@ inline void Core::execute() {
   cycle_ += cycles;
 }
 
-// --- Many instructions
-// -----------------------------------------------------------------------------
+// --- Many instructions ---------------------------------------------------------------------------
 
 Cycle Core::step() {
   const Cycle start = cycle_;
   if (attention_needed() && attend()) return cycle_ - start;
-  execute_one();
+  execute();
   notice_access();
   return cycle_ - start;
 }
-
-void Core::execute_one() { execute(); }
 
 void Core::run_until(Cycle limit) {
   if (irqs_.changes() != seen_changes_) run_events(cycle_);

@@ -143,7 +143,6 @@ class Core {
   // core.cpp: instructions
   // Those that are rare or keep lists of words are not inlined: the loop of run_until() is small.
   [[gnu::always_inline]] void execute();
-  void execute_one();
   [[gnu::noinline]] bool fetch_outside(std::uint32_t pc, std::uint16_t& instruction);
   bool fetch_second(std::uint32_t pc, std::uint16_t& instruction);
   void call_native(const NativeFunction& function);
@@ -158,10 +157,16 @@ class Core {
   [[gnu::noinline]] bool store_multiple(std::uint16_t instruction);
   [[gnu::noinline]] bool push(std::uint16_t instruction);
   [[gnu::noinline]] void pop(std::uint16_t instruction);
-  bool load_block(std::uint32_t address, unsigned count, std::array<std::uint32_t, 9>& words);
-  bool store_block(std::uint32_t address, unsigned count,
-                   const std::array<std::uint32_t, 9>& words);
+  /// Words of a multiple access: eight low registers and LR or PC.
+  using Words = std::array<std::uint32_t, 9>;
+  unsigned gather(unsigned list, Words& words) const;
+  unsigned scatter(unsigned list, const Words& words);
+  template <class Transfer>
+  bool each_word(std::uint32_t address, unsigned count, const Transfer& transfer);
+  bool load_block(std::uint32_t address, unsigned count, Words& words);
+  bool store_block(std::uint32_t address, unsigned count, const Words& words);
   bool abandon_for_interrupt();
+  bool complete(std::uint32_t address, const Access& access);
   bool load(std::uint32_t address, Width width, std::uint32_t& value);
   bool store(std::uint32_t address, Width width, std::uint32_t value);
   Access read_bus(std::uint32_t address, Width width);

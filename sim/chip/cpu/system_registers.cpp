@@ -1,8 +1,7 @@
 // The private peripheral bus: NVIC, System Control Block, SysTick (ARMv6-M Architecture Reference
 // Manual, B3; RP2040 datasheet, 2.4.8).
-#include <string>
-
 #include "sim/chip/cpu/core.hpp"
+#include "sim/chip/hex.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -40,11 +39,7 @@ unsigned priority_of(std::uint32_t value, unsigned byte) { return (value >> (8 *
 }  // namespace
 
 void Core::report(std::uint32_t address) {
-  if (!not_modelled_) return;
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string text = "PPB register at 0x00000000";
-  for (std::size_t i = 0; i < 8; ++i) text[text.size() - 1 - i] = digits[(address >> (4 * i)) & 15];
-  not_modelled_(text);
+  if (not_modelled_) not_modelled_("PPB register at " + hex(address));
 }
 
 // False: a fault (nobody there, or not for unprivileged code).

@@ -3,8 +3,6 @@
 #include <cxxabi.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
@@ -12,6 +10,7 @@
 
 #include "sim/chip/bus.hpp"
 #include "sim/chip/flash/flash_chip.hpp"
+#include "sim/chip/hex.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -25,12 +24,6 @@ constexpr std::uint32_t sram_base = 0x2000'0000, sram_limit = 0x2004'2000;
 [[noreturn]] void fail(const std::string& where, const std::string& what,
                        const std::string& remedy) {
   throw std::runtime_error(where + ": " + what + "; " + remedy);
-}
-
-std::string hex(std::uint32_t value) {
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "0x%08x", value);
-  return text.data();
 }
 
 // Little-endian fields; the callers have checked the bounds.
