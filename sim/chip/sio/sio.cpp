@@ -143,7 +143,7 @@ std::uint32_t Sio::read(std::size_t core, std::uint32_t offset) {
     gpio_.catch_up(wheel_.now());
     return gpio_in();
   }
-  if (offset >= offset_div && offset < offset_interp0) return read_divider(own, offset);
+  if (offset >= offset_div && offset < offset_interp0) return read_divider(core, offset);
   if (offset >= offset_interp1 && offset < offset_spinlock0)
     return own.interpolator1.read(offset - offset_interp1);
   if (offset >= offset_interp0 && offset < offset_interp1)
@@ -166,26 +166,13 @@ std::uint32_t Sio::read(std::size_t core, std::uint32_t offset) {
   return value;
 }
 
-std::uint32_t Sio::read_divider(Own& own, std::uint32_t offset) {
+std::uint32_t Sio::read_divider(std::size_t core, std::uint32_t offset) {
+  Divider& divider = own_[core].divider;
   const bool is_result = offset == offset_div_quotient || offset == offset_div_remainder;
-  const bool ready = own.divider.ready(wheel_.now());
-  if (is_result && !ready)
+  if (is_result && !divider.ready(wheel_.now()))
     not_modelled_("SIO DIV: a result was read before READY; it is undefined in the chip");
-  switch (offset) {
-    case offset_div:
-    case offset_div + 8:
-      return own.divider.dividend();
-    case offset_div + 4:
-    case offset_div + 12:
-      return own.divider.divisor();
-    case offset_div_quotient:
-      own.divider.clear_dirty();
-      return own.divider.quotient();
-    case offset_div_remainder:
-      return own.divider.remainder();
-    default:
-      return (own.divider.dirty() ? 2u : 0u) | (ready ? 1u : 0u);
-  }
+  if (offset == offset_div_quotient) divider.clear_dirty();
+  return peek(core, offset);
 }
 
 void Sio::write_divider(Own& own, std::uint32_t offset, std::uint32_t value, Cycle at) {

@@ -69,7 +69,7 @@ class Sio {
   std::uint32_t read(std::size_t core, std::uint32_t offset);
   std::uint32_t peek(std::size_t core, std::uint32_t offset) const;
   void write(std::size_t core, std::uint32_t offset, std::uint32_t value);
-  std::uint32_t read_divider(Own& own, std::uint32_t offset);
+  std::uint32_t read_divider(std::size_t core, std::uint32_t offset);
   static void write_divider(Own& own, std::uint32_t offset, std::uint32_t value, Cycle at);
   void write_fifo(std::size_t core, std::uint32_t offset, std::uint32_t value);
   std::uint32_t fifo_status(std::size_t core) const;
