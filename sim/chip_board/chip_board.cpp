@@ -120,7 +120,10 @@ void ChipBoard::drive(Pin pin, bool level) {
 
 void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   if (!outputs_[gpio]) return;
+  const Picoseconds before = world_->next_event();
   bus_.set(outputs_[gpio]->pin, level != outputs_[gpio]->inverted, chip_.wheel().time_of(at));
+  // A lamp that was triggered has edges to come.
+  if (world_->next_event() != before) plan();
 }
 
 void ChipBoard::plan() {
