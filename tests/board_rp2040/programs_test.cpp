@@ -256,7 +256,7 @@ TEST(Programs, ArmingAndDisarmingAtAnyClockGivesOneWholePulseOrNone) {
       const auto& q = f.rig.edges[q_switch];
       ASSERT_TRUE(f.rig.has(Fire::sm));
       const std::uint32_t result = f.rig.get(Fire::sm);
-      // The instruction that looks sees the pad of two clocks before.
+      // The instruction that looks sees the pad of synchroniser_clocks before.
       const bool late = 60 + shift > 100 + fire_decision_clock - synchroniser_clocks;
       const bool shot = arming ? !late : late;
       ASSERT_EQ(q.size(), shot ? 2u : 0u) << shift;

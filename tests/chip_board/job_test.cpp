@@ -12,7 +12,7 @@ namespace {
 
 constexpr Picoseconds ps_per_tick = ps_per_us;
 /// From the tick to STEP on its pad (firmware: step_latency_clocks; found again by the first step).
-constexpr Picoseconds step_latency = 5 * 8 * sim::ps_per_ns;
+constexpr Picoseconds step_latency = 6 * 8 * sim::ps_per_ns;
 
 /// A step: its axis, tick and direction, counted from the lamp edge of the first shot. The lamp is
 /// steady and nominal, so that a tick is a microsecond.

@@ -1,10 +1,11 @@
-// Levels of the pins as the PIO blocks see them: two flip-flops behind the pads.
+// Levels of the pins as the state machines see them: some flip-flops behind the pads.
 //
 // In:  the levels of the inputs, each change with its cycle.
-// Out: the levels at a cycle, which lies at most `input_flip_flops` back; the next change of a pin
-//      that is still on its way through the flip-flops.
-// A level that a pin has in cycle e is what an instruction sees that executes in cycle e + 2
-// (RP2040 datasheet, 3.5.6.3), in cycle e with INPUT_SYNC_BYPASS.
+// Out: the levels that an instruction sees; the next change of a pin that is still on its way.
+// A level that a pin has in cycle e is what an instruction sees that executes in cycle e + 3: two
+// flip-flops of the synchroniser (RP2040 datasheet, 3.5.6.3) and one register between the input
+// mapping and each state machine, which INPUT_SYNC_BYPASS leaves in. A machine sees its own output
+// after 4 cycles, after 2 with the bypass (raspberrypi/pico-feedback, issue 280).
 #pragma once
 
 #include <array>
@@ -15,8 +16,9 @@
 
 namespace lamplock::sim::chip::pio {
 
-/// Stages of the synchroniser between a pin and a state machine (3.5.6.3).
-inline constexpr Cycle input_flip_flops = 2;
+/// Cycles from a pin to a state machine, and without the synchroniser.
+inline constexpr Cycle input_latency = 3;
+inline constexpr Cycle bypassed_latency = 1;
 
 /// The last few changes.
 class InputHistory {
@@ -34,26 +36,25 @@ class InputHistory {
     now_ = levels;
     return changed;
   }
-  std::uint32_t now() const { return now_; }
-  /// What the state machines see in cycle `cycle` behind both flip-flops.
-  std::uint32_t synchronised(Cycle cycle) const {
-    if (entries_[last_].at + input_flip_flops <= cycle) return now_;
+  /// What the state machines see in cycle `cycle`, `latency` behind the pins.
+  std::uint32_t seen(Cycle cycle, Cycle latency) const {
+    if (entries_[last_].at + latency <= cycle) return now_;
     std::size_t i = last_;
     for (std::size_t n = 1; n < entries_.size(); ++n) {
       i = (i + entries_.size() - 1) % entries_.size();
-      if (entries_[i].at + input_flip_flops <= cycle) break;
+      if (entries_[i].at + latency <= cycle) break;
     }
     return entries_[i].levels;
   }
   /// The first cycle after `cycle` in which the state machines see `pin` (a mask of one bit)
   /// change, as far as the change has happened already; never_cycle: none is on its way.
-  Cycle next_change(std::uint32_t pin, Cycle cycle) const {
-    if (entries_[last_].at + input_flip_flops <= cycle) return never_cycle;
-    const std::uint32_t seen = synchronised(cycle) & pin;
+  Cycle next_change(std::uint32_t pin, Cycle cycle, Cycle latency) const {
+    if (entries_[last_].at + latency <= cycle) return never_cycle;
+    const std::uint32_t before = seen(cycle, latency) & pin;
     Cycle next = never_cycle;
     std::size_t i = last_;
-    for (std::size_t n = 1; n < entries_.size() && entries_[i].at + input_flip_flops > cycle; ++n) {
-      if ((entries_[i].levels & pin) != seen) next = entries_[i].at + input_flip_flops;
+    for (std::size_t n = 1; n < entries_.size() && entries_[i].at + latency > cycle; ++n) {
+      if ((entries_[i].levels & pin) != before) next = entries_[i].at + latency;
       i = (i + entries_.size() - 1) % entries_.size();
     }
     return next;
@@ -64,8 +65,8 @@ class InputHistory {
     Cycle at = 0;
     std::uint32_t levels = 0;
   };
-  /// Changes of the last two cycles and of the present one, and the one before them.
-  std::array<Entry, 4> entries_{};
+  /// Changes of the last three cycles and of the present one, and the one before them.
+  std::array<Entry, 5> entries_{};
   std::size_t last_ = 0;
   std::uint32_t now_ = 0;
 };

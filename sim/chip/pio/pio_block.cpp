@@ -41,9 +41,10 @@ PioBlock::PioBlock(ClockOwner& clock, unsigned number, IrqLines& irqs, NotModell
 // Clocks
 
 void PioBlock::clock(Cycle clock) {
-  shared_.in = shared_.inputs.synchronised(clock);
+  shared_.in = shared_.inputs.seen(clock, pio::input_latency);
   if (shared_.bypass != 0)
-    shared_.in = (shared_.in & ~shared_.bypass) | (shared_.inputs.now() & shared_.bypass);
+    shared_.in = (shared_.in & ~shared_.bypass) |
+                 (shared_.inputs.seen(clock, pio::bypassed_latency) & shared_.bypass);
   for (unsigned i = 0; i < machine_count; ++i)
     if (shared_.due[i] <= clock) machines_[i].step(clock);
   if ((shared_.irq_set | shared_.irq_clear | static_cast<std::uint32_t>(shared_.fifo_changed)) != 0)

@@ -10,9 +10,9 @@
 // Clocks in which nobody is due are skipped.
 //
 // So an instruction that executes in cycle c changes its pad in cycle c + 1 (the output latch), and
-// a pin that changes in cycle e is seen by the instruction that executes in cycle e + 2 (two
-// flip-flops): from an edge at one machine's pin to the edge at the pin of another that waits for
-// it are 4 cycles (wait 2 after the edge, OUT 3, pad 4).
+// a pin that changes in cycle e is seen by the instruction that executes in cycle e + 3
+// (input_history.hpp): from an edge at one machine's pin to the edge at the pin of another that
+// waits for it are 5 cycles (wait 3 after the edge, OUT 4, pad 5).
 #pragma once
 
 #include <array>

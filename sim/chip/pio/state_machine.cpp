@@ -120,7 +120,7 @@ void StateMachine::stall(const Decoded& op, Cycle clock) {
   }
   sleep_ = Sleep::stall;
   due = never_cycle;
-  if ((watched_pin_ & ~shared_.bypass) != 0) due = shared_.inputs.next_change(watched_pin_, clock);
+  if (watched_pin_ != 0) due = shared_.inputs.next_change(watched_pin_, clock, watched_latency());
 }
 
 void StateMachine::step_forced(Cycle clock) {
@@ -215,8 +215,7 @@ void StateMachine::try_loop(Cycle clock) {
   due = (next_q8_ + rounds * ticks * divisor_q8_) >> 8;
   if (!uses_pin) return;
   watched_pin_ = 1u << jmp_pin_;
-  if ((watched_pin_ & ~shared_.bypass) != 0)
-    due = std::min(due, shared_.inputs.next_change(watched_pin_, clock));
+  due = std::min(due, shared_.inputs.next_change(watched_pin_, clock, watched_latency()));
 }
 
 /// Does what the loop has done before `clock`.

@@ -89,8 +89,7 @@ class StateMachine {
     if (waits_for_flag_) wake(next);
   }
   void inputs_changed(std::uint32_t changed, Cycle at) {
-    if ((watched_pin_ & changed) != 0)
-      wake((watched_pin_ & shared_.bypass) != 0 ? at : at + input_flip_flops);
+    if ((watched_pin_ & changed) != 0) wake(at + watched_latency());
   }
   bool active() const { return enabled_ || forced_; }
   /// All pins that it can write.
@@ -115,6 +114,9 @@ class StateMachine {
   };
 
   bool latched() const { return exec_valid_ || forced_; }
+  Cycle watched_latency() const {
+    return (watched_pin_ & shared_.bypass) != 0 ? bypassed_latency : input_latency;
+  }
   bool execute(const Decoded& op);
   [[gnu::always_inline]] bool execute_inline(const Decoded& op);
   [[gnu::always_inline]] void take_side_effects(const Decoded& op);

@@ -7,8 +7,9 @@
 //   PIO1: AXIS (0), BITS (1), TICK (2), STAMP (3)               32 of 32
 //
 // All clock counts are system clocks, the state machines run undivided. A level on a pad at clock 0
-// is seen by an instruction that executes at clock 2 (two flip-flops, datasheet 3.5.6.3); what an
-// instruction at clock t puts out is on the pad at clock t + 1.
+// is seen by an instruction that executes at clock 3 (two flip-flops, datasheet 3.5.6.3, and the
+// register before the state machine: raspberrypi/pico-feedback, issue 280); what an instruction at
+// clock t puts out is on the pad at clock t + 1.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@
 
 namespace lamplock::rp2040::pio {
 
-inline constexpr unsigned synchroniser_clocks = 2;
+inline constexpr unsigned synchroniser_clocks = 3;
 inline constexpr unsigned pad_clocks = 1;
 inline constexpr unsigned tick_gpio = boards::gpio(boards::Role::tick_line);
 
@@ -164,7 +165,7 @@ struct FireProgram {
 inline constexpr unsigned filter_samples = 32;
 inline constexpr unsigned filter_raster = 8;
 /// Between the last sample and the decision, so that it comes when the core expects it.
-inline constexpr unsigned decision_padding = 5;
+inline constexpr unsigned decision_padding = 4;
 consteval FireProgram make_fire() {
   Assembler a;
   a.wrap_target();
