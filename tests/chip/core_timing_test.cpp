@@ -165,10 +165,9 @@ Cycle latency(const std::vector<unsigned>& code, Cycle delay) {
 
 TEST(CoreTiming, InterruptLatencyIs15AtMost) {
   const std::vector<std::vector<unsigned>> programs = {
-      {0xbf00},         {0x6804},         {0x6004}, {0xc8f0, 0x3810},
-      {0xc0f0, 0x3810}, {0xb4ff, 0xbcff}, {0xe7ff}, {0xf000, 0xf800},
-      {0xf3bf, 0x8f4f}, {0xf3ef, 0x8400}, {0xbf30}, {0x6814},
-      {0xbd00},         {0x4718}};
+      {0xbf00},         {0x6804}, {0x6004},         {0xc8f0, 0x3810}, {0xc0f0, 0x3810},
+      {0xb4ff, 0xbcff}, {0xe7ff}, {0xf000, 0xf800}, {0xf3bf, 0x8f4f}, {0xf3ef, 0x8400},
+      {0xbf30},         {0x6814}, {0xbd00},         {0x4718}};
   for (const auto& program : programs)
     for (Cycle delay = 1; delay < 30; ++delay)
       EXPECT_EQ(latency(program, delay), 15u) << std::hex << program[0] << " " << delay;
