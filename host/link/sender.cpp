@@ -331,10 +331,13 @@ void JobSender::steer() {
   if (wish_ == Wish::hold && !firmly_held && (held || status_.state == wire::MachineState::run))
     return command(wire::Command::hold);
   if (wish_ != Wish::run) return;
-  // A hold that nobody at the host asked for is resumed; after a door only the user may.
+  // A wish to go on is not kept for a later hold.
+  if (status_.state == wire::MachineState::run) resume_asked_.store(false);
+  // A hold that a stray byte or silence has caused is resumed; a firm one and a door, which leaves
+  // a firm hold behind when it closes, only by the user.
   const bool door = status_.state == wire::MachineState::door;
-  if ((held && status_.hold_reason != wire::HoldReason::none) ||
-      ((held || door) && resume_asked_.load())) {
+  const bool by_accident = held && !firmly_held && status_.hold_reason != wire::HoldReason::none;
+  if (by_accident || ((held || door) && resume_asked_.load())) {
     resume_asked_.store(false);
     command(wire::Command::resume);
   }

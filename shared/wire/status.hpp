@@ -17,7 +17,7 @@ enum class MachineState : std::uint8_t { idle = 0, run, hold, alarm, door, estop
 /// Who asked for a hold. The host resumes what it did not ask for.
 enum class HoldReason : std::uint8_t {
   none = 0,
-  host,      ///< COMMAND hold
+  host,      ///< COMMAND hold, or a door that was opened and has been closed
   realtime,  ///< a real-time byte, perhaps a stray one
   dead_man,  ///< the host was silent for too long
   reset      ///< 0x18 during a job, perhaps a stray one

@@ -200,11 +200,13 @@ TEST_F(Disturbed, DoorOpensAndCloses) {
     if (close - open > to_rest) {
       EXPECT_FALSE(rig_->monitor.stepped(open + to_rest, rig_->board.now()));
     }
-    run_sender_until(close + 50 * ps_per_ms);
-    if (seed % 2 == 0)
-      sender_->resume();
-    else
-      cable_->type("~");
+    // A closed door is no reason to go on: the host, still sending, leaves that to its user.
+    run_sender_until(close + 500 * ps_per_ms);
+    if (running) {
+      EXPECT_EQ(rig_->state(), MachineState::hold);
+      expect_quiet(open, rig_->board.now());
+    }
+    sender_->resume();
     ASSERT_NO_FATAL_FAILURE(finish());
   }
 }
@@ -330,6 +332,52 @@ TEST_F(DeadStop, AnotherAlarmDoesNotHideTheEStop) {
   EXPECT_THROW(run_job(*rig_, job_, session(3)), Error);
   EXPECT_FALSE(rig_->board.bus().level(sim::Pin::enable));
   EXPECT_EQ(rig_->shots().size(), shots);
+}
+
+/// `$X` at any moment: pressed, bouncing, released only for a moment.
+TEST_F(DeadStop, NoUnlockWhileTheEStopIsPressed) {
+  for (int seed = 0; seed < scaled(60); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const sim::Picoseconds at = moment(), released = at + 5 * ps_per_ms + up_to(100 * ps_per_ms);
+    sim::World& world = rig_->board.world();
+    world.schedule(sim::Pin::estop, true, at);
+    for (sim::Picoseconds bounce = at; bounce < at + ps_per_ms;) {
+      world.schedule(sim::Pin::estop, false, bounce += 1 + up_to(300 * ps_per_us));
+      world.schedule(sim::Pin::estop, true, bounce += 1 + up_to(300 * ps_per_us));
+    }
+    if (seed % 3 == 0) {  // another alarm on top
+      world.schedule(sim::Pin::limit_x, true, at + up_to(3 * ps_per_ms));
+      world.schedule(sim::Pin::limit_x, false, at + 4 * ps_per_ms);
+    }
+    world.schedule(sim::Pin::estop, false, released);
+    run_sender_until(at);
+    while (rig_->board.now() < released) {
+      cable_->type("\n$X\n");
+      rig_->board.run_until(std::min(released, rig_->board.now() + up_to(ps_per_ms) + 1));
+      const bool pressed = rig_->board.bus().level(sim::Pin::estop);
+      ASSERT_TRUE(!pressed || rig_->state() == MachineState::estop);
+      ASSERT_FALSE(pressed && rig_->board.bus().level(sim::Pin::enable));
+    }
+    rig_->run(400 * ps_per_ms);
+    // Nothing moved or fired from the first edge on, `$X` in the gaps or not.
+    EXPECT_FALSE(rig_->monitor.stepped(at + 10 * ps_per_us, rig_->board.now()));
+    EXPECT_EQ(rig_->monitor.fired(at, rig_->board.now()), 0u);
+    EXPECT_EQ(rig_->status().first_unfired, rig_->shots().size());
+  }
+}
+
+TEST_F(DeadStop, UnlockIsRefusedAloudWhileTheEStopIsPressed) {
+  set_up(0);
+  rig_->board.world().schedule(sim::Pin::estop, true, ps_per_ms);
+  rig_->run(2 * ps_per_ms);
+  cable_->type("$X\n");
+  rig_->run(2 * ps_per_ms);
+  std::array<std::uint8_t, 4096> bytes{};
+  const std::size_t size = rig_->board.read(bytes);
+  const std::string text(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+  EXPECT_NE(text.find("error:50\r\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("ok\r\n"), std::string::npos) << text;
 }
 
 TEST_F(DeadStop, EStopInTheMiddleOfAShot) {
