@@ -18,6 +18,7 @@ constexpr int error_not_idle = 8;
 constexpr int error_locked = 9;
 constexpr int error_line_too_long = 11;
 constexpr int error_unsupported = 20;
+constexpr int error_estop = 50;          // of grblHAL
 constexpr int error_setting_range = 52;  // of grblHAL
 // Real-time bytes of grbl 1.1.
 constexpr std::uint8_t byte_reset = 0x18;
@@ -141,7 +142,11 @@ void Controller::commit() {
   // A stop is over when the last shot that was decided has been counted.
   const bool stopping = !job_ && (state_ == MachineState::run || state_ == MachineState::hold ||
                                   state_ == MachineState::door);
-  if (stopping && !shots_.token_out()) state_ = MachineState::idle;
+  if (stopping && !shots_.token_out()) {
+    // The edge may have come since prepare(): who sees idle shall see every shot.
+    runner_.read_outcomes();
+    state_ = MachineState::idle;
+  }
   if (state_ == MachineState::run && job_ && runner_.complete() && runner_.at_rest())
     state_ = MachineState::idle;
   link_.poll(*this);
@@ -208,6 +213,7 @@ void Controller::input_changed(Input input, bool active) {
 }
 
 void Controller::stopped_at(const StepPosition& steps) {
+  runner_.read_outcomes();  // of a shot that the board has found when it stopped
   runner_.halt();
   runner_.generator().set_position(steps);
 }
@@ -302,12 +308,13 @@ Result Controller::on_begin(const wire::JobHeader& header) {
     return Result::unsupported;
   settings::Values values;
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
+  RunOptions options;
   {
     const Masked masked(mask_);
     if (!(values == values_)) use_settings(values);
     shots_.begin_job();
+    options.shortest_tick_q16 = runner_.shortest_tick_q16();
   }
-  RunOptions options;
   options.mode = static_cast<motion::JoinMode>(header.mode);
   options.dry = dry_ = header.dry;
   options.points_total = points_total_ = header.points_total;
@@ -354,11 +361,9 @@ Result Controller::on_command(wire::Command command) {
 }
 
 void Controller::on_realtime(std::uint8_t byte) {
+  if (byte == '?') return send_status_line();
   const Masked masked(mask_);
   switch (byte) {
-    case '?':
-      send_status_line();
-      break;
     case '!':
       hold(HoldReason::realtime);
       break;
@@ -399,7 +404,10 @@ void Controller::answer_system_command(std::string_view line) {
     link_.send_text(options.view());
   } else if (line == "$X") {
     const Masked masked(mask_);
-    unlock();
+    if (state_ == MachineState::estop)
+      error = error_estop;
+    else
+      unlock();
   } else if (line == "$$") {
     list_settings();
   } else if (line == "$RST=$" || line == "$RST=*" || line == "$BOOT") {
@@ -479,12 +487,20 @@ void Controller::on_line_too_long() { send_error(error_line_too_long); }
 
 void Controller::send_banner() { link_.send_text("\r\nGrbl 1.1h ['$' for help]\r\n"); }
 
+StepPosition Controller::present_steps() {
+  const Masked masked(mask_);
+  const stepper::MotionState state = runner_.generator().state();
+  StepPosition steps{};
+  for (int a = 0; a < max_axes; ++a) steps[index(a)] = state.axis[index(a)].step();
+  return steps;
+}
+
 void Controller::send_status_line() {
   TextLine line;
   line.add("<").add(state_names[static_cast<std::size_t>(state_)]).add("|MPos:");
-  const stepper::MotionState position = runner_.generator().state();
+  const StepPosition position = present_steps();
   for (int a = 0; a < values_.whole(Id::axes); ++a) {
-    const std::int64_t steps = position.axis[static_cast<std::size_t>(a)].step();
+    const std::int64_t steps = position[index(a)];
     if (a != 0) line.add(",");
     line.add_milli(steps * 1'000'000 / values_.milli(Id::steps_per_mm_x, a));
   }

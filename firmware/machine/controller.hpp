@@ -164,6 +164,7 @@ class Controller {
   void list_settings();
   void send_error(int number);
   void send_banner();
+  StepPosition present_steps();
   void send_status_line();
 
   const InterruptMask mask_;

@@ -23,7 +23,7 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   queue_.reset(first);
   next_ = first_ = received_ = first;
   starvations_ = misses_ = 0;
-  make_limits(values, shortest_tick_q16(), limits_);
+  make_limits(values, options.shortest_tick_q16, limits_);
 }
 
 void JobRunner::clear() {
@@ -233,34 +233,8 @@ void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& b
   beat += beats;
 }
 
-std::uint32_t JobRunner::brake_ticks(const stepper::MotionState& from) const {
-  std::uint32_t ticks = 1;
-  for (int a = 0; a < limits_.axes; ++a) {
-    const std::uint32_t n =
-        motion::braking_ticks(from.axis[index(a)].speed_q62, limits_.axis[index(a)].plan_accel_q62);
-    if (n > ticks) ticks = n;
-  }
-  return ticks;
-}
-
-stepper::Segment JobRunner::make_brake(const stepper::MotionState& from) const {
-  stepper::Segment s;
-  s.start_tick = from.tick;
-  s.ticks = brake_ticks(from);
-  s.end.tick = s.end_tick();
-  for (int a = 0; a < max_axes; ++a) {
-    const stepper::AxisState& axis = from.axis[index(a)];
-    if (a < limits_.axes)
-      s.axis[index(a)] =
-          motion::make_brake(axis.speed_q62, limits_.axis[index(a)].plan_accel_q62, s.ticks);
-    s.end.axis[index(a)].position_q64 =
-        axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2);
-  }
-  return s;
-}
-
 void JobRunner::commit_brake() {
-  const stepper::Segment s = make_brake(plan_state_);
+  const stepper::Segment s = motion::make_brake(plan_state_, limits_);
   segments_.push(s);
   provisional_ = 1;
   rest_state_ = s.end;
@@ -276,7 +250,7 @@ void JobRunner::brake() {
   shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
   // Also where the speed is zero for a moment, at the start of a segment or at a turn.
   if (generator_.running()) {
-    const stepper::Segment s = make_brake(head);
+    const stepper::Segment s = motion::make_brake(head, limits_);
     generator_.replace(s);
     plan_state_ = s.end;
     clock_.set_motion_end(plan_state_.tick);

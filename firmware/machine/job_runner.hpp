@@ -11,7 +11,7 @@
 //   commit()   masked     hands the plan out; a start from rest moves on by whole beats if planning
 //                         has outlasted its margin
 //
-// Everything else here (brake, halt, begin, ...) is called masked.
+// Of the rest, what touches motion or shots (read_outcomes, brake, halt) is called masked.
 //
 // One primitive serves start, resume, a missed flash, starvation and re-lock: plan from the state
 // where committed motion ends to the points that are not done yet, in order.
@@ -47,7 +47,8 @@ struct RunOptions {
   motion::JoinMode mode = motion::JoinMode::free;
   bool dry = false;
   std::uint32_t points_total = 0;
-  std::int32_t least_beats = 1;  ///< between shots, from the highest shot rate
+  std::int32_t least_beats = 1;                     ///< between shots, from the highest shot rate
+  std::uint32_t shortest_tick_q16 = full_tick_q16;  ///< shortest_tick_q16() at the start
 };
 
 /// Runs one job at a time.
@@ -83,6 +84,8 @@ class JobRunner {
   std::uint32_t starvations() const { return starvations_; }
   std::uint32_t failed_point() const { return failed_point_; }
   std::uint32_t misses() const { return misses_; }
+  /// Shortest tick to expect over the nominal one, rounded down to a coarse grid. Masked.
+  std::uint32_t shortest_tick_q16() const;
   /// Motion ended with speed; the provisional rest makes that impossible.
   bool underrun() const { return generator_.underrun(); }
 
@@ -100,7 +103,6 @@ class JobRunner {
   std::uint64_t start_beat() const;
   void start_later();
   bool plan_with_new_limits(const settings::Values& values);
-  std::uint32_t shortest_tick_q16() const;
   void make_limits(const settings::Values& values, std::uint32_t tick_q16, motion::Limits& limits);
   void commit_plan();
   void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);
@@ -108,8 +110,6 @@ class JobRunner {
   void take_back_provisional();
   void keep_provisional();
   bool provisional_begun() const { return segments_.size() < provisional_; }
-  std::uint32_t brake_ticks(const stepper::MotionState& from) const;
-  stepper::Segment make_brake(const stepper::MotionState& from) const;
 
   lamp::BeatClock& clock_;
   lamp::ShotScheduler& shots_;

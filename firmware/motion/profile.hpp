@@ -12,6 +12,7 @@
 
 #include <cstdint>
 
+#include "firmware/motion/limits.hpp"
 #include "firmware/stepper/segment.hpp"
 
 namespace lamplock::motion {
@@ -26,6 +27,9 @@ AxisProfile make_profile(Int128 distance_q62, std::int64_t v0_q62, std::int64_t 
 /// Profile that brakes from `v0_q62` to rest at `accel_q62` and then stands, `ticks` in all.
 /// `ticks` >= braking_ticks(v0_q62, accel_q62).
 AxisProfile make_brake(std::int64_t v0_q62, std::int64_t accel_q62, std::uint32_t ticks);
+
+/// Segment that brakes every axis from `from` at its planning limit, to rest.
+stepper::Segment make_brake(const stepper::MotionState& from, const Limits& limits);
 
 /// Least number of ticks to brake to rest.
 std::uint32_t braking_ticks(std::int64_t v0_q62, std::int64_t accel_q62);

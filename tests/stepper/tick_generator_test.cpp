@@ -275,26 +275,6 @@ TEST(TickGenerator, ArmsAndTriggersAtTheExactTicks) {
   }
 }
 
-/// The segment that brakes every axis at its limit, as the job runner makes it.
-Segment brake_from(const MotionState& from, const motion::Limits& limits) {
-  Segment s;
-  s.start_tick = from.tick;
-  s.ticks = 1;
-  for (int a = 0; a < limits.axes; ++a)
-    s.ticks = std::max(s.ticks, motion::braking_ticks(from.axis[index(a)].speed_q62,
-                                                      limits.axis[index(a)].plan_accel_q62));
-  s.end.tick = s.end_tick();
-  for (int a = 0; a < max_axes; ++a) {
-    const stepper::AxisState& axis = from.axis[index(a)];
-    if (a < limits.axes)
-      s.axis[index(a)] =
-          motion::make_brake(axis.speed_q62, limits.axis[index(a)].plan_accel_q62, s.ticks);
-    s.end.axis[index(a)].position_q64 =
-        axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2);
-  }
-  return s;
-}
-
 TEST(TickGenerator, BrakesFromAnyTickWithoutAJump) {
   std::mt19937_64 random(65);
   for (int i = 0; i < test::scaled(100); ++i) {
@@ -308,7 +288,7 @@ TEST(TickGenerator, BrakesFromAnyTickWithoutAJump) {
     ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, at, 333));
     const MotionState before = generator.state();
     ASSERT_EQ(before.tick, at);
-    const Segment brake = brake_from(before, chain.limits);
+    const Segment brake = motion::make_brake(before, chain.limits);
     queue.clear();
     generator.replace(brake);
     fed = segments.size();
@@ -345,7 +325,7 @@ TEST(TickGenerator, AShotThatWasTakenBackIsNotArmed) {
   ASSERT_EQ(board.bits().back().bits, arm_bit);
   queue.clear();
   fed = segments.size();
-  generator.replace(brake_from(generator.state(), chain.limits));
+  generator.replace(motion::make_brake(generator.state(), chain.limits));
   ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, in_window + 1, 1000));
   EXPECT_EQ(board.bits().back().bits, 0);
 }
