@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,8 @@
 
 #include "host/error.hpp"
 #include "shared/units.hpp"
+#include "tests/error_of.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace lamplock::job {
 namespace {
@@ -20,31 +21,13 @@ namespace {
 using settings::Id;
 using testing::HasSubstr;
 
-/// A file that is gone at the end of the test.
-class TempFile {
- public:
-  explicit TempFile(const std::string& text) { std::ofstream(path_) << text; }
-  ~TempFile() { std::filesystem::remove(path_); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_ = std::filesystem::temp_directory_path() /
-                                ("lamplock-profile-" + std::to_string(::getpid()) + ".toml");
-};
-
-Profile read(const std::string& text) { return read_profile(TempFile(text).path()); }
+Profile read(const std::string& text) {
+  const test::TemporaryFolder folder;
+  return read_profile(folder.write("profile.toml", text));
+}
 
 std::string error_of(const std::string& text) {
-  try {
-    read(text);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.exit(), Exit::bad_input);
-    std::string what = error.what();
-    EXPECT_EQ(what.find('\n'), std::string::npos);
-    EXPECT_EQ(what.rfind("error: ", 0), 0u);
-    return what;
-  }
-  return "no error";
+  return test::error_of([&] { read(text); });
 }
 
 TEST(Profile, DefaultIsTheOneOfTheDesign) {

@@ -6,20 +6,9 @@
 #include <cstdint>
 
 #include "firmware/stepper/segment.hpp"
+#include "tests/native_int128.hpp"
 
 namespace lamplock::test {
-
-__extension__ using Native = __int128;
-__extension__ using UnsignedNative = unsigned __int128;
-
-inline Native native(Int128 x) {
-  return static_cast<Native>(
-      (static_cast<UnsignedNative>(static_cast<std::uint64_t>(x.hi())) << 64) | x.lo());
-}
-inline Int128 to_int128(Native x) {
-  const auto u = static_cast<UnsignedNative>(x);
-  return {static_cast<std::uint64_t>(u >> 64), static_cast<std::uint64_t>(u)};
-}
 
 /// What a profile does, looked at after every tick.
 struct TickSum {

@@ -1,67 +1,18 @@
-// Bodies with known geometry and files that vanish, for the tests of this folder.
+// Bodies with known geometry, for the tests of this folder.
 #pragma once
-
-#include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <numbers>
 #include <random>
-#include <string>
 #include <utility>
 
-#include "host/error.hpp"
 #include "host/model/mesh.hpp"
+#include "tests/error_of.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace lamplock::test {
-
-/// A folder of its own for each test, removed with it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            ("lamplock_" + std::string(info->name()) + "_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::filesystem::path file(const std::string& name) const { return path_ / name; }
-  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-    // A new file: some file systems wait for the disk when an old one is cut and written again.
-    std::filesystem::remove(file(name));
-    std::ofstream(file(name), std::ios::binary) << bytes;
-    return file(name);
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
-/// The message of the Error (bad input) that `call` must throw; a failure and "" otherwise.
-template <class Call>
-std::string error_of(Call&& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.exit(), Exit::bad_input);
-    std::string text = error.what();
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    EXPECT_TRUE(text.starts_with("error: ")) << text;
-    return text;
-  }
-  ADD_FAILURE() << "no error";
-  return "";
-}
 
 /// A torus round z, major radius `ring`, minor radius r, closed, outward normals. The offset turns
 /// the mesh a little so that no vertex lies on a special line by accident.

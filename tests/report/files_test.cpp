@@ -14,6 +14,7 @@
 #include "host/report/picture.hpp"
 #include "host/report/report.hpp"
 #include "tests/report/job_run.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace lamplock::report {
 namespace {
@@ -23,17 +24,13 @@ using test::perfect_run;
 
 class ReportFiles : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / "lamplock_report" / info->name();
-    fs::remove_all(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   static std::string read(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  fs::path folder_;
+
+  lamplock::test::TemporaryFolder temporary_;
+  fs::path folder_ = temporary_.file("report");
 };
 
 TEST_F(ReportFiles, JsonHasExactlyTheKeysPromised) {

@@ -5,13 +5,14 @@
 
 #include <random>
 
+#include "tests/native_int128.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock {
 namespace {
 
-__extension__ using Native = __int128;
-__extension__ using UnsignedNative = unsigned __int128;
+using test::Native;
+using test::UnsignedNative;
 
 /// Random magnitude of up to `bits` bits, every length equally often.
 std::uint64_t any_length(std::mt19937_64& random, int bits) {

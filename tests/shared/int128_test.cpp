@@ -5,23 +5,16 @@
 
 #include <random>
 
+#include "tests/native_int128.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock {
 namespace {
 
-__extension__ using Native = __int128;
-__extension__ using UnsignedNative = unsigned __int128;
-
-Native native(Int128 x) {
-  return static_cast<Native>(
-      (static_cast<UnsignedNative>(static_cast<std::uint64_t>(x.hi())) << 64) | x.lo());
-}
-
-Int128 from_native(Native x) {
-  const auto u = static_cast<UnsignedNative>(x);
-  return {static_cast<std::uint64_t>(u >> 64), static_cast<std::uint64_t>(u)};
-}
+using test::Native;
+using test::native;
+using test::to_int128;
+using test::UnsignedNative;
 
 /// Numbers of every magnitude, with the corners (0, -1, the extremes) often.
 class Numbers {
@@ -128,7 +121,7 @@ TEST(Int128, ConvertsSixtyFourBitNumbersWithTheirSign) {
     const std::int64_t a = numbers.signed_word();
     ASSERT_EQ(native(Int128(a)), Native{a});
     ASSERT_EQ(Int128(a).to_int64(), a);
-    ASSERT_EQ(from_native(Native{a}), Int128(a));
+    ASSERT_EQ(to_int128(Native{a}), Int128(a));
   }
 }
 
