@@ -87,6 +87,14 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
     setting = settings::row(Id::lamp_frequency).number;
     return Result::bad_value;
   }
+  // A shot that is not over when the next flash comes would hide its edge, and its arm window would
+  // lie before the segment that ends with it.
+  const std::int64_t shot_ns =
+      std::int64_t{values.milli(Id::q_switch_delay)} + values.milli(Id::q_switch_width);
+  if (shot_ns >= std::int64_t{beat} * tick_ns) {
+    setting = settings::row(Id::q_switch_width).number;
+    return Result::bad_value;
+  }
   const StepLimits space = work_space(values);
   for (int a = 0; a < out.axes; ++a) {
     AxisLimits& axis = out.axis[static_cast<std::size_t>(a)];

@@ -163,6 +163,12 @@ TEST(Limits, RefusesWhatTheTicksCannotDoAndNamesTheSetting) {
   values.set_milli(Id::acceleration_z, 1'000);
   EXPECT_EQ(limits_for(values, full_tick_q16, limits, setting), Result::bad_value);
   EXPECT_EQ(setting, 122);
+  values = settings::Values();
+  values.set_milli(Id::lamp_frequency, 5'000'000);
+  ASSERT_EQ(limits_for(values, full_tick_q16, limits, setting), Result::ok);
+  values.set_milli(Id::q_switch_delay, 60'000);  // with 150 us of pulse longer than a beat
+  EXPECT_EQ(limits_for(values, full_tick_q16, limits, setting), Result::bad_value);
+  EXPECT_EQ(setting, 903);
   EXPECT_EQ(make_limits(settings::Values(), 50, full_tick_q16, limits, setting), Result::bad_value);
   EXPECT_EQ(setting, 901);
 }
