@@ -42,6 +42,7 @@ bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
     case Id::steps_per_mm_z:
     case Id::steps_per_mm_a:
     case Id::axes:
+    case Id::pin_map:
       return asked != own;
     case Id::soft_limits:
     case Id::hard_limits:
@@ -51,11 +52,16 @@ bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
       return own != 0 && (asked == 0 || asked > own);
     case Id::max_shot_rate:
       return asked > own;
-    case Id::pin_map:
-      return asked != own;
     default:
       return id >= Id::max_rate_x && id <= Id::travel_a && asked > own;
   }
+}
+
+/// Nothing differs that the beat clock is made of.
+bool same_beat(const settings::Values& a, const settings::Values& b) {
+  for (auto id = static_cast<int>(Id::lamp_mode); id <= static_cast<int>(Id::lamp_drift); ++id)
+    if (a.milli(static_cast<Id>(id)) != b.milli(static_cast<Id>(id))) return false;
+  return true;
 }
 
 /// The work space of a job lies inside the machine's own.
@@ -73,16 +79,28 @@ Controller::Controller(const settings::Values& stored, const InterruptMask& mask
       stored_(stored),
       values_(stored),
       runner_(clock_, shots_) {
+  clock_.configure(stored);
   use_settings(stored);
   shots_.permit(false, BeatReason::no_point_due);
   send_banner();
 }
 
 void Controller::use_settings(const settings::Values& values) {
+  // The clock starts anew, and has to lock again, only if it has to.
+  const bool other_beat = !same_beat(values, values_);
   values_ = values;
   work_space_ = work_space(values);
-  clock_.configure(values);
+  if (other_beat) clock_.configure(values);
   set_trigger();
+}
+
+// Called with beat and fill interrupts masked, as all of commit() is.
+void Controller::end_overrides() {
+  const bool over = state_ == MachineState::idle || state_ == MachineState::alarm ||
+                    state_ == MachineState::estop;
+  if (!overridden_ || !over || !runner_.at_rest() || shots_.token_out()) return;
+  overridden_ = false;
+  use_settings(stored_);
 }
 
 FireTiming Controller::fire_timing() const {
@@ -149,6 +167,7 @@ void Controller::commit() {
   }
   if (state_ == MachineState::run && job_ && runner_.complete() && runner_.at_rest())
     state_ = MachineState::idle;
+  end_overrides();
   link_.poll(*this);
 }
 
@@ -311,6 +330,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   RunOptions options;
   {
     const Masked masked(mask_);
+    overridden_ = !(values == stored_);
     if (!(values == values_)) use_settings(values);
     shots_.begin_job();
     options.shortest_tick_q16 = runner_.shortest_tick_q16();

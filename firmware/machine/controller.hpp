@@ -148,6 +148,7 @@ class Controller {
 
   Result job_settings(const wire::JobHeader& header, settings::Values& values);
   void use_settings(const settings::Values& values);
+  void end_overrides();
   void set_trigger();
   void hold(wire::HoldReason reason);
   void resume();
@@ -171,6 +172,7 @@ class Controller {
   const int board_axes_;
   settings::Values stored_;
   settings::Values values_;  ///< stored, with the overrides of the job
+  bool overridden_ = false;
   link::Link link_;
   lamp::BeatClock clock_;
   lamp::ShotScheduler shots_;

@@ -148,6 +148,38 @@ TEST(Safety, ProtectionsCannotBeLoosenedByAJob) {
   }
 }
 
+/// Counts the changes of a pin.
+class Changes final : public sim::PinListener {
+ public:
+  Changes(sim::PinBus& bus, sim::Pin pin) { bus.listen(pin, *this); }
+  int count() const { return count_; }
+
+ private:
+  void pin_changed(sim::Pin /*pin*/, bool /*level*/, sim::Picoseconds /*at*/) override { ++count_; }
+  int count_ = 0;
+};
+
+TEST(Safety, OverridesEndWithTheJob) {
+  const job::Profile machine = lamp_profile();
+  job::Profile asked = machine;
+  job::state_setting(asked, Id::lamp_mode, static_cast<int>(settings::LampMode::free_beat), "test");
+  Rig rig(machine);
+  Changes trigger(rig.board.bus(), sim::Pin::lamp_trigger);
+  const job::Job job = job::make_job(histogram_walk(20, 1), asked, {});
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    rig.run(10 * ps_per_ms);
+    EXPECT_EQ(rig.board.controller().values(), machine.settings);
+    // The machine's own lamp is the beat again, and nobody triggers it.
+    const int in_the_job = trigger.count();
+    EXPECT_GT(in_the_job, 20);
+    rig.run(300 * ps_per_ms);
+    EXPECT_EQ(trigger.count(), in_the_job);
+    EXPECT_FALSE(rig.board.bus().level(sim::Pin::lamp_trigger));
+    EXPECT_TRUE(rig.board.controller().clock().locked());
+  }
+}
+
 TEST(Safety, AJobCannotChangeWhatTheMachineIs) {
   const job::Profile machine = lamp_profile();
   const std::pair<Id, std::int32_t> other[] = {{Id::steps_per_mm_x, 400'000},
