@@ -104,6 +104,37 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
   std::printf("last step %.1f us after the loss\n", static_cast<double>(longest) / 1e6);
 }
 
+/// Plans take longer than the watchdog waits, so each asks for time; they must not keep a machine
+/// alive whose e-stop has gone.
+TEST_F(Loss, OfTheStopInterruptWhilePlanning) {
+  const job::Profile profile = chip_profile();
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  RunningJob running(rig, job::make_job(chip_points(2000, random_()), profile, {}), 1);
+  ASSERT_TRUE(running.run_until_fired(5));
+  // A store to NVIC_ICER, made by the processor itself.
+  sim::chip::Core& core = rig.core();
+  const std::array<std::uint32_t, 3> saved{core.reg(0), core.reg(1), core.reg(15)};
+  constexpr std::uint32_t icer = 0xe000'e180, io_irq_bank0 = 1u << 13;
+  constexpr std::uint16_t store = 0x6008, loop = 0xe7fe;  // str r0, [r1]
+  const bool masked = core.primask();
+  core.set_primask(true);
+  put(rig, spare, store);
+  put(rig, spare + 2, loop);
+  core.set_reg(0, io_irq_bank0);
+  core.set_reg(1, icer);
+  core.set_reg(15, spare);
+  rig.board.chip().run_until(rig.board.chip().now() + 20);
+  core.set_reg(0, saved[0]);
+  core.set_reg(1, saved[1]);
+  core.set_reg(15, saved[2]);
+  core.set_primask(masked);
+  const Picoseconds end = rig.now() + 1100 * ps_per_ms;
+  while (rig.now() < end && rig.board.chip().watchdog_resets() == 0 && running.sender.step()) {
+  }
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 1u);
+}
+
 /// Of all power and of the core's alone in turn; the chip calls both power-on.
 TEST_F(Loss, OfPowerInAJob) {
   const job::Profile profile = chip_profile();

@@ -161,7 +161,11 @@ void RealTime::top_up(machine::Controller& core) {
 
 void RealTime::beat_interrupt(machine::Controller& core) {
   timer().intr = 1u << beat_alarm;
-  if (estop_.is_cut()) return;
+  if (estop_.is_cut()) {
+    // A result that nobody reads would call us for ever; begin() lets it interrupt again.
+    clear_bits(pio0().irq0_inte, pio_intr::rx_not_empty(fire_machine.number));
+    return;
+  }
   fire_.service(core, [this] { return now(); });
   const bool enough = feed_spans(core, most_spans);
   const std::uint64_t present = now();
@@ -233,8 +237,6 @@ void RealTime::poll(machine::Controller& core) {
     estop_.told();
     stop_dead(core);
     inputs_.estop_seen(changed);
-  } else if (estop_.is_cut()) {
-    stop_dead(core);
   } else if (feed_.starved()) {
     estop_.cut();
     core.lattice_stopped();

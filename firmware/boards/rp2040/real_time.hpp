@@ -58,16 +58,12 @@ class RealTime {
 
   /// Present clock of the core, at most 1 us behind.
   std::uint64_t now() const { return (microseconds() - start_us_) * clocks_per_us; }
-  /// Outputs off, as the e-stop does it (fault handler, before a reset); poll() starts again.
-  void cut() { estop_.cut(); }
-  /// Ticks have run out at least once since the last start of the lattice.
-  bool starved() const { return feed_.starved(); }
 
  private:
   void start_pads() const;
   /// False if `most` spans were not enough.
   bool feed_spans(machine::Controller& core, std::uint32_t most);
-  void begin(machine::Controller& core, const StepPosition& steps, std::uint64_t stopped_tick);
+  void begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled);
   void go(std::uint64_t first_clock);
   void stop_dead(machine::Controller& core);
   void input_changed(machine::Controller& core, machine::Input input, bool active);

@@ -45,18 +45,25 @@ class Watchdog {
     for (const volatile bool& one : signed_)
       if (!one) return;
     for (volatile bool& one : signed_) one = false;
+    allowed_us_ = 0;
     feed(timeout_us);
   }
   /// Before the boot loader, which feeds nobody.
   static void stop() { clear_bits(watchdog_registers().ctrl, watchdog_field::enable); }
-  /// The main loop is going to be busy for so long (an erase of the flash, a plan).
-  void allow(std::uint32_t us) { feed(us); }
+  /// The main loop is going to be busy for so long (an erase of the flash, a plan). Once until
+  /// everybody has signed again: no row of plans may stand in for an interrupt that is dead.
+  void allow(std::uint32_t us) {
+    if (us <= allowed_us_) return;
+    allowed_us_ = us;
+    feed(us);
+  }
 
  private:
   /// Erratum E1: two counts a tick.
   static void feed(std::uint32_t us) { watchdog_registers().load = 2 * us; }
 
   std::array<volatile bool, static_cast<std::size_t>(Signer::count)> signed_{};
+  std::uint32_t allowed_us_ = 0;  ///< longest time allowed since the last service
 };
 
 }  // namespace lamplock::rp2040

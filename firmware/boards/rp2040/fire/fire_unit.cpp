@@ -1,6 +1,7 @@
 #include "firmware/boards/rp2040/fire/fire_unit.hpp"
 
 #include "firmware/boards/rp2040/allocation.hpp"
+#include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
 
 namespace lamplock::rp2040 {
 namespace {
@@ -82,10 +83,15 @@ void FireUnit::report(machine::Controller& core, std::uint32_t count, std::uint6
   }
 }
 
-void FireUnit::load() {
+bool FireUnit::is_running() { return (pio0().ctrl & pio_ctrl::enable(fire_machine.mask())) != 0; }
+
+bool FireUnit::load() {
+  const AllMasked masked;  // a cut in between would be undone
+  if (!is_running()) return false;
   release(arm_gpio);
   fire_machine.write(word_);
   keeper_.loaded();
+  return true;
 }
 
 bool FireUnit::pulse_lasts() {
@@ -96,7 +102,8 @@ bool FireUnit::pulse_lasts() {
 bool FireUnit::withdraw() const {
   force_low(arm_gpio);
   wait_16_clocks();
-  if (pulse_lasts()) return false;
+  const AllMasked masked;  // a cut in between would be undone
+  if (!is_running() || pulse_lasts()) return false;
   fire_machine.disable();
   const bool there = fire_machine.tx_level() != 0;
   if (there) {
@@ -128,7 +135,7 @@ void FireUnit::handle_token(machine::Controller& core, std::uint64_t now) {
         break;
       }
       case Action::load:
-        load();
+        if (!load()) return;
         break;
       case Action::drop:
         keeper_.dropped();

@@ -79,8 +79,10 @@ class FireUnit {
   void report(machine::Controller& core, std::uint32_t count, std::uint64_t now);
   std::uint64_t edge_of(std::uint32_t result, std::uint64_t latest, std::uint64_t now);
   void handle_token(machine::Controller& core, std::uint64_t now);
-  void load();
+  /// False after cut_off(): what stands still gets no token.
+  bool load();
   bool withdraw() const;
+  static bool is_running();
   static bool pulse_lasts();
 
   LatticeOutput& lattice_;

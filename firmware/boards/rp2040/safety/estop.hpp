@@ -7,7 +7,7 @@
 // Who: interrupt() from IO_IRQ_BANK0, alone at priority 0, nothing masks it longer than 1 us.
 //      Budget: 60 cycles (0.5 us) and the entry; 9 stores.
 //
-// The pads stay low (release()) until the core has left the e-stop state.
+// The pads stay low until release_pads(), when the core has left the e-stop state.
 #pragma once
 
 #include <cstdint>
@@ -45,8 +45,9 @@ class Estop {
   }
   /// The lamp goes on flashing once the lattice runs again, shots or not.
   static void release_trigger() { release(boards::gpio(boards::Role::lamp_trigger)); }
-  /// Something was cut off and the main loop has not yet put it in order.
-  bool is_cut() const { return cut_; }
+  /// Something was cut off and the main loop has not yet put it in order, or a press has come since
+  /// of which the core knows nothing.
+  bool is_cut() const { return cut_ || seen_; }
   bool seen() const { return seen_; }
   void in_order() { cut_ = false; }
   void told() { seen_ = false; }

@@ -1,0 +1,35 @@
+// The e-stop at the moments that hurt: while the firmware is busy with what the e-stop stops.
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using sim::ps_per_ns;
+using testing::HasSubstr;
+
+/// Presses the e-stop for some time.
+void press(ChipRig& rig, Picoseconds at) {
+  rig.board.world().schedule(sim::Pin::estop, true, at);
+  rig.board.world().schedule(sim::Pin::estop, false, at + 100 * ps_per_us);
+}
+
+/// FIRE says what became of an edge 2.2 us after it; what it says is read a little later.
+TEST(EmergencyStop, BetweenAResultOfTheFireStageAndItsReader) {
+  ChipRig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  rig.run(20 * ps_per_ms);
+  for (Picoseconds offset = 1800 * ps_per_ns; offset <= 2600 * ps_per_ns;
+       offset += 40 * ps_per_ns) {
+    SCOPED_TRACE(testing::Message() << "ns after the edge: " << offset / ps_per_ns);
+    const sim::Lamp& lamp = rig.board.world().lamp();
+    const std::int64_t seen = lamp.flashes();
+    while (lamp.flashes() == seen) rig.run(100 * ps_per_us);
+    press(rig, lamp.flash_before(rig.now()).at + 2 * ps_per_ms + offset);
+    rig.run(5 * ps_per_ms);
+    ASSERT_THAT(rig.status(), HasSubstr("<Alarm"));
+  }
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+}
+
+}  // namespace
+}  // namespace lamplock::test
