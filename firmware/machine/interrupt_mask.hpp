@@ -23,9 +23,12 @@ class Masked {
   explicit Masked(const InterruptMask& mask) : mask_(mask) {
     if (mask_.disable == nullptr) return;
     *mask_.disable = mask_.bits;
-    // Read back: by then the write has taken effect and what was being taken has been taken.
-    static_cast<void>(*mask_.disable);
+    // By then the write has taken effect and what was being taken has been taken.
+#ifdef __arm__
+    asm volatile("dsb\n isb" ::: "memory");
+#else
     asm volatile("" ::: "memory");
+#endif
   }
   ~Masked() {
     asm volatile("" ::: "memory");

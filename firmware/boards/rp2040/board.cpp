@@ -19,6 +19,7 @@ constexpr unsigned uart_send_gpio = *boards::find_gpio(boards::PinMap::cut, boar
 
 /// What is said before the boot loader starts is given this long to reach the host.
 constexpr std::uint64_t last_words_us = 50'000;
+static_assert(last_words_us < Watchdog::timeout_us);
 
 constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | reset_bit::io_bank0 |
                                       reset_bit::pads_bank0 | reset_bit::pio0 | reset_bit::pio1 |
@@ -27,7 +28,7 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 
 }  // namespace
 
-Board::Board() : core_(stored_, CoreMasked::mask(), boards::axes(map_)), ports_(uart_send_gpio) {}
+Board::Board() : core_(stored_, mask_, boards::axes(map_)), ports_(uart_send_gpio) {}
 
 void Board::start_ports() {
   const std::array<char, 16> number = flash_unique_number();
@@ -68,7 +69,7 @@ void Board::pass() {
   store_settings();
   transmit();
   {
-    const CoreMasked masked;
+    const machine::Masked masked(mask_);
     real_time_.poll(core_);
     note_job();
   }
@@ -92,7 +93,7 @@ void Board::receive() {
 void Board::work() {
   bool plan = false;
   {
-    const CoreMasked masked;
+    const machine::Masked masked(mask_);
     real_time_.top_up(core_);
     plan = core_.prepare(real_time_.now());
   }
@@ -100,7 +101,7 @@ void Board::work() {
     watchdog_.allow(Watchdog::planning_us);
     core_.plan();
   }
-  const CoreMasked masked;
+  const machine::Masked masked(mask_);
   real_time_.top_up(core_);
   core_.commit();
 }
@@ -125,11 +126,9 @@ void Board::store_settings() {
 }
 
 void Board::enter_loader() {
+  watchdog_.allow(Watchdog::timeout_us);
   const std::uint64_t end = microseconds() + last_words_us;
-  while (microseconds() < end) {
-    transmit();
-    watchdog_.allow(Watchdog::timeout_us);
-  }
+  while (microseconds() < end) transmit();
   asm volatile("cpsid i" ::: "memory");
   make_outputs_safe();
   forget_run();

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "firmware/boards/rp2040/flash.hpp"
+#include "firmware/boards/rp2040/interrupts.hpp"
 #include "firmware/boards/rp2040/last_run.hpp"
 #include "firmware/boards/rp2040/ports.hpp"
 #include "firmware/boards/rp2040/real_time.hpp"
@@ -77,6 +78,7 @@ class Board {
   settings::Store<SettingsArea> store_{area_};
   const settings::Values stored_ = store_.load();
   const boards::PinMap map_ = static_cast<boards::PinMap>(stored_.whole(settings::Id::pin_map));
+  const machine::InterruptMask mask_ = core_mask();
   machine::Controller core_;
   RealTime real_time_{map_};
   Ports ports_;

@@ -42,23 +42,10 @@ constexpr std::uint32_t irqs_of(Level level) {
   return bits;
 }
 
-/// Beat and fill interrupts masked at the NVIC for the life of the object; main loop only, not
-/// nested. E-stop and links go on.
-class CoreMasked {
- public:
-  CoreMasked() {
-    nvic().icer = bits;
-    barrier();
-  }
-  ~CoreMasked() { nvic().iser = bits; }
-  CoreMasked(const CoreMasked&) = delete;
-  CoreMasked& operator=(const CoreMasked&) = delete;
-
-  /// The same for the core.
-  static machine::InterruptMask mask() { return {&nvic().icer, &nvic().iser, bits}; }
-
- private:
-  static constexpr std::uint32_t bits = irqs_of(Level::beat) | irqs_of(Level::fill);
-};
+/// Beat and fill, to be masked at the NVIC while the main loop touches what it shares with them.
+/// E-stop and links go on.
+inline machine::InterruptMask core_mask() {
+  return {&nvic().icer, &nvic().iser, irqs_of(Level::beat) | irqs_of(Level::fill)};
+}
 
 }  // namespace lamplock::rp2040
