@@ -58,10 +58,13 @@ static_assert(offsetof(SioRegisters, div_udividend) == 0x60);
 static_assert(offsetof(SioRegisters, div_sdividend) == 0x68);
 static_assert(offsetof(SioRegisters, div_quotient) == 0x70);
 
+// The names are the ABI's.
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 [[gnu::naked]] void __aeabi_uidivmod() { LAMPLOCK_DIVIDE_32("0x60"); }
 [[gnu::naked]] void __aeabi_uidiv() { LAMPLOCK_DIVIDE_32("0x60"); }
 [[gnu::naked]] void __aeabi_idivmod() { LAMPLOCK_DIVIDE_32("0x68"); }
 [[gnu::naked]] void __aeabi_idiv() { LAMPLOCK_DIVIDE_32("0x68"); }
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 [[gnu::used]] std::uint64_t divide_unsigned_64(std::uint64_t n, std::uint64_t d,
                                                std::uint64_t& rest) {
@@ -90,6 +93,8 @@ static_assert(offsetof(SioRegisters, div_quotient) == 0x70);
       "add sp, #16\n"                \
       "pop {r4, pc}\n")
 
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 [[gnu::naked]] void __aeabi_uldivmod() { LAMPLOCK_DIVIDE_64("divide_unsigned_64"); }
 [[gnu::naked]] void __aeabi_ldivmod() { LAMPLOCK_DIVIDE_64("divide_signed_64"); }
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 }

@@ -4,7 +4,7 @@
 
 #include "firmware/boards/rp2040/boot/xip.hpp"
 #include "firmware/boards/rp2040/registers/io_qspi.hpp"
-#include "firmware/boards/rp2040/registers/xip_ctrl.hpp"
+#include "firmware/boards/rp2040/registers/xip.hpp"
 #include "firmware/boards/rp2040/rom.hpp"
 
 namespace lamplock::rp2040 {
@@ -48,7 +48,7 @@ void exchange(std::span<std::uint8_t> bytes) {
 
 void SettingsArea::read(std::uint32_t at, std::span<std::uint8_t> out) const {
   // Past the cache: what was programmed is there at once.
-  const auto* from = reinterpret_cast<const volatile std::uint8_t*>(xip_nocache_base + offset + at);
+  const volatile std::uint8_t* from = xip_nocache() + offset + at;
   for (std::uint8_t& byte : out) byte = *from++;
 }
 

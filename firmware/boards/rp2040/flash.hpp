@@ -30,7 +30,4 @@ class SettingsArea {
 /// Unique number of the flash chip (command 4Bh), as 16 characters.
 std::array<char, 16> flash_unique_number();
 
-/// Longest time one of the above can take.
-inline constexpr std::uint32_t longest_flash_us = 500'000;
-
 }  // namespace lamplock::rp2040

@@ -16,13 +16,14 @@ constexpr std::uint32_t rom_code(char a, char b) {
 template <class Function>
 [[gnu::always_inline]] inline Function* rom_function(std::uint32_t code) {
   using Lookup = void*(const std::uint16_t* table, std::uint32_t code);
-  // Through volatile: the compiler takes an access so close to address 0 for a null pointer.
-  const auto half_word = [](std::uintptr_t address) {
-    asm("" : "+r"(address));
-    return *reinterpret_cast<const volatile std::uint16_t*>(address);
-  };
-  const auto* table = reinterpret_cast<const std::uint16_t*>(std::uintptr_t{half_word(0x14)});
-  auto* const lookup = reinterpret_cast<Lookup*>(std::uintptr_t{half_word(0x18)});
+  // Pointers that the compiler knows nothing of: it takes an access so close to address 0 for one
+  // through a null pointer, and is told nothing by a cast from an integer either.
+  const volatile std::uint16_t* pointers = nullptr;
+  asm("" : "=r"(pointers) : "0"(0x14));
+  const std::uint16_t* table = nullptr;
+  Lookup* lookup = nullptr;
+  asm("" : "=r"(table) : "0"(std::uint32_t{pointers[0]}));
+  asm("" : "=r"(lookup) : "0"(std::uint32_t{pointers[2]}));
   return reinterpret_cast<Function*>(lookup(table, code));
 }
 

@@ -24,12 +24,4 @@ inline constexpr std::uint32_t stack_paint = 0x5aa55aa5;
   for (std::uint32_t* word = stack_bottom; word < pointer; ++word) *word = stack_paint;
 }
 
-/// Most bytes that were ever in use.
-inline std::uint32_t stack_high_water() {
-  const std::uint32_t* word = stack_bottom;
-  while (word < stack_top && *word == stack_paint) ++word;
-  return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(stack_top) -
-                                    reinterpret_cast<std::uintptr_t>(word));
-}
-
 }  // namespace lamplock::rp2040

@@ -18,9 +18,6 @@
 
 namespace lamplock::rp2040 {
 
-/// Longest low time that fits a word.
-inline constexpr std::uint32_t most_low_count = 0xffff;
-
 constexpr std::uint32_t tick_word(std::uint32_t ticks, std::uint32_t low_count) {
   return (ticks - 1) | low_count << 16;
 }

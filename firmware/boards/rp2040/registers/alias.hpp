@@ -1,5 +1,5 @@
-// Atomic register aliases of the RP2040 (datasheet, 2.1.2): a write to register + 0x1000 inverts,
-// + 0x2000 sets, + 0x3000 clears the bits written. Not for SIO and not for memory.
+// Atomic register aliases of the RP2040 (datasheet, 2.1.2): a write to register + 0x2000 sets,
+// + 0x3000 clears the bits written. Not for SIO and not for memory.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,9 @@ namespace lamplock::rp2040 {
 /// A register as hardware has it.
 using Register = volatile std::uint32_t;
 
-inline volatile std::uint32_t& alias(Register& reg, std::uintptr_t offset) {
-  return *reinterpret_cast<Register*>(reinterpret_cast<std::uintptr_t>(&reg) + offset);
+inline Register& alias(Register& reg, std::uintptr_t offset) {
+  return *(&reg + offset / sizeof(Register));
 }
-inline void invert_bits(Register& reg, std::uint32_t bits) { alias(reg, 0x1000) = bits; }
 inline void set_bits(Register& reg, std::uint32_t bits) { alias(reg, 0x2000) = bits; }
 inline void clear_bits(Register& reg, std::uint32_t bits) { alias(reg, 0x3000) = bits; }
 

@@ -34,7 +34,6 @@ static_assert(offsetof(ClocksRegisters, sys_resus_ctrl) == 0x78);
 inline ClocksRegisters& clocks() { return *reinterpret_cast<ClocksRegisters*>(0x40008000); }
 
 namespace clock_field {
-inline constexpr std::uint32_t ref_source_rosc = 0;
 inline constexpr std::uint32_t ref_source_xosc = 2;
 inline constexpr std::uint32_t sys_source_ref = 0;
 inline constexpr std::uint32_t sys_source_aux = 1;

@@ -1,4 +1,4 @@
-// The core's own registers: SysTick, NVIC, system control (ARMv6-M Architecture Reference Manual,
+// The core's own registers: NVIC, system control (ARMv6-M Architecture Reference Manual,
 // B3.2 to B3.4). Word accesses only.
 #pragma once
 
@@ -8,14 +8,6 @@
 #include "firmware/boards/rp2040/registers/alias.hpp"
 
 namespace lamplock::rp2040 {
-
-struct SysTickRegisters {
-  Register csr;
-  Register rvr;
-  Register cvr;
-  Register calib;
-};
-inline SysTickRegisters& sys_tick() { return *reinterpret_cast<SysTickRegisters*>(0xe000e010); }
 
 struct NvicRegisters {
   Register iser;
@@ -87,12 +79,6 @@ inline void set_priority(Irq irq, std::uint32_t priority) {
   const unsigned shift = 8 * (number % 4) + 6;
   Register& reg = nvic().ipr[number / 4];
   reg = (reg & ~(3u << shift)) | (priority << shift);
-}
-
-/// What was written before is seen by everything behind it.
-inline void barrier() {
-  asm volatile("dsb" ::: "memory");
-  asm volatile("isb" ::: "memory");
 }
 
 /// Interrupts masked by PRIMASK for the life of the object; at most 1 us.

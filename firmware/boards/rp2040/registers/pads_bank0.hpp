@@ -22,7 +22,6 @@ inline PadsBank0Registers& pads_bank0() {
 }
 
 namespace pad {
-inline constexpr std::uint32_t slew_fast = 1u << 0;
 inline constexpr std::uint32_t schmitt = 1u << 1;
 inline constexpr std::uint32_t pull_down = 1u << 2;
 inline constexpr std::uint32_t pull_up = 1u << 3;

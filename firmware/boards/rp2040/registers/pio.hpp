@@ -55,11 +55,6 @@ constexpr std::uint32_t restart(unsigned machines) { return machines << 4; }
 constexpr std::uint32_t clkdiv_restart(unsigned machines) { return machines << 8; }
 }  // namespace pio_ctrl
 
-namespace pio_fstat {
-constexpr std::uint32_t rx_empty(unsigned sm) { return 1u << (8 + sm); }
-constexpr std::uint32_t tx_full(unsigned sm) { return 1u << (16 + sm); }
-}  // namespace pio_fstat
-
 namespace pio_flevel {
 constexpr unsigned tx(std::uint32_t flevel, unsigned sm) { return flevel >> (8 * sm) & 15; }
 constexpr unsigned rx(std::uint32_t flevel, unsigned sm) { return flevel >> (8 * sm + 4) & 15; }

@@ -79,12 +79,11 @@ inline constexpr std::uint32_t controller_enable = 1u << 0;  // MAIN_CTRL
 inline constexpr std::uint32_t pullup_enable = 1u << 16;    // SIE_CTRL
 inline constexpr std::uint32_t ep0_each_buffer = 1u << 29;  // SIE_CTRL: EP0_INT_1BUF
 
-inline constexpr std::uint32_t status_suspended = 1u << 4;   // SIE_STATUS
-inline constexpr std::uint32_t status_resume = 1u << 11;     // SIE_STATUS
-inline constexpr std::uint32_t status_connected = 1u << 16;  // SIE_STATUS
-inline constexpr std::uint32_t status_setup = 1u << 17;      // SIE_STATUS: SETUP_REC
-inline constexpr std::uint32_t status_reset = 1u << 19;      // SIE_STATUS: BUS_RESET
-inline constexpr unsigned line_state_shift = 2;              // SIE_STATUS
+inline constexpr std::uint32_t status_suspended = 1u << 4;  // SIE_STATUS
+inline constexpr std::uint32_t status_resume = 1u << 11;    // SIE_STATUS
+inline constexpr std::uint32_t status_setup = 1u << 17;     // SIE_STATUS: SETUP_REC
+inline constexpr std::uint32_t status_reset = 1u << 19;     // SIE_STATUS: BUS_RESET
+inline constexpr unsigned line_state_shift = 2;             // SIE_STATUS
 inline constexpr std::uint32_t line_state_mask = 3;
 inline constexpr std::uint32_t line_state_se0 = 0;
 /// CRC, bit stuffing, overflow, time-out, data sequence (SIE_STATUS).
@@ -120,7 +119,6 @@ inline constexpr std::uint32_t endpoint_interrupt = 3u << 26;
 // Half of a buffer control word (4.1.2.5.3). STALL and RESET_SELECT stand in buffer 0's half and
 // hold for both.
 inline constexpr std::uint16_t buffer_full = 1u << 15;
-inline constexpr std::uint16_t buffer_last = 1u << 14;
 inline constexpr std::uint16_t buffer_data1 = 1u << 13;
 inline constexpr std::uint16_t buffer_reset_select = 1u << 12;
 inline constexpr std::uint16_t buffer_stall = 1u << 11;

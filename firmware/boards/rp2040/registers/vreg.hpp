@@ -20,7 +20,6 @@ inline VregRegisters& vreg_and_chip_reset() {
 }
 
 namespace chip_reset_bit {
-inline constexpr std::uint32_t had_power_on = 1u << 8;  ///< or the brown-out detector
 inline constexpr std::uint32_t had_run_pin = 1u << 16;
 inline constexpr std::uint32_t had_debugger = 1u << 20;
 }  // namespace chip_reset_bit

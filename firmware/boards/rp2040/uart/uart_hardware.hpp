@@ -14,7 +14,6 @@ namespace lamplock::rp2040 {
 
 /// UART whose TX is on a pin (datasheet, 1.4.3, table 2): pins 0, 12, 16 and 28 are UART 0's,
 /// 4, 8, 20 and 24 UART 1's; RX is the next pin.
-constexpr bool is_uart_send_pin(unsigned gpio) { return gpio % 4 == 0 && gpio <= 28; }
 constexpr unsigned uart_of_pin(unsigned gpio) { return (gpio + 4) / 8 % 2; }
 static_assert(uart_of_pin(0) == 0 && uart_of_pin(4) == 1 && uart_of_pin(8) == 1);
 static_assert(uart_of_pin(12) == 0 && uart_of_pin(16) == 0 && uart_of_pin(20) == 1);
