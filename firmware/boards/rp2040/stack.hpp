@@ -1,5 +1,5 @@
-// The one stack: scratch X and Y, 8 KiB, apart from everything else. toolchain/gate checks that no
-// chain of calls and interrupts can need more.
+// The one stack: scratch X and Y, 8 KiB, apart from everything else. toolchain/gate_image checks
+// that no chain of calls and interrupts can need more.
 #pragma once
 
 #include <cstdint>
