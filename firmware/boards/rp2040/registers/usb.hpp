@@ -119,6 +119,7 @@ inline constexpr std::uint32_t endpoint_interrupt = 3u << 26;
 // Half of a buffer control word (4.1.2.5.3). STALL and RESET_SELECT stand in buffer 0's half and
 // hold for both.
 inline constexpr std::uint16_t buffer_full = 1u << 15;
+inline constexpr std::uint16_t buffer_last = 1u << 14;
 inline constexpr std::uint16_t buffer_data1 = 1u << 13;
 inline constexpr std::uint16_t buffer_reset_select = 1u << 12;
 inline constexpr std::uint16_t buffer_stall = 1u << 11;
