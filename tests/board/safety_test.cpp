@@ -166,13 +166,15 @@ TEST(Safety, OverridesEndWithTheJob) {
   Rig rig(machine);
   Changes trigger(rig.board.bus(), sim::Pin::lamp_trigger);
   const job::Job job = job::make_job(histogram_walk(20, 1), asked, {});
-  for (int i = 0; i < 2; ++i) {
-    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  for (std::uint32_t session = 1; session <= 2; ++session) {
+    link::SenderOptions options;
+    options.session = session;
+    ASSERT_EQ(run_job(rig, job, options).end, link::JobEnd::done);
     rig.run(10 * ps_per_ms);
     EXPECT_EQ(rig.board.controller().values(), machine.settings);
     // The machine's own lamp is the beat again, and nobody triggers it.
     const int in_the_job = trigger.count();
-    EXPECT_GT(in_the_job, 20);
+    EXPECT_GT(in_the_job, 20 * static_cast<int>(session));
     rig.run(300 * ps_per_ms);
     EXPECT_EQ(trigger.count(), in_the_job);
     EXPECT_FALSE(rig.board.bus().level(sim::Pin::lamp_trigger));

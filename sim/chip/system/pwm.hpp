@@ -3,7 +3,8 @@
 // In:  registers; the levels of the pins that channels B count.
 // Out: levels on the pins; the interrupt PWM_IRQ_WRAP.
 // Who: the bus; the wheel at edges of outputs that are connected to a pin, and at wraps that
-//      somebody waits for. A slice that nobody looks at costs nothing: its counter has a closed form.
+//      somebody waits for. A slice that nobody looks at costs nothing: its counter has a closed
+//      form.
 #pragma once
 
 #include <array>
