@@ -3,8 +3,8 @@
 //
 // In:  nothing.
 // Out: two maps, glass (engraving inside glass) and cut (cutting, plotting), from one list of
-// roles. Who: the image (every driver asks for its role), the chip simulator (connects the pads to
-// its
+//      roles.
+// Who: the image (every driver asks for its role), the chip simulator (connects the pads to its
 //      world), the documentation of the wiring.
 //
 // Rules, checked at compile time: a pin has one role in a map; an output that can release energy

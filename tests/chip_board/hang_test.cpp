@@ -104,6 +104,24 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
   std::printf("last step %.1f us after the loss\n", static_cast<double>(longest) / 1e6);
 }
 
+/// The record of the job is three stores; a reset between them leaves it unreadable.
+TEST_F(Loss, WithARecordHalfWritten) {
+  const job::Profile profile = chip_profile();
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  RunningJob running(rig, job::make_job(chip_points(60, random_()), profile, {}), 1);
+  ASSERT_TRUE(running.run_until_fired(3));
+  lose(rig, End::spins_deaf);
+  constexpr std::uint32_t scratch6 = 0x4005'8024;  // WATCHDOG SCRATCH6
+  rig.board.chip().bus().write(scratch6, 12'345, Width::word, Master::core0, rig.core().cycle());
+  running.sender.stop();
+  for (int i = 0; i < 120 && rig.board.chip().watchdog_resets() == 0; ++i) rig.run(10 * ps_per_ms);
+  rig.run(30 * ps_per_ms);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 1u);
+  EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
+}
+
 /// Plans take longer than the watchdog waits, so each asks for time; they must not keep a machine
 /// alive whose e-stop has gone.
 TEST_F(Loss, OfTheStopInterruptWhilePlanning) {

@@ -42,7 +42,7 @@ void Board::start() {
   const LastRun last = take_last_run();
   describe(last, line);
   core_.say(line.view());
-  if (last.session != 0) core_.start_in_alarm();
+  if (last.in_job) core_.start_in_alarm();
   if (store_.counters().rejected != 0) {
     machine::TextLine rejected;
     rejected.add("Settings: rejected records ").add(std::int64_t{store_.counters().rejected});

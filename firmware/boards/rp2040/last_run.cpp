@@ -45,10 +45,13 @@ LastRun take_last_run() {
   run.reason = reason_of_restart(w.scratch[0]);
   if (run.reason == Restart::fault) run.fault = {w.scratch[1], w.scratch[2], w.scratch[3]};
   const std::uint32_t session = w.scratch[5], first_unfired = w.scratch[6];
-  if ((run.reason == Restart::fault || run.reason == Restart::watchdog) &&
-      w.scratch[7] == check_of(session, first_unfired)) {
-    run.session = session;
-    run.first_unfired = first_unfired;
+  if (run.reason == Restart::fault || run.reason == Restart::watchdog) {
+    const bool whole = w.scratch[7] == check_of(session, first_unfired);
+    if (whole) {
+      run.session = session;
+      run.first_unfired = first_unfired;
+    }
+    run.in_job = !whole || session != 0;
   }
   w.scratch[0] = magic | running;
   w.scratch[4] = 0;

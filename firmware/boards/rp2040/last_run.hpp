@@ -37,7 +37,9 @@ struct FaultRecord {
 /// The end of the last run.
 struct LastRun {
   Restart reason = Restart::power_on;
-  FaultRecord fault;          ///< reason fault only
+  FaultRecord fault;  ///< reason fault only
+  /// A job may have been under way: nobody knows where the axes stand.
+  bool in_job = false;
   std::uint32_t session = 0;  ///< 0 = no job, or nothing is known of it
   std::uint32_t first_unfired = 0;
 };

@@ -34,13 +34,8 @@ std::uint64_t widen(std::uint32_t low, std::uint64_t near) {
                     static_cast<std::int32_t>(low - static_cast<std::uint32_t>(near))});
 }
 
-void make_output_low(unsigned gpio) {
-  sio().gpio_out_clr = 1u << gpio;
-  sio().gpio_oe_set = 1u << gpio;
-  io_bank0().gpio[gpio].ctrl = io_ctrl::function(io_ctrl::Function::sio);
-}
-void make_output_high(unsigned gpio) {
-  sio().gpio_out_set = 1u << gpio;
+void make_output(unsigned gpio, bool high) {
+  (high ? sio().gpio_out_set : sio().gpio_out_clr) = 1u << gpio;
   sio().gpio_oe_set = 1u << gpio;
   io_bank0().gpio[gpio].ctrl = io_ctrl::function(io_ctrl::Function::sio);
 }
@@ -58,9 +53,9 @@ void RealTime::start_pads() const {
     pads_bank0().gpio[use.gpio] =
         pad::input_enable | pad::schmitt | pad::drive_4ma | (up ? pad::pull_up : pad::pull_down);
   }
-  make_output_low(boards::gpio(Role::laser_pwm));
-  make_output_high(boards::gpio(Role::drives_enable));  // active low: off
-  make_output_low(boards::gpio(Role::status_led));
+  make_output(boards::gpio(Role::laser_pwm), false);
+  make_output(boards::gpio(Role::drives_enable), true);  // active low: off
+  make_output(boards::gpio(Role::status_led), false);
 }
 
 void RealTime::start(machine::Controller& core) {

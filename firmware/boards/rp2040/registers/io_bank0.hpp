@@ -25,11 +25,20 @@ static_assert(offsetof(IoBank0Registers, proc0_ints) == 0x120);
 inline IoBank0Registers& io_bank0() { return *reinterpret_cast<IoBank0Registers*>(0x40014000); }
 
 namespace io_ctrl {
-enum class Function : std::uint8_t { uart = 2, pwm = 4, sio = 5, pio0 = 6, pio1 = 7, none = 31 };
+enum class Function : std::uint8_t {
+  uart = 2,
+  sio = 5,
+  pio0 = 6,
+  pio1 = 7,
+  usb_debug = 8,
+};
 constexpr std::uint32_t function(Function f) { return static_cast<std::uint32_t>(f); }
 /// OUTOVER = 2: the output is low whatever the peripheral says. One bit away from normal, so that
 /// the set and clear aliases switch it.
 inline constexpr std::uint32_t output_low = 2u << 8;
+/// OEOVER = 2: not driven. INOVER = 3: peripherals see a high level.
+inline constexpr std::uint32_t output_off = 2u << 12;
+inline constexpr std::uint32_t input_high = 3u << 16;
 }  // namespace io_ctrl
 
 /// Four bits a pin in INTR, INTE, INTS.

@@ -6,6 +6,8 @@
 
 #include "firmware/boards/rp2040/registers/alias.hpp"
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
+#include "firmware/boards/rp2040/registers/io_bank0.hpp"
+#include "firmware/boards/rp2040/registers/pads_bank0.hpp"
 #include "firmware/boards/rp2040/registers/resets.hpp"
 #include "firmware/boards/rp2040/registers/uart.hpp"
 #include "firmware/boards/rp2040/uart/uart_serial.hpp"
@@ -43,9 +45,10 @@ class UartHardware {
     uart.ifls = uart_field::send_below_eighth | uart_field::receive_from_quarter;
     uart.cr = uart_field::uart_enable | uart_field::send_enable | uart_field::receive_enable;
     // An open RX line reads as idle.
-    pad(send_gpio_ + 1) = pad_input_enable | pad_pull_up | pad_schmitt;
-    control(send_gpio_ + 1) = function_uart;
-    control(send_gpio_) = function_uart;
+    constexpr std::uint32_t function = io_ctrl::function(io_ctrl::Function::uart);
+    pads_bank0().gpio[send_gpio_ + 1] = pad::input_enable | pad::pull_up | pad::schmitt;
+    io_bank0().gpio[send_gpio_ + 1].ctrl = function;
+    io_bank0().gpio[send_gpio_].ctrl = function;
   }
 
   std::uint32_t flags() const { return registers_.fr; }
@@ -56,16 +59,6 @@ class UartHardware {
   void pend() { nvic().ispr = irq_bit(irq()); }
 
  private:
-  // IO_BANK0 and PADS_BANK0 (datasheet, 2.19.6.1, 2.19.6.3).
-  static Register& control(unsigned gpio) {
-    return reinterpret_cast<Register*>(0x40014000)[2 * gpio + 1];
-  }
-  static Register& pad(unsigned gpio) { return reinterpret_cast<Register*>(0x4001c000)[gpio + 1]; }
-  static constexpr std::uint32_t function_uart = 2;
-  static constexpr std::uint32_t pad_schmitt = 1u << 1;
-  static constexpr std::uint32_t pad_pull_up = 1u << 3;
-  static constexpr std::uint32_t pad_input_enable = 1u << 6;
-
   unsigned send_gpio_;
   unsigned number_;
   UartRegisters& registers_;

@@ -8,6 +8,8 @@
 
 #include "firmware/boards/rp2040/registers/alias.hpp"
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
+#include "firmware/boards/rp2040/registers/io_bank0.hpp"
+#include "firmware/boards/rp2040/registers/pads_bank0.hpp"
 #include "firmware/boards/rp2040/registers/resets.hpp"
 #include "firmware/boards/rp2040/registers/sysinfo.hpp"
 #include "firmware/boards/rp2040/registers/timer.hpp"
@@ -63,10 +65,12 @@ class UsbHardware {
     return sysinfo().chip_id >> 28 < revision_b2;
   }
   void hold_idle_line() {
-    saved_control_ = gpio15_control();
-    saved_pad_ = gpio15_pad();
-    set_bits(gpio15_pad(), pad_pull_up | pad_pull_down);
-    gpio15_control() = function_usb_debug | output_off | input_high;
+    Register& control = io_bank0().gpio[borrowed_gpio].ctrl;
+    saved_control_ = control;
+    saved_pad_ = pads_bank0().gpio[borrowed_gpio];
+    set_bits(pads_bank0().gpio[borrowed_gpio], pad::pull_up | pad::pull_down);
+    control =
+        io_ctrl::function(io_ctrl::Function::usb_debug) | io_ctrl::output_off | io_ctrl::input_high;
     set_bits(usb_registers().usbphy_direct, usb_field::dp_pullup);
     set_bits(usb_registers().usbphy_direct_override, usb_field::dp_pullup_override);
     usb_registers().usb_muxing = usb_field::to_digital_pad | usb_field::softcon;
@@ -74,19 +78,13 @@ class UsbHardware {
   void release_line() {
     usb_registers().usb_muxing = usb_field::to_phy | usb_field::softcon;
     clear_bits(usb_registers().usbphy_direct_override, usb_field::dp_pullup_override);
-    gpio15_control() = saved_control_;
-    gpio15_pad() = saved_pad_;
+    io_bank0().gpio[borrowed_gpio].ctrl = saved_control_;
+    pads_bank0().gpio[borrowed_gpio] = saved_pad_;
   }
 
  private:
-  // GPIO15_CTRL and its pad (datasheet, 2.19.6.1, 2.19.6.3).
-  static Register& gpio15_control() { return *reinterpret_cast<Register*>(0x4001407c); }
-  static Register& gpio15_pad() { return *reinterpret_cast<Register*>(0x4001c040); }
-  static constexpr std::uint32_t function_usb_debug = 8;
-  static constexpr std::uint32_t output_off = 2u << 12;  // OEOVER
-  static constexpr std::uint32_t input_high = 3u << 16;  // INOVER
-  static constexpr std::uint32_t pad_pull_down = 1u << 2;
-  static constexpr std::uint32_t pad_pull_up = 1u << 3;
+  /// The one pin whose input the USB controller can take for its line (erratum E5).
+  static constexpr unsigned borrowed_gpio = 15;
 
   std::uint32_t saved_control_ = 0;
   std::uint32_t saved_pad_ = 0;

@@ -2,8 +2,7 @@
 //
 // In:  the USB interrupt (priority 2); `read`, `write`, `poll` from the main loop, at least every
 //      millisecond. Out: bytes.
-// Budget (counted by instruction, without entry and waits of the bus): a packet of 64 bytes from
-// the
+// Budget: counted by instruction, without entry and waits of the bus: a packet of 64 bytes from the
 //      host 510 to 610 cycles, to the host 700 to 880, both at once 1500, a start of frame 170 (one
 //      each millisecond), a request on endpoint 0 500 to 1450, a packet that is dropped 1900.
 //
