@@ -183,6 +183,14 @@ std::span<std::uint8_t> Bus::memory_at(std::uint32_t address) {
   return slot->memory.subspan(inside);
 }
 
+std::optional<std::uint32_t> Bus::peek(std::uint32_t address, Master master) {
+  std::uint32_t offset = 0;
+  const Slot* slot = slot_at(address, master, offset);
+  if (slot == nullptr || slot->block == nullptr) return std::nullopt;
+  if (offset > register_mask + 3 && !slot->aliases) return std::nullopt;
+  return slot->block->peek(offset & register_mask);
+}
+
 Bus::CodeWindow Bus::code_at(std::uint32_t address) const {
   const Window& window = windows_[address >> 24];
   const std::uint32_t offset = address & window.mask;

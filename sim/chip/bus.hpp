@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -84,6 +85,10 @@ class Bus {
   /// The memory behind an address, for loaders, debuggers and the USB controller; empty if the
   /// address is not memory. Runs to the end of the region.
   std::span<std::uint8_t> memory_at(std::uint32_t address);
+
+  /// The word of a register as it stands (Peripheral::peek), for debuggers: neither state nor time
+  /// move. Nothing if no block answers there.
+  std::optional<std::uint32_t> peek(std::uint32_t address, Master master);
 
   /// Memory that instructions may be fetched from directly, around an address; size 0: none, fetch
   /// through read(). The bus empties the windows it gave to cores when the map changes.

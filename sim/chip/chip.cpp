@@ -137,7 +137,10 @@ void Chip::run_until(Cycle until) {
       wheel_.advance_to(until);
       return;
     }
-    run_both(until);
+    if (watcher_ == nullptr)
+      run_both(until);
+    else if (!watched_step(until))
+      return;
   }
 }
 
@@ -155,6 +158,27 @@ void Chip::run_both(Cycle until) {
   } else {
     (core0.cycle() <= core1.cycle() ? core0 : core1).step();
   }
+}
+
+// What run_both() does, one step at a time.
+bool Chip::watched_step(Cycle until) {
+  const bool only0 = held_[1] || cores_[1].idle();
+  const bool only1 = held_[0] || cores_[0].idle();
+  const std::size_t i = only0 && !held_[0]                       ? 0
+                        : only1 && !held_[1]                     ? 1
+                        : cores_[0].cycle() <= cores_[1].cycle() ? 0
+                                                                 : 1;
+  Core& core = cores_[i];
+  if (core.idle()) {
+    const Cycle before = core.cycle();
+    core.idle_to(until);
+    if (core.cycle() == before && core.idle()) core.step();  // takes note of request_stop()
+  } else {
+    if (!watcher_->before_step(core)) return false;
+    core.step();
+  }
+  if (!held_[1 - i] && cores_[1 - i].idle()) cores_[1 - i].idle_to(core.cycle());
+  return true;
 }
 
 }  // namespace lamplock::sim::chip

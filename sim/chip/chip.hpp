@@ -40,6 +40,14 @@ struct ChipOptions {
   std::uint64_t seed = 1;  ///< of what a power cut leaves in the flash
 };
 
+/// Asked before each step of a core (an instruction, an exception entry), see Chip::watch_steps().
+class StepWatcher {
+ public:
+  virtual ~StepWatcher() = default;
+  /// False: the core stays where it is and run_until() returns.
+  virtual bool before_step(Core& core) = 0;
+};
+
 /// One chip with its flash.
 class Chip final : private ClockListener {
  public:
@@ -63,6 +71,8 @@ class Chip final : private ClockListener {
 
   /// Runs until both cores have reached `until`, or a little more.
   void run_until(Cycle until);
+  /// While there is a watcher the cores go step by step: slower, but the same run. null: none.
+  void watch_steps(StepWatcher* watcher) { watcher_ = watcher; }
   Cycle now() const { return wheel_.now(); }
   Picoseconds time() const { return wheel_.time_of(wheel_.now()); }
 
@@ -89,6 +99,7 @@ class Chip final : private ClockListener {
   void lose_memory();
   void restart_cores();
   void run_both(Cycle until);
+  bool watched_step(Cycle until);
 
   std::vector<std::string> not_modelled_;
   std::set<std::string> known_;
@@ -110,6 +121,7 @@ class Chip final : private ClockListener {
   std::array<bool, 2> restart_{false, false};  ///< released, has not started yet
   std::uint32_t watchdog_resets_ = 0;
   std::uint64_t seed_;
+  StepWatcher* watcher_ = nullptr;
 };
 
 }  // namespace lamplock::sim::chip

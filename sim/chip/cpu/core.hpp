@@ -31,6 +31,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "sim/chip/bus.hpp"
@@ -91,6 +92,11 @@ class Core {
   bool sleeping() const { return sleep_ != Sleep::awake && !can_wake(); }
   bool locked_up() const { return locked_up_ && !takeable_; }
   bool idle() const { return sleeping() || locked_up(); }
+  /// The next step is an exception entry.
+  bool exception_waits() const { return takeable_; }
+  /// A register at 0xe0000000 as it stands, for debuggers: no side effects, no time. Nothing if
+  /// there is none.
+  std::optional<std::uint32_t> peek_system(std::uint32_t address);
 
   /// r0..r15; 13 the stack pointer in use, 15 the address of the next instruction.
   std::uint32_t reg(unsigned number) const { return number == 15 ? pc_ : r_[number]; }
@@ -216,6 +222,7 @@ class Core {
 
   // system_registers.cpp
   bool read_system(std::uint32_t address, std::uint32_t& value);
+  bool read_system_register(std::uint32_t address, std::uint32_t& value);
   bool write_system(std::uint32_t address, std::uint32_t value);
   std::uint32_t read_icsr() const;
   void write_icsr(std::uint32_t value);

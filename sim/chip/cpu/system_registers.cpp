@@ -1,5 +1,7 @@
 // The private peripheral bus: NVIC, System Control Block, SysTick (ARMv6-M Architecture Reference
 // Manual, B3; RP2040 datasheet, 2.4.8).
+#include <utility>
+
 #include "sim/chip/cpu/core.hpp"
 #include "sim/chip/hex.hpp"
 
@@ -46,6 +48,22 @@ void Core::report(std::uint32_t address) {
 bool Core::read_system(std::uint32_t address, std::uint32_t& value) {
   if (!privileged() || address >= ppb_end) return false;
   run_events(cycle_);
+  return read_system_register(address, value);
+}
+
+std::optional<std::uint32_t> Core::peek_system(std::uint32_t address) {
+  if (address - scs_base >= scs_size) return std::nullopt;
+  if (address == scs_base + syst_csr) return systick_.peek_control();
+  if (address == scs_base + syst_cvr) return systick_.read_current(wheel_.now());
+  // A look of the debugger is no access that would have to be reported.
+  const NotModelled reporter = std::exchange(not_modelled_, {});
+  std::uint32_t value = 0;
+  const bool there = read_system_register(address, value);
+  not_modelled_ = reporter;
+  return there ? std::optional(value) : std::nullopt;
+}
+
+bool Core::read_system_register(std::uint32_t address, std::uint32_t& value) {
   const std::uint32_t offset = address - scs_base;
   value = 0;
   if (offset >= nvic_ipr && offset < nvic_ipr_end) {

@@ -19,6 +19,8 @@ class SysTick final : public Timed {
 
   void reset(Cycle now);
   std::uint32_t read_control(Cycle now);
+  /// The same without its side effect, as of the last run().
+  std::uint32_t peek_control() const { return control_ | (counted_ ? count_flag : 0); }
   void write_control(std::uint32_t value, Cycle now);
   std::uint32_t reload() const { return reload_; }
   void write_reload(std::uint32_t value, Cycle now);

@@ -1,0 +1,120 @@
+// The simulated chip as a debugger sees it: run, step, stop; registers, memory, breakpoints.
+//
+// In:  what the debugger wants. Out: why the chip stopped, values.
+// Who: Stub. While there is a breakpoint, a watchpoint or a step to end, the chip asks before each
+// step of a core (StepWatcher); else it runs as it always does. What is simulated does not depend
+// on being watched: the same instructions at the same cycles. Time is one for the whole chip: when
+// one core is stepped, the other goes on for as many cycles.
+//
+// A step is an instruction of the level that the core is at: an interrupt that comes first runs to
+// its end, breakpoints in it apart. A sleeping core is stepped when it wakes.
+// A core stops in front of the instruction that makes a watched access. What changes watched memory
+// unseen (DMA, functions of the ROM) stops the chip at the next step of a core.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/chip/chip.hpp"
+
+namespace lamplock::sim::chip::gdb {
+
+enum class WatchKind : std::uint8_t { write, read, access };
+
+/// Why a run ended.
+struct Stop {
+  enum class Reason : std::uint8_t {
+    none,  ///< the limit of time was reached
+    step,
+    software_breakpoint,
+    hardware_breakpoint,
+    watch
+  };
+  Reason reason = Reason::none;
+  int core = 0;
+  std::uint32_t address = 0;  ///< of a watchpoint, as it was set
+  WatchKind kind = WatchKind::write;
+};
+
+/// One chip under a debugger.
+class DebugTarget final : private StepWatcher {
+ public:
+  /// r0-r12, sp, lr, pc, xpsr, msp, psp, primask, control.
+  static constexpr unsigned register_count = 21;
+
+  explicit DebugTarget(Chip& chip) : chip_(chip) {}
+  ~DebugTarget() override { chip_.watch_steps(nullptr); }
+  DebugTarget(const DebugTarget&) = delete;
+  DebugTarget& operator=(const DebugTarget&) = delete;
+
+  /// Setting twice is setting once; both kinds stop in front of the instruction.
+  void set_breakpoint(std::uint32_t address, bool hardware);
+  void clear_breakpoint(std::uint32_t address, bool hardware);
+  void set_watch(std::uint32_t address, std::uint32_t size, WatchKind kind);
+  void clear_watch(std::uint32_t address, std::uint32_t size, WatchKind kind);
+  /// Everything the debugger has set; the chip runs as if it had never been there.
+  void clear_all();
+
+  /// The debugger lets the chip go on; the core in `step`, if any, for one step.
+  void resume(std::optional<int> step);
+  /// Runs until a stop, or all cores are at `until`.
+  Stop run(Cycle until);
+
+  std::uint32_t reg(int core, unsigned number);
+  void set_reg(int core, unsigned number, std::uint32_t value);
+  /// Reads without side effects, as the core sees it; how many of the bytes there are.
+  std::size_t read(int core, std::uint32_t address, std::span<std::uint8_t> bytes);
+  /// Writes over the bus, in words where it can; false: refused somewhere.
+  bool write(int core, std::uint32_t address, std::span<const std::uint8_t> bytes);
+  /// Flash as a programmer leaves it, at once: blank, or what was asked for.
+  bool erase_flash(std::uint32_t address, std::uint32_t size);
+  bool program_flash(std::uint32_t address, std::span<const std::uint8_t> bytes);
+  /// Power-on reset; both cores in front of their first instruction, as far as they have one.
+  void reset();
+
+  Chip& chip() { return chip_; }
+
+ private:
+  struct Breakpoint {
+    std::uint32_t address;
+    bool hardware;
+    bool operator==(const Breakpoint&) const = default;
+  };
+  struct Watch {
+    std::uint32_t address, size;
+    WatchKind kind;
+    std::vector<std::uint8_t> contents;  ///< as last seen, if it is memory
+  };
+
+  bool before_step(Core& core) override;
+  bool halt(Core& core, Stop stop);
+  bool step_ends(const Core& core);
+  const Breakpoint* breakpoint_at(std::uint32_t address) const;
+  const Watch* watch_before(Core& core);
+  const Watch* watch_hit(Core& core);
+  const Watch* watch_changed();
+  void look_at_memory(Watch& watch);
+  std::optional<std::uint32_t> register_word(int core, std::uint32_t address);
+  void place_filter();
+
+  Chip& chip_;
+  std::vector<Breakpoint> breakpoints_;
+  std::uint64_t filter_ = 0;  ///< bit (address / 2) % 64: there may be a breakpoint
+  std::vector<Watch> watches_;
+  std::optional<int> stepping_;
+  unsigned step_level_ = 0;               ///< exception number at which the step began
+  std::optional<std::uint32_t> stepped_;  ///< address of the instruction, once it has begun
+  /// The step in front of which a watchpoint stopped: it is let through afterwards.
+  struct Passed {
+    int core;
+    Cycle cycle;
+  };
+  std::optional<Passed> passed_;
+  Stop stop_;
+};
+
+}  // namespace lamplock::sim::chip::gdb
