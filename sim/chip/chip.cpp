@@ -84,8 +84,16 @@ void Chip::attach_core(int id) {
     cores_[i].request_stop();
   };
   core.on_event = [this, i] {
+    if (!held_[1 - i]) cores_[1 - i].idle_to(cores_[i].cycle());
     cores_[1 - i].send_event();
     cores_[i].request_stop();
+  };
+  // While one core runs on, what it notices may wake the other one.
+  core.on_lines_changed = [this, i] {
+    Core& other = cores_[1 - i];
+    if (held_[1 - i] || !other.idle()) return;
+    other.idle_to(wheel_.now());
+    if (!other.idle()) cores_[i].request_stop();
   };
 }
 
@@ -132,7 +140,9 @@ void Chip::run_until(Cycle until) {
     const Cycle reached = std::min(held_[0] ? never_cycle : cores_[0].cycle(),
                                    held_[1] ? never_cycle : cores_[1].cycle());
     if (reached >= until) {
-      for (std::size_t i = 0; i < cores_.size(); ++i)
+      // The core that is behind notices first what happens, as it does while both run.
+      const std::size_t behind = cores_[0].cycle() <= cores_[1].cycle() ? 0 : 1;
+      for (const std::size_t i : {behind, 1 - behind})
         if (!held_[i]) cores_[i].run_events(until);
       wheel_.advance_to(until);
       return;
@@ -151,13 +161,20 @@ void Chip::run_both(Cycle until) {
   const bool only1 = held_[0] || core0.idle();
   if (only0 && !held_[0]) {
     core0.run_until(until);
-    if (!held_[1]) core1.idle_to(core0.cycle());
+    bring_along(1);
   } else if (only1 && !held_[1]) {
     core1.run_until(until);
-    if (!held_[0]) core0.idle_to(core1.cycle());
+    bring_along(0);
   } else {
     (core0.cycle() <= core1.cycle() ? core0 : core1).step();
   }
+}
+
+// The core that sleeps is where the other one is, who first takes note of what is due.
+void Chip::bring_along(std::size_t sleeper) {
+  Core& core = cores_[1 - sleeper];
+  core.run_events(core.cycle());
+  if (!held_[sleeper]) cores_[sleeper].idle_to(core.cycle());
 }
 
 // What run_both() does, one step at a time.
@@ -177,7 +194,7 @@ bool Chip::watched_step(Cycle until) {
     if (!watcher_->before_step(core)) return false;
     core.step();
   }
-  if (!held_[1 - i] && cores_[1 - i].idle()) cores_[1 - i].idle_to(core.cycle());
+  if (cores_[1 - i].idle()) bring_along(1 - i);
   return true;
 }
 

@@ -100,6 +100,7 @@ class Chip final : private ClockListener {
   void restart_cores();
   void run_both(Cycle until);
   bool watched_step(Cycle until);
+  void bring_along(std::size_t sleeper);
 
   std::vector<std::string> not_modelled_;
   std::set<std::string> known_;

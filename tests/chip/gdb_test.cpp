@@ -185,8 +185,8 @@ void start(Chip& chip) {
 
 /// A debugger that speaks packets.
 struct Debugger {
-  Debugger() {
-    start(chip);
+  explicit Debugger(void (*program)(Chip&) = start) {
+    program(chip);
     EXPECT_THAT(ask("qSupported:swbreak+;hwbreak+"), HasSubstr("PacketSize=4000"));
   }
   /// The answer to a packet.
@@ -620,6 +620,81 @@ TEST(GdbStub, ADebuggerThatOnlyLooksChangesNothing) {
   for (int i = 0; i < scaled(20); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     Debugger gdb;
+    debug_at_random(gdb, end, random);
+    EXPECT_TRUE(state_of(gdb.chip) == expected) << i;
+  }
+}
+
+/// Core 0 counts and sends every 256th number to core 1, which sleeps and is woken by SIO_IRQ_PROC1
+/// (RP2040 datasheet, 2.3.1.4); its handler logs how far core 0 has got.
+void start_with_sleeper(Chip& chip) {
+  put(chip, main0,
+      {0x4c04,    // ldr r4, =data
+       0x4d05,    // ldr r5, =0xd0000000
+       0x6820,    // loop: ldr r0, [r4]
+       0x3001,    // adds r0, #1
+       0x6020,    // str r0, [r4]
+       0x0601,    // lsls r1, r0, #24
+       0xd1fa,    // bne loop
+       0x6568,    // str r0, [r5, #0x54]: FIFO_WR
+       0xe7f8});  // b loop
+  put_word(chip, main0 + 0x14, data);
+  put_word(chip, main0 + 0x18, 0xd000'0000);
+  put(chip, main1,
+      {0x4902,    // ldr r1, =0xe000e100
+       0x4a03,    // ldr r2, =1 << 16
+       0x600a,    // str r2, [r1]
+       0xbf30,    // loop: wfi
+       0xe7fd});  // b loop
+  put_word(chip, main1 + 0x0c, 0xe000'e100);
+  put_word(chip, main1 + 0x10, 1u << 16);
+  put(chip, handler,
+      {0x4806,    // ldr r0, =data
+       0x6801,    // ldr r1, [r0]
+       0x6882,    // ldr r2, [r0, #8]
+       0x3201,    // adds r2, #1
+       0x6082,    // str r2, [r0, #8]
+       0xb2d3,    // uxtb r3, r2
+       0x009b,    // lsls r3, r3, #2
+       0x181b,    // adds r3, r3, r0
+       0x3380,    // adds r3, #128
+       0x6019,    // str r1, [r3]
+       0x4a02,    // ldr r2, =0xd0000000
+       0x6d92,    // ldr r2, [r2, #0x58]: FIFO_RD
+       0x4770});  // bx lr
+  put_word(chip, handler + 0x1c, data);
+  put_word(chip, handler + 0x20, 0xd000'0000);
+  put_word(chip, vectors, stack);
+  put_word(chip, vectors + 4, main0 | 1);
+  put_word(chip, vectors + 0x100, stack + 0x1000);
+  put_word(chip, vectors + 0x104, main1 | 1);
+  put_word(chip, vectors + 0x100 + 4 * 32, handler | 1);
+  chip.power_on();
+  chip.run_until(1000);
+  chip.core(0).reset(vectors);
+  chip.core(1).reset(vectors + 0x100);
+  chip.core(1).set_vtor(vectors + 0x100);
+}
+
+TEST(GdbStub, ASleeperWakesInTheSameCycleWatchedOrNot) {
+  constexpr Cycle end = 200'000;
+  Chip alone;
+  start_with_sleeper(alone);
+  alone.run_until(end);
+  const State expected = state_of(alone);
+  ASSERT_GT(word(alone, ticks), 40u);
+  // Entry 15 cycles, two loads; a round of core 0 takes 8.
+  for (std::uint32_t i = 1; i < 40; ++i) {
+    EXPECT_GE(word(alone, log_of_ticks + 4 * i), 256 * i);
+    EXPECT_LE(word(alone, log_of_ticks + 4 * i), 256 * i + 4);
+  }
+  for (int i = 0; i < scaled(20); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    Chip sliced;
+    start_with_sleeper(sliced);
+    while (sliced.now() < end) sliced.run_until(std::min(end, sliced.now() + 1 + random() % 1000));
+    EXPECT_TRUE(state_of(sliced) == expected) << i;
+    Debugger gdb(start_with_sleeper);
     debug_at_random(gdb, end, random);
     EXPECT_TRUE(state_of(gdb.chip) == expected) << i;
   }

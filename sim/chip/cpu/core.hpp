@@ -135,6 +135,8 @@ class Core {
   void send_event() { event_ = true; }
   /// This core's SEV; it has set its own event register already.
   std::function<void()> on_event;
+  /// This core has noticed that interrupt lines have changed; not called from inside an event.
+  std::function<void()> on_lines_changed;
   /// AIRCR.SYSRESETREQ was written; see reset().
   std::function<void()> on_reset_request;
   /// The lines that raise NMI (SYSCFG PROC0_NMI_MASK, PROC1_NMI_MASK).

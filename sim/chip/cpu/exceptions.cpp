@@ -61,6 +61,7 @@ void Core::sample(Cycle when) {
   nmi_level_ = nmi;
   if (pended && (scr_ & scr_sev_on_pend) != 0) event_ = true;
   refresh(when);
+  if (on_lines_changed) on_lines_changed();
 }
 
 // One event after the other, so that it is known when a line rose.
@@ -122,7 +123,11 @@ bool Core::attend() {
 
 void Core::idle_to(Cycle to) {
   while (true) {
-    if (irqs_.changes() != seen_changes_) sample(std::max(cycle_, wheel_.now()));
+    if (irqs_.changes() != seen_changes_) {
+      // It has slept until somebody else changed the lines.
+      cycle_ = std::max(cycle_, wheel_.now());
+      sample(cycle_);
+    }
     if (!idle() || stop_) return;
     const Cycle next = wheel_.next();
     if (next > to) break;
