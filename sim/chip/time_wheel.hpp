@@ -65,6 +65,12 @@ class TimeWheel {
   /// When the first part is due.
   Cycle next() const { return next_; }
 
+  /// For a part that is being run and does several things in a row: the next one takes place at
+  /// `at`, when no other part is due before.
+  void move_to(Cycle at) {
+    if (now_ < at) now_ = at;
+  }
+
   /// Runs every part that is due up to and including `to`; now() is `to` afterwards. During a run
   /// now() is the time of the event.
   void advance_to(Cycle to) {

@@ -36,7 +36,9 @@ Cycle PioDmaClock::next_due() const {
 
 void PioDmaClock::tell_wheel() { wheel_.set(slot_, next_due()); }
 
-void PioDmaClock::through(Cycle to) {
+// Run by the wheel, clocks are its time: what the DMA writes to a block happens then, and may make
+// that block due before `to`.
+void PioDmaClock::through(Cycle to, bool by_wheel) {
   if (running_) return;
   running_ = true;
   while (next_ <= to) {
@@ -46,7 +48,9 @@ void PioDmaClock::through(Cycle to) {
       break;
     }
     next_ = clock + 1;
+    if (by_wheel) wheel_.move_to(clock);
     one_clock(clock);
+    if (by_wheel) to = std::min(to, std::max(clock, wheel_.next()));
   }
   running_ = false;
 }
@@ -72,7 +76,7 @@ void PioDmaClock::one_clock(Cycle clock) {
 }
 
 void PioDmaClock::run(Cycle to) {
-  through(to);
+  through(to, true);
   tell_wheel();
 }
 

@@ -56,7 +56,7 @@ class PioDmaClock final : private Timed,
   void dreq_pulsed(unsigned dreq) override;
   void dreq_level_changed() override;
 
-  void through(Cycle to);
+  void through(Cycle to, bool by_wheel = false);
   void one_clock(Cycle clock);
   void put_on_pads(Cycle clock);
   Cycle next_due() const;
