@@ -1,0 +1,685 @@
+#include "sim/chip/serial/i2c.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace lamplock::sim::chip {
+
+namespace {
+
+// Offsets (4.3.17).
+constexpr std::uint32_t offset_con = 0x00;
+constexpr std::uint32_t offset_tar = 0x04;
+constexpr std::uint32_t offset_sar = 0x08;
+constexpr std::uint32_t offset_data_cmd = 0x10;
+constexpr std::uint32_t offset_ss_high = 0x14;
+constexpr std::uint32_t offset_ss_low = 0x18;
+constexpr std::uint32_t offset_fs_high = 0x1c;
+constexpr std::uint32_t offset_fs_low = 0x20;
+constexpr std::uint32_t offset_intr_stat = 0x2c;
+constexpr std::uint32_t offset_intr_mask = 0x30;
+constexpr std::uint32_t offset_raw_intr_stat = 0x34;
+constexpr std::uint32_t offset_rx_tl = 0x38;
+constexpr std::uint32_t offset_tx_tl = 0x3c;
+constexpr std::uint32_t offset_clr_intr = 0x40;
+constexpr std::uint32_t offset_clr_rx_under = 0x44;
+constexpr std::uint32_t offset_clr_rx_over = 0x48;
+constexpr std::uint32_t offset_clr_tx_over = 0x4c;
+constexpr std::uint32_t offset_clr_rd_req = 0x50;
+constexpr std::uint32_t offset_clr_tx_abrt = 0x54;
+constexpr std::uint32_t offset_clr_rx_done = 0x58;
+constexpr std::uint32_t offset_clr_activity = 0x5c;
+constexpr std::uint32_t offset_clr_stop_det = 0x60;
+constexpr std::uint32_t offset_clr_start_det = 0x64;
+constexpr std::uint32_t offset_clr_gen_call = 0x68;
+constexpr std::uint32_t offset_enable = 0x6c;
+constexpr std::uint32_t offset_status = 0x70;
+constexpr std::uint32_t offset_txflr = 0x74;
+constexpr std::uint32_t offset_rxflr = 0x78;
+constexpr std::uint32_t offset_sda_hold = 0x7c;
+constexpr std::uint32_t offset_abort_source = 0x80;
+constexpr std::uint32_t offset_slave_nack = 0x84;
+constexpr std::uint32_t offset_dma_cr = 0x88;
+constexpr std::uint32_t offset_dma_tdlr = 0x8c;
+constexpr std::uint32_t offset_dma_rdlr = 0x90;
+constexpr std::uint32_t offset_sda_setup = 0x94;
+constexpr std::uint32_t offset_ack_general = 0x98;
+constexpr std::uint32_t offset_enable_status = 0x9c;
+constexpr std::uint32_t offset_spklen = 0xa0;
+constexpr std::uint32_t offset_clr_restart_det = 0xa8;
+constexpr std::uint32_t offset_comp_version = 0xf8;
+constexpr std::uint32_t offset_comp_type = 0xfc;
+
+// IC_CON.
+constexpr std::uint32_t con_master = 1u << 0;
+constexpr std::uint32_t con_speed = 3u << 1;
+constexpr std::uint32_t con_standard = 1u << 1;
+constexpr std::uint32_t con_fast = 2u << 1;
+constexpr std::uint32_t con_ten_bits = 1u << 4;
+constexpr std::uint32_t con_restart = 1u << 5;
+constexpr std::uint32_t con_slave_off = 1u << 6;
+constexpr std::uint32_t con_tx_empty_late = 1u << 8;
+constexpr std::uint32_t con_rx_full_hold = 1u << 9;
+constexpr std::uint32_t con_mask = 0x3ff;
+// IC_TAR.
+constexpr std::uint32_t tar_start_byte = 1u << 10;
+constexpr std::uint32_t tar_special = 1u << 11;
+// IC_DATA_CMD.
+constexpr std::uint32_t command_read = 1u << 8;
+constexpr std::uint32_t command_stop = 1u << 9;
+constexpr std::uint32_t command_restart = 1u << 10;
+constexpr std::uint32_t command_mask = 0x7ff;
+constexpr std::uint32_t data_first = 1u << 11;
+// Interrupts.
+constexpr std::uint32_t irq_rx_under = 1u << 0;
+constexpr std::uint32_t irq_rx_over = 1u << 1;
+constexpr std::uint32_t irq_rx_full = 1u << 2;
+constexpr std::uint32_t irq_tx_over = 1u << 3;
+constexpr std::uint32_t irq_tx_empty = 1u << 4;
+constexpr std::uint32_t irq_rd_req = 1u << 5;
+constexpr std::uint32_t irq_tx_abort = 1u << 6;
+constexpr std::uint32_t irq_rx_done = 1u << 7;
+constexpr std::uint32_t irq_activity = 1u << 8;
+constexpr std::uint32_t irq_stop = 1u << 9;
+constexpr std::uint32_t irq_start = 1u << 10;
+constexpr std::uint32_t irq_general_call = 1u << 11;
+constexpr std::uint32_t irq_restart = 1u << 12;
+constexpr std::uint32_t irq_all = 0x1fff;
+constexpr std::uint32_t mask_reset = 0x8ff;
+// IC_TX_ABRT_SOURCE.
+constexpr std::uint32_t abort_7_bit_address = 1u << 0;
+constexpr std::uint32_t abort_10_bit_first = 1u << 1;
+constexpr std::uint32_t abort_10_bit_second = 1u << 2;
+constexpr std::uint32_t abort_data = 1u << 3;
+constexpr std::uint32_t abort_general_call = 1u << 4;
+constexpr std::uint32_t abort_general_call_read = 1u << 5;
+constexpr std::uint32_t abort_10_bit_read = 1u << 10;
+constexpr std::uint32_t abort_master_off = 1u << 11;
+constexpr std::uint32_t abort_user = 1u << 16;
+constexpr unsigned abort_flushed_shift = 23;
+// IC_ENABLE, IC_STATUS, IC_DMA_CR.
+constexpr std::uint32_t enable_abort = 1u << 1;
+constexpr std::uint32_t enable_blocked = 1u << 2;
+constexpr std::uint32_t status_activity = 1u << 0;
+constexpr std::uint32_t status_tx_not_full = 1u << 1;
+constexpr std::uint32_t status_tx_empty = 1u << 2;
+constexpr std::uint32_t status_rx_not_empty = 1u << 3;
+constexpr std::uint32_t status_rx_full = 1u << 4;
+constexpr std::uint32_t status_master = 1u << 5;
+constexpr std::uint32_t dma_rx = 1u << 0;
+constexpr std::uint32_t dma_tx = 1u << 1;
+
+constexpr std::uint32_t shortest_high = 6, shortest_low = 8, shortest_spike = 1;
+constexpr std::uint32_t high_overhead = 7, low_overhead = 1;  // 4.3.14.1
+constexpr Cycle bits_of_byte = 9;
+
+}  // namespace
+
+I2c::I2c(int number, TimeWheel& wheel, IrqLines& irqs, NotModelled not_modelled)
+    : wheel_(wheel),
+      slot_(wheel.add(*this)),
+      irqs_(irqs),
+      not_modelled_(std::move(not_modelled)),
+      name_("I2C" + std::to_string(number)),
+      irq_(number == 0 ? Irq::i2c0 : Irq::i2c1),
+      dreq_tx_(number == 0 ? Dreq::i2c0_tx : Dreq::i2c1_tx),
+      dreq_rx_(number == 0 ? Dreq::i2c0_rx : Dreq::i2c1_rx) {
+  reset();
+}
+
+void I2c::reset() {
+  phase_ = Phase::idle;
+  due_ = never_cycle;
+  addressed_ = nullptr;
+  transmit_.clear();
+  receive_.clear();
+  first_byte_ = reads_ = flushed_ = false;
+  control_ = con_slave_off | con_restart | con_fast | con_master;
+  target_ = slave_address_ = 0x55;
+  slow_high_ = 0x28;
+  slow_low_ = 0x2f;
+  fast_high_ = 0x06;
+  fast_low_ = 0x0d;
+  spike_ = 0x07;
+  mask_ = mask_reset;
+  raised_ = abort_source_ = enable_ = rx_level_ = tx_level_ = 0;
+  dma_control_ = dma_tx_level_ = dma_rx_level_ = 0;
+  hold_ = 1;
+  setup_ = 0x64;
+  acknowledge_general_ = 1;
+  slave_nack_ = 0;
+  settle();
+}
+
+// --- time
+
+Cycle I2c::high_cycles() const {
+  const bool slow = (control_ & con_speed) == con_standard;
+  return (slow ? slow_high_ : fast_high_) + spike_ + high_overhead;
+}
+
+Cycle I2c::low_cycles() const {
+  const bool slow = (control_ & con_speed) == con_standard;
+  return (slow ? slow_low_ : fast_low_) + low_overhead;
+}
+
+Cycle I2c::length(Phase phase) const {
+  switch (phase) {
+    case Phase::start:
+      return high_cycles();
+    case Phase::address:
+    case Phase::address_low:
+    case Phase::address_again:
+    case Phase::data:
+      return bits_of_byte * (high_cycles() + low_cycles());
+    case Phase::restart:
+    case Phase::restart_inside:
+      return 2 * low_cycles() + high_cycles();
+    case Phase::stop:
+      return low_cycles() + high_cycles();
+    case Phase::bus_free:
+      return low_cycles();
+    default:
+      return 0;
+  }
+}
+
+void I2c::enter(Phase phase, Cycle at) {
+  phase_ = phase;
+  const bool waits = phase == Phase::idle || phase == Phase::held || phase == Phase::rx_held;
+  due_ = waits ? never_cycle : at + length(phase);
+}
+
+void I2c::run(Cycle) {
+  if (due_ <= wheel_.now()) phase_ended(due_);
+  settle();
+}
+
+void I2c::phase_ended(Cycle at) {
+  switch (phase_) {
+    case Phase::start:
+    case Phase::restart:
+      return enter(Phase::address, at);
+    case Phase::restart_inside:
+      return enter(Phase::address_again, at);
+    case Phase::address:
+    case Phase::address_low:
+    case Phase::address_again:
+      return address_ended(at);
+    case Phase::data:
+      return data_ended(at);
+    case Phase::stop:
+      return stopped(at);
+    case Phase::bus_free:
+      enter(Phase::idle, at);
+      return begin(at);
+    default:
+      return;
+  }
+}
+
+// --- a transfer
+
+/// A transfer starts if the bus is free and there is a command.
+void I2c::begin(Cycle at) {
+  if (phase_ != Phase::idle || !enabled() || transmit_.empty() || (enable_ & enable_blocked) != 0)
+    return;
+  if (refused(transmit_.front())) return;
+  reads_ = (transmit_.front() & command_read) != 0;
+  raised_ |= irq_start | irq_activity;
+  enter(Phase::start, at);
+}
+
+/// A command that the master aborts instead of sending a START.
+bool I2c::refused(std::uint32_t command) {
+  const bool reads = (command & command_read) != 0;
+  if (!on(con_master)) {
+    if (on(con_slave_off))
+      abort(abort_master_off);
+    else
+      not_modelled_(name_ + " IC_DATA_CMD: written in slave mode");
+    return true;
+  }
+  if ((target_ & tar_special) != 0) {
+    if ((target_ & tar_start_byte) != 0)
+      not_modelled_(name_ + " IC_TAR: the START byte is left out");
+    else if (reads) {
+      abort(abort_general_call_read);
+      return true;
+    }
+  }
+  if (on(con_ten_bits) && reads && !on(con_restart)) {
+    abort(abort_10_bit_read);
+    return true;
+  }
+  return false;
+}
+
+/// Some device has the two high bits of a 10-bit address.
+bool I2c::first_address_acknowledged() const {
+  return std::any_of(devices_.begin(), devices_.end(), [this](const Slave& slave) {
+    return slave.ten_bits && slave.address >> 8 == (target_ >> 8 & 3u);
+  });
+}
+
+/// Looks for the device and tells it; false: nobody acknowledges.
+bool I2c::address_device(Cycle at) {
+  const bool general = (target_ & (tar_special | tar_start_byte)) == tar_special;
+  const bool ten_bits = on(con_ten_bits) && !general;
+  const std::uint32_t address = general ? general_call : target_ & (ten_bits ? 0x3ffu : 0x7fu);
+  I2cDevice* before = std::exchange(addressed_, nullptr);
+  for (const Slave& slave : devices_) {
+    if (slave.ten_bits != ten_bits || slave.address != address) continue;
+    if (slave.device->addressed(reads_, at)) addressed_ = slave.device;
+    break;
+  }
+  if (before != nullptr && before != addressed_) before->stopped(at);
+  return addressed_ != nullptr;
+}
+
+void I2c::address_ended(Cycle at) {
+  const bool general = (target_ & (tar_special | tar_start_byte)) == tar_special;
+  const bool ten_bits = on(con_ten_bits) && !general;
+  std::uint32_t source = general ? abort_general_call : abort_7_bit_address;
+  if (ten_bits && phase_ == Phase::address) {
+    if (first_address_acknowledged()) return enter(Phase::address_low, at);
+    source = abort_10_bit_first;
+  } else if (ten_bits && phase_ == Phase::address_low && reads_) {
+    // The device is addressed for writing first, then again for reading.
+    const bool known = std::any_of(devices_.begin(), devices_.end(), [this](const Slave& slave) {
+      return slave.ten_bits && slave.address == (target_ & 0x3ffu);
+    });
+    if (known) {
+      raised_ |= irq_start;
+      return enter(Phase::restart_inside, at);
+    }
+    source = abort_10_bit_second;
+  } else {
+    if (address_device(at)) return begin_data(at);
+    if (ten_bits) source = phase_ == Phase::address_low ? abort_10_bit_second : abort_10_bit_first;
+  }
+  abort(source);
+  enter(Phase::stop, at);
+}
+
+/// The command leaves the FIFO when its byte goes onto the wires (assumed).
+void I2c::begin_data(Cycle at) {
+  first_byte_ = true;
+  // Aborted, or the FIFO was flushed meanwhile (IC_ENABLE cleared).
+  if ((enable_ & enable_abort) != 0 || transmit_.empty()) return enter(Phase::stop, at);
+  command_ = transmit_.front();
+  transmit_.pop_front();
+  enter(Phase::data, at);
+}
+
+void I2c::data_ended(Cycle at) {
+  if ((command_ & command_read) != 0) {
+    received_ = addressed_->byte_read(at);
+    if (!push_received(received_)) return enter(Phase::rx_held, at);
+  } else if (!addressed_->byte_written(static_cast<std::uint8_t>(command_), at)) {
+    abort(abort_data);
+    return enter(Phase::stop, at);
+  }
+  byte_done(at);
+}
+
+/// false: the receive FIFO is full, and the bus is to be held.
+bool I2c::push_received(std::uint8_t byte) {
+  if (!enabled()) return true;  // the FIFOs are held empty
+  if (receive_.size() >= fifo_depth) {
+    if (on(con_rx_full_hold)) return false;
+    raised_ |= irq_rx_over;
+  } else {
+    receive_.push_back(byte | (first_byte_ ? data_first : 0u));
+  }
+  first_byte_ = false;
+  return true;
+}
+
+void I2c::byte_done(Cycle at) {
+  const bool ends = !enabled() || (enable_ & enable_abort) != 0 || (command_ & command_stop) != 0;
+  if (ends) return enter(Phase::stop, at);
+  next(at);
+}
+
+/// SCL is low after a byte without STOP.
+void I2c::next(Cycle at) {
+  if (transmit_.empty()) return enter(Phase::held, at);
+  const std::uint32_t command = transmit_.front();
+  const bool turns = ((command ^ command_) & command_read) != 0;
+  if (!turns && (command & command_restart) == 0) {
+    command_ = command;
+    transmit_.pop_front();
+    return enter(Phase::data, at);
+  }
+  if (!on(con_restart)) return enter(Phase::stop, at);  // and a START instead
+  if (refused(command)) return enter(Phase::stop, at);
+  raised_ |= irq_start;
+  reads_ = (command & command_read) != 0;
+  // A device with 10 bits that was written to is read after the first address byte alone.
+  const bool was_addressed = on(con_ten_bits) && reads_ && turns;
+  enter(was_addressed ? Phase::restart_inside : Phase::restart, at);
+}
+
+void I2c::stopped(Cycle at) {
+  raised_ |= irq_stop;
+  if ((enable_ & enable_abort) != 0) {
+    abort(abort_user);
+    enable_ &= ~enable_abort;
+  }
+  if (addressed_ != nullptr) std::exchange(addressed_, nullptr)->stopped(at);
+  if (!enabled()) raised_ &= ~(irq_rx_under | irq_rx_over | irq_tx_over | irq_activity);
+  enter(Phase::bus_free, at);
+}
+
+/// Both FIFOs are flushed and stay so until IC_CLR_TX_ABRT is read.
+void I2c::abort(std::uint32_t source) {
+  const auto flushed = static_cast<std::uint32_t>(transmit_.size());
+  abort_source_ |= source;
+  abort_source_ = (abort_source_ & ((1u << abort_flushed_shift) - 1)) | flushed
+                                                                            << abort_flushed_shift;
+  raised_ |= irq_tx_abort;
+  transmit_.clear();
+  receive_.clear();
+  flushed_ = true;
+}
+
+// --- registers
+
+/// A byte, or the condition or address before it, is on the wires.
+bool I2c::shifting() const {
+  return active() && phase_ != Phase::held && phase_ != Phase::rx_held && phase_ != Phase::stop;
+}
+
+std::uint32_t I2c::raw_interrupts() const {
+  const bool late = on(con_tx_empty_late) && shifting();
+  const bool tx_empty = (enabled() || active()) && transmit_.size() <= tx_level_ && !late;
+  return raised_ | (tx_empty ? irq_tx_empty : 0u) |
+         (receive_.size() > rx_level_ ? irq_rx_full : 0u);
+}
+
+std::uint32_t I2c::status() const {
+  return (active() ? status_activity | status_master : 0u) |
+         (transmit_.size() < fifo_depth ? status_tx_not_full : 0u) |
+         (transmit_.empty() ? status_tx_empty : 0u) |
+         (receive_.empty() ? 0u : status_rx_not_empty) |
+         (receive_.size() >= fifo_depth ? status_rx_full : 0u);
+}
+
+void I2c::update_lines() {
+  irqs_.set(irq_, (raw_interrupts() & mask_) != 0);
+  if (dreqs_ == nullptr) return;
+  // The DMA may read and write the FIFOs within these calls.
+  const std::size_t wanted = dma_tx_level_ + 1;  // requests while the level is at most TDL
+  const bool sends = (dma_control_ & dma_tx) != 0 && enabled() && transmit_.size() < wanted;
+  dreqs_->set_level(dreq_tx_, sends ? static_cast<unsigned>(wanted - transmit_.size()) : 0u);
+  const bool receives = (dma_control_ & dma_rx) != 0 && receive_.size() > dma_rx_level_;
+  dreqs_->set_level(dreq_rx_,
+                    receives ? static_cast<unsigned>(receive_.size() - dma_rx_level_) : 0u);
+}
+
+void I2c::settle() {
+  update_lines();
+  wheel_.set(slot_, due_);
+}
+
+std::uint32_t I2c::peek(std::uint32_t offset) const {
+  switch (offset) {
+    case offset_con:
+      return control_;
+    case offset_tar:
+      return target_;
+    case offset_sar:
+      return slave_address_;
+    case offset_data_cmd:
+      return receive_.empty() ? 0 : receive_.front();
+    case offset_ss_high:
+      return slow_high_;
+    case offset_ss_low:
+      return slow_low_;
+    case offset_fs_high:
+      return fast_high_;
+    case offset_fs_low:
+      return fast_low_;
+    case offset_intr_stat:
+      return raw_interrupts() & mask_;
+    case offset_intr_mask:
+      return mask_;
+    case offset_raw_intr_stat:
+      return raw_interrupts();
+    case offset_rx_tl:
+      return rx_level_;
+    case offset_tx_tl:
+      return tx_level_;
+    case offset_enable:
+      return enable_;
+    case offset_status:
+      return status();
+    case offset_txflr:
+      return static_cast<std::uint32_t>(transmit_.size());
+    case offset_rxflr:
+      return static_cast<std::uint32_t>(receive_.size());
+    case offset_sda_hold:
+      return hold_;
+    case offset_abort_source:
+      return abort_source_;
+    case offset_slave_nack:
+      return slave_nack_;
+    case offset_dma_cr:
+      return dma_control_;
+    case offset_dma_tdlr:
+      return dma_tx_level_;
+    case offset_dma_rdlr:
+      return dma_rx_level_;
+    case offset_sda_setup:
+      return setup_;
+    case offset_ack_general:
+      return acknowledge_general_;
+    case offset_enable_status:
+      return enabled() || active() ? 1 : 0;
+    case offset_spklen:
+      return spike_;
+    case offset_comp_version:
+      return 0x3230312a;
+    case offset_comp_type:
+      return 0x44570140;
+    default:
+      return 0;
+  }
+}
+
+/// Clears interrupts; returns whether one of them was there.
+std::uint32_t I2c::take_interrupts(std::uint32_t bits) {
+  const bool there = (raised_ & bits) != 0;
+  // ACTIVITY comes back as long as there is activity.
+  raised_ &= ~(active() ? bits & ~irq_activity : bits);
+  if ((bits & irq_tx_abort) != 0) {
+    abort_source_ = 0;
+    flushed_ = false;
+  }
+  return there ? 1 : 0;
+}
+
+std::uint32_t I2c::read_clear(std::uint32_t offset) {
+  switch (offset) {
+    case offset_clr_intr:
+      return take_interrupts(irq_all);
+    case offset_clr_rx_under:
+      return take_interrupts(irq_rx_under);
+    case offset_clr_rx_over:
+      return take_interrupts(irq_rx_over);
+    case offset_clr_tx_over:
+      return take_interrupts(irq_tx_over);
+    case offset_clr_rd_req:
+      return take_interrupts(irq_rd_req);
+    case offset_clr_tx_abrt:
+      return take_interrupts(irq_tx_abort);
+    case offset_clr_rx_done:
+      return take_interrupts(irq_rx_done);
+    case offset_clr_activity:
+      return take_interrupts(irq_activity);
+    case offset_clr_stop_det:
+      return take_interrupts(irq_stop);
+    case offset_clr_start_det:
+      return take_interrupts(irq_start);
+    case offset_clr_gen_call:
+      return take_interrupts(irq_general_call);
+    default:
+      return take_interrupts(irq_restart);
+  }
+}
+
+std::uint32_t I2c::pop_received() {
+  if (receive_.empty()) {
+    raised_ |= irq_rx_under;
+    return 0;
+  }
+  const std::uint32_t value = receive_.front();
+  receive_.pop_front();
+  if (phase_ == Phase::rx_held) {
+    push_received(received_);
+    byte_done(wheel_.now());
+  }
+  return value;
+}
+
+std::uint32_t I2c::read(std::uint32_t offset) {
+  std::uint32_t value = 0;
+  if (offset == offset_data_cmd)
+    value = pop_received();
+  else if ((offset >= offset_clr_intr && offset <= offset_clr_gen_call) ||
+           offset == offset_clr_restart_det)
+    value = read_clear(offset);
+  else if (offset > offset_comp_type)
+    not_modelled_(name_ + ": no register at this offset");
+  else
+    return peek(offset);
+  settle();
+  return value;
+}
+
+void I2c::write_command(std::uint32_t value) {
+  if (!enabled() || flushed_) return;  // the FIFO is held empty
+  if (transmit_.size() >= fifo_depth) {
+    raised_ |= irq_tx_over;
+    return;
+  }
+  transmit_.push_back(value & command_mask);
+  if (phase_ == Phase::held) return next(wheel_.now());
+  begin(wheel_.now());
+}
+
+// A transfer under way ends with its byte; a bus that is held stays held, so that a RESTART can
+// follow when the master is enabled again (assumed: drivers change IC_TAR that way).
+void I2c::write_enable(std::uint32_t value) {
+  const bool was_enabled = enabled();
+  const std::uint32_t pending = was_enabled ? enable_ & enable_abort : 0;
+  enable_ = (value & (1u | enable_blocked)) | pending;
+  if (!enabled()) {
+    transmit_.clear();
+    receive_.clear();
+    abort_source_ &= (1u << abort_flushed_shift) - 1;
+    if (phase_ == Phase::rx_held) return enter(Phase::stop, wheel_.now());
+    if (!active()) raised_ &= ~(irq_rx_under | irq_rx_over | irq_tx_over | irq_activity);
+    return;
+  }
+  if (!was_enabled && !on(con_slave_off))
+    not_modelled_(name_ + ": slave mode; nobody ever addresses the chip");
+  if ((value & enable_abort) != 0 && was_enabled) {
+    if (!active()) return abort(abort_user);
+    enable_ |= enable_abort;
+    if (phase_ == Phase::held || phase_ == Phase::rx_held) return enter(Phase::stop, wheel_.now());
+  }
+  begin(wheel_.now());
+}
+
+/// Registers that can be written only while the block is disabled; false: another one.
+bool I2c::write_settings(std::uint32_t offset, std::uint32_t value) {
+  const std::uint32_t half = value & 0xffffu;
+  std::uint32_t* setting = nullptr;
+  std::uint32_t kept = 0;
+  const auto set = [&](std::uint32_t& which, std::uint32_t to) {
+    setting = &which;
+    kept = to;
+  };
+  switch (offset) {
+    case offset_con: {
+      const bool standard = (value & con_speed) == con_standard;
+      set(control_, (value & con_mask & ~con_speed) | (standard ? con_standard : con_fast));
+      break;
+    }
+    case offset_tar:
+      set(target_, value & 0xfffu);
+      break;
+    case offset_sar:
+      set(slave_address_, value & 0x3ffu);
+      break;
+    case offset_ss_high:
+      set(slow_high_, std::max(half, shortest_high));
+      break;
+    case offset_ss_low:
+      set(slow_low_, std::max(half, shortest_low));
+      break;
+    case offset_fs_high:
+      set(fast_high_, std::max(half, shortest_high));
+      break;
+    case offset_fs_low:
+      set(fast_low_, std::max(half, shortest_low));
+      break;
+    case offset_sda_hold:
+      set(hold_, value & 0xffffffu);
+      break;
+    case offset_slave_nack:
+      set(slave_nack_, value & 1u);
+      break;
+    case offset_sda_setup:
+      set(setup_, value & 0xffu);
+      break;
+    case offset_spklen:
+      set(spike_, std::max(value & 0xffu, shortest_spike));
+      break;
+    default:
+      return false;
+  }
+  if (!enabled()) *setting = kept;
+  return true;
+}
+
+void I2c::write(std::uint32_t offset, std::uint32_t value) {
+  constexpr std::uint32_t deepest = fifo_depth;
+  switch (offset) {
+    case offset_data_cmd:
+      write_command(value);
+      break;
+    case offset_intr_mask:
+      mask_ = value & irq_all;
+      break;
+    case offset_rx_tl:
+      rx_level_ = std::min(value & 0xffu, deepest);
+      break;
+    case offset_tx_tl:
+      tx_level_ = std::min(value & 0xffu, deepest);
+      break;
+    case offset_enable:
+      write_enable(value);
+      break;
+    case offset_dma_cr:
+      dma_control_ = value & 3u;
+      break;
+    case offset_dma_tdlr:
+      dma_tx_level_ = value & 0xfu;
+      break;
+    case offset_dma_rdlr:
+      dma_rx_level_ = value & 0xfu;
+      break;
+    case offset_ack_general:
+      acknowledge_general_ = value & 1u;
+      break;
+    default:
+      if (!write_settings(offset, value) && offset > offset_comp_type)
+        not_modelled_(name_ + ": no register at this offset");
+  }
+  settle();
+}
+
+}  // namespace lamplock::sim::chip

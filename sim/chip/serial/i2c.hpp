@@ -1,0 +1,157 @@
+// I2C0 and I2C1: the DW_apb_i2c of the RP2040 as a master (RP2040 datasheet, 4.3).
+//
+// In:  registers; acknowledges and bytes of the devices on the bus.
+// Out: conditions and bytes for the devices, each at its end; the interrupt line; the DREQs.
+// Who: the bus; the wheel at the ends of conditions and bytes. The pins are not driven bit by bit.
+//
+// All times are cycles of clk_sys, which is ic_clk (4.3): SCL is high for HCNT + SPKLEN + 7 and low
+// for LCNT + 1 of them (4.3.14.1, edges without rise and fall time). START holds SDA for the high
+// time before SCL falls; a byte is nine periods, and what it brings is known at their end; a
+// RESTART is low time, low time as set-up and high time as hold; a STOP is low time and high time
+// as set-up, and the bus stays free for a low time. With nothing in the transmit FIFO and no STOP
+// asked for, SCL is held low.
+//
+// Not modelled: slave mode, other masters (no arbitration is lost), devices that stretch the
+// clock, START bytes.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/irq_lines.hpp"
+#include "sim/chip/peripheral.hpp"
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip {
+
+/// A slave on the bus. Each call comes at the end of the ninth clock of a byte (or at the STOP).
+class I2cDevice {
+ public:
+  virtual ~I2cDevice() = default;
+  /// After START or RESTART its address has come, for reading or for writing. Returns whether it
+  /// acknowledges.
+  virtual bool addressed(bool for_reading, Cycle at) = 0;
+  /// A byte was written to it. Returns whether it acknowledges.
+  virtual bool byte_written(std::uint8_t byte, Cycle at) = 0;
+  /// A byte is read from it.
+  virtual std::uint8_t byte_read(Cycle at) = 0;
+  /// The STOP that ends the transfer in which it was addressed, or the address of another device
+  /// after a RESTART.
+  virtual void stopped(Cycle at) { static_cast<void>(at); }
+};
+
+/// One of the two.
+class I2c final : public Peripheral, private Timed {
+ public:
+  /// The address of devices that listen to general calls.
+  static constexpr unsigned general_call = 0;
+
+  I2c(int number, TimeWheel& wheel, IrqLines& irqs, NotModelled not_modelled);
+  I2c(const I2c&) = delete;
+  I2c& operator=(const I2c&) = delete;
+
+  void connect(DreqLines& lines) { dreqs_ = &lines; }
+  /// A device at a 7-bit address, or at a 10-bit one.
+  void connect(I2cDevice& device, unsigned address, bool ten_bits = false) {
+    devices_.push_back({&device, address, ten_bits});
+  }
+  /// Cycles of clk_sys in which SCL is high and low, as configured.
+  Cycle high_cycles() const;
+  Cycle low_cycles() const;
+
+  std::string_view name() const override { return name_; }
+  std::uint32_t read(std::uint32_t offset) override;
+  std::uint32_t peek(std::uint32_t offset) const override;
+  void write(std::uint32_t offset, std::uint32_t value) override;
+  void reset() override;
+
+ private:
+  static constexpr std::size_t fifo_depth = 16;
+
+  struct Slave {
+    I2cDevice* device = nullptr;
+    unsigned address = 0;
+    bool ten_bits = false;
+  };
+  /// What the master does; due_ is when it ends. idle and held have no end of their own.
+  enum class Phase : std::uint8_t {
+    idle,
+    start,           ///< from SDA down to SCL down
+    address,         ///< 7 bits, or the first byte of 10 bits for writing
+    address_low,     ///< second byte of 10 bits
+    restart_inside,  ///< of a 10-bit address for reading
+    address_again,   ///< first byte of 10 bits for reading
+    data,
+    rx_held,  ///< SCL low: the receive FIFO is full
+    held,     ///< SCL low: waits for a command
+    restart,
+    stop,
+    bus_free
+  };
+
+  void run(Cycle to) override;
+
+  bool enabled() const { return (enable_ & 1u) != 0; }
+  bool active() const { return phase_ != Phase::idle && phase_ != Phase::bus_free; }
+  bool on(std::uint32_t control_bit) const { return (control_ & control_bit) != 0; }
+  bool shifting() const;
+  void enter(Phase phase, Cycle at);
+  Cycle length(Phase phase) const;
+  void phase_ended(Cycle at);
+  void begin(Cycle at);
+  bool refused(std::uint32_t command);
+  void address_ended(Cycle at);
+  bool first_address_acknowledged() const;
+  bool address_device(Cycle at);
+  void begin_data(Cycle at);
+  void data_ended(Cycle at);
+  void byte_done(Cycle at);
+  void next(Cycle at);
+  void stopped(Cycle at);
+  void abort(std::uint32_t source);
+  bool push_received(std::uint8_t byte);
+
+  std::uint32_t raw_interrupts() const;
+  std::uint32_t status() const;
+  std::uint32_t take_interrupts(std::uint32_t bits);
+  std::uint32_t pop_received();
+  std::uint32_t read_clear(std::uint32_t offset);
+  void write_command(std::uint32_t value);
+  void write_enable(std::uint32_t value);
+  bool write_settings(std::uint32_t offset, std::uint32_t value);
+  void update_lines();
+  void settle();
+
+  TimeWheel& wheel_;
+  TimeWheel::Slot slot_;
+  IrqLines& irqs_;
+  DreqLines* dreqs_ = nullptr;
+  NotModelled not_modelled_;
+  std::string name_;
+  Irq irq_;
+  Dreq dreq_tx_, dreq_rx_;
+  std::vector<Slave> devices_;
+
+  Phase phase_ = Phase::idle;
+  Cycle due_ = never_cycle;
+  I2cDevice* addressed_ = nullptr;
+  std::deque<std::uint32_t> transmit_, receive_;
+  std::uint32_t command_ = 0;  ///< under way
+  bool first_byte_ = false;    ///< the next byte received is the first after an address
+  bool reads_ = false;         ///< direction of the address under way
+  bool flushed_ = false;       ///< the FIFOs are held empty after an abort
+  std::uint8_t received_ = 0;  ///< waits for room in the receive FIFO
+
+  std::uint32_t control_ = 0, target_ = 0, slave_address_ = 0;
+  std::uint32_t slow_high_ = 0, slow_low_ = 0, fast_high_ = 0, fast_low_ = 0, spike_ = 0;
+  std::uint32_t mask_ = 0, raised_ = 0, abort_source_ = 0, enable_ = 0;
+  std::uint32_t rx_level_ = 0, tx_level_ = 0;
+  std::uint32_t dma_control_ = 0, dma_tx_level_ = 0, dma_rx_level_ = 0;
+  std::uint32_t hold_ = 0, setup_ = 0, acknowledge_general_ = 0, slave_nack_ = 0;
+};
+
+}  // namespace lamplock::sim::chip

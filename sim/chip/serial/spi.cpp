@@ -1,0 +1,314 @@
+#include "sim/chip/serial/spi.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "sim/chip/system/wide.hpp"
+
+namespace lamplock::sim::chip {
+
+namespace {
+
+// Offsets (4.4.4).
+constexpr std::uint32_t offset_cr0 = 0x00;
+constexpr std::uint32_t offset_cr1 = 0x04;
+constexpr std::uint32_t offset_dr = 0x08;
+constexpr std::uint32_t offset_sr = 0x0c;
+constexpr std::uint32_t offset_cpsr = 0x10;
+constexpr std::uint32_t offset_imsc = 0x14;
+constexpr std::uint32_t offset_ris = 0x18;
+constexpr std::uint32_t offset_mis = 0x1c;
+constexpr std::uint32_t offset_icr = 0x20;
+constexpr std::uint32_t offset_dmacr = 0x24;
+constexpr std::uint32_t offset_identification = 0xfe0;  // PERIPHID0-3, PCELLID0-3
+
+// CR0: DSS 3:0, FRF 5:4, SPO 6, SPH 7, SCR 15:8.
+constexpr std::uint32_t cr0_format = 3u << 4;
+constexpr std::uint32_t cr0_phase = 1u << 7;
+constexpr std::uint32_t smallest_size = 3;  // four bits
+// CR1: SSE 1, MS 2.
+constexpr std::uint32_t cr1_loop_back = 1u << 0;
+constexpr std::uint32_t cr1_slave_output_off = 1u << 3;
+// SR.
+constexpr std::uint32_t flag_tx_empty = 1u << 0;
+constexpr std::uint32_t flag_tx_not_full = 1u << 1;
+constexpr std::uint32_t flag_rx_not_empty = 1u << 2;
+constexpr std::uint32_t flag_rx_full = 1u << 3;
+constexpr std::uint32_t flag_busy = 1u << 4;
+// RIS, MIS, IMSC, ICR.
+constexpr std::uint32_t irq_overrun = 1u << 0;
+constexpr std::uint32_t irq_timeout = 1u << 1;
+constexpr std::uint32_t irq_rx = 1u << 2;
+constexpr std::uint32_t irq_tx = 1u << 3;
+constexpr std::uint32_t irq_clearable = irq_overrun | irq_timeout;
+// DMACR.
+constexpr std::uint32_t dma_rx = 1u << 0;
+constexpr std::uint32_t dma_tx = 1u << 1;
+
+constexpr std::size_t half_fifo = 4;             // both interrupts (4.4.3.4)
+constexpr std::uint64_t timeout_half_bits = 64;  // "fixed 32-bit period" (4.4.3.4)
+constexpr std::uint64_t deselect_half_bits = 2;  // chip select high after the last capture
+
+}  // namespace
+
+Spi::Spi(int number, TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_modelled)
+    : wheel_(wheel),
+      slot_(wheel.add(*this)),
+      clocks_(clocks),
+      irqs_(irqs),
+      not_modelled_(std::move(not_modelled)),
+      name_("SPI" + std::to_string(number)),
+      irq_(number == 0 ? Irq::spi0 : Irq::spi1),
+      dreq_tx_(number == 0 ? Dreq::spi0_tx : Dreq::spi1_tx),
+      dreq_rx_(number == 0 ? Dreq::spi0_rx : Dreq::spi1_rx) {
+  clocks_.listen(*this);
+  reset();
+}
+
+void Spi::reset() {
+  transmit_.clear();
+  receive_.clear();
+  shifting_ = frame_open_ = timeout_running_ = false;
+  free_at_ = 0;
+  control_0_ = control_1_ = prescale_ = 0;
+  mask_ = raised_ = dma_control_ = 0;
+  schedule();
+  update_lines();
+}
+
+// --- time
+
+Picoseconds Spi::half_bits(std::uint64_t count) const {
+  const std::uint64_t hz = clocks_.hz(Clock::peri);
+  if (hz == 0) return 0;
+  const std::uint64_t cycles = count * (prescale_ / 2) * (1 + (control_0_ >> 8));
+  return static_cast<Picoseconds>(static_cast<Wide>(cycles) * ps_per_s / static_cast<Wide>(hz));
+}
+
+Picoseconds Spi::bit_time() const { return half_bits(2); }
+
+void Spi::schedule() {
+  Picoseconds first = std::numeric_limits<Picoseconds>::max();
+  if (shifting_) first = std::min(first, captured_at_);
+  if (frame_open_ && !shifting_) first = std::min(first, frame_end_at_);
+  if (!shifting_ && wants_to_send() && bit_time() != 0) first = std::min(first, free_at_);
+  if (timeout_running_) first = std::min(first, timeout_at_);
+  const bool waits = first != std::numeric_limits<Picoseconds>::max();
+  wheel_.set(slot_, waits ? wheel_.cycle_at(first) : never_cycle);
+}
+
+void Spi::run(Cycle) {
+  const Picoseconds time = now();
+  if (shifting_ && captured_at_ <= time) exchange();
+  if (frame_open_ && !shifting_ && frame_end_at_ <= time) frame_open_ = false;
+  if (!shifting_ && wants_to_send() && free_at_ <= time) start_word(free_at_);
+  if (timeout_running_ && timeout_at_ <= time) {
+    timeout_running_ = false;
+    raised_ |= irq_timeout;
+  }
+  update_lines();
+  schedule();
+}
+
+void Spi::clocks_changed() {
+  begin();
+  schedule();
+}
+
+// --- master
+
+bool Spi::wants_to_send() const { return enabled() && !slave() && !transmit_.empty(); }
+
+/// A word may have become ready to go.
+void Spi::begin() {
+  if (shifting_ || !wants_to_send() || free_at_ > now()) return;
+  start_word(now());
+}
+
+void Spi::start_word(Picoseconds at) {
+  if (bit_time() == 0) return not_modelled_(name_ + ": a word was to be sent without a clock");
+  shift_ = transmit_.front();
+  transmit_.pop_front();
+  shifting_ = frame_open_ = true;
+  timeout_running_ = false;
+  captured_at_ = at + half_bits(2 * word_bits());
+}
+
+/// The last bit has been captured at both ends.
+void Spi::exchange() {
+  shifting_ = false;
+  const auto sent = static_cast<std::uint16_t>(shift_ & word_mask());
+  std::uint16_t received = 0;
+  if ((control_1_ & cr1_loop_back) != 0)
+    received = sent;
+  else if (device_ != nullptr)
+    received = device_->word_exchanged(sent, word_bits(), wheel_.now());
+  push_received(static_cast<std::uint16_t>(received & word_mask()));
+  frame_end_at_ = captured_at_ + half_bits(deselect_half_bits);
+  if ((control_0_ & cr0_phase) == 0)
+    free_at_ = captured_at_ + half_bits(gap_half_bits);
+  else
+    free_at_ = wants_to_send() ? captured_at_ : frame_end_at_;
+}
+
+// --- slave
+
+std::uint16_t Spi::word_from_master(std::uint16_t word) {
+  if (!enabled() || !slave()) return 0;
+  std::uint16_t answer = 0;
+  if (!transmit_.empty()) {
+    answer = static_cast<std::uint16_t>(transmit_.front() & word_mask());
+    transmit_.pop_front();
+  }
+  push_received(static_cast<std::uint16_t>(word & word_mask()));
+  update_lines();
+  schedule();
+  return (control_1_ & cr1_slave_output_off) != 0 ? std::uint16_t{0} : answer;
+}
+
+// --- receiver
+
+void Spi::push_received(std::uint16_t word) {
+  if (receive_.size() >= fifo_depth)
+    raised_ |= irq_overrun;
+  else
+    receive_.push_back(word);
+  restart_timeout();
+}
+
+std::uint32_t Spi::pop_received() {
+  if (receive_.empty()) {
+    not_modelled_(name_ + " DR: read while the receive FIFO is empty");
+    return 0;
+  }
+  const std::uint32_t word = receive_.front();
+  receive_.pop_front();
+  restart_timeout();
+  if (receive_.empty()) raised_ &= ~irq_timeout;
+  return word;
+}
+
+/// Counts from the last word or reading, while words wait and the line is idle.
+void Spi::restart_timeout() {
+  timeout_running_ = !receive_.empty() && !shifting_ && bit_time() != 0;
+  if (timeout_running_) timeout_at_ = now() + half_bits(timeout_half_bits);
+}
+
+// --- registers
+
+std::uint32_t Spi::raw_interrupts() const {
+  return raised_ | (transmit_.size() <= half_fifo ? irq_tx : 0u) |
+         (receive_.size() >= half_fifo ? irq_rx : 0u);
+}
+
+void Spi::update_lines() {
+  irqs_.set(irq_, (raw_interrupts() & mask_) != 0);
+  if (dreqs_ == nullptr) return;
+  // The DMA may read and write the FIFOs within these calls.
+  const bool sends = (dma_control_ & dma_tx) != 0;
+  dreqs_->set_level(dreq_tx_, sends ? static_cast<unsigned>(fifo_depth - transmit_.size()) : 0u);
+  const bool receives = (dma_control_ & dma_rx) != 0;
+  dreqs_->set_level(dreq_rx_, receives ? static_cast<unsigned>(receive_.size()) : 0u);
+}
+
+std::uint32_t Spi::flags() const {
+  return (transmit_.empty() ? flag_tx_empty : 0u) |
+         (transmit_.size() < fifo_depth ? flag_tx_not_full : 0u) |
+         (receive_.empty() ? 0u : flag_rx_not_empty) |
+         (receive_.size() >= fifo_depth ? flag_rx_full : 0u) |
+         (frame_open_ || !transmit_.empty() ? flag_busy : 0u);
+}
+
+std::uint32_t Spi::peek(std::uint32_t offset) const {
+  if (offset >= offset_identification) {
+    constexpr std::array<std::uint32_t, 8> bytes{0x22, 0x10, 0x34, 0x00, 0x0d, 0xf0, 0x05, 0xb1};
+    return bytes[(offset - offset_identification) / 4];
+  }
+  switch (offset) {
+    case offset_cr0:
+      return control_0_;
+    case offset_cr1:
+      return control_1_;
+    case offset_dr:
+      return receive_.empty() ? 0 : receive_.front();
+    case offset_sr:
+      return flags();
+    case offset_cpsr:
+      return prescale_;
+    case offset_imsc:
+      return mask_;
+    case offset_ris:
+      return raw_interrupts();
+    case offset_mis:
+      return raw_interrupts() & mask_;
+    case offset_dmacr:
+      return dma_control_;
+    default:
+      return 0;
+  }
+}
+
+std::uint32_t Spi::read(std::uint32_t offset) {
+  if (offset == offset_dr) {
+    const std::uint32_t word = pop_received();
+    update_lines();
+    schedule();
+    return word;
+  }
+  if (offset > offset_dmacr && offset < offset_identification)
+    not_modelled_(name_ + ": no register at this offset");
+  return peek(offset);
+}
+
+void Spi::write_data(std::uint32_t value) {
+  if (transmit_.size() >= fifo_depth)
+    return not_modelled_(name_ + " DR: written while the transmit FIFO is full; the word is lost");
+  transmit_.push_back(static_cast<std::uint16_t>(value));
+}
+
+void Spi::write_control_0(std::uint32_t value) {
+  control_0_ = value & 0xffffu;
+  if ((control_0_ & cr0_format) != 0)
+    not_modelled_(name_ + " SSPCR0 FRF: words are timed as in Motorola format");
+  if ((control_0_ & 0xfu) < smallest_size)
+    not_modelled_(name_ + " SSPCR0 DSS: a size of less than four bits");
+}
+
+void Spi::write(std::uint32_t offset, std::uint32_t value) {
+  switch (offset) {
+    case offset_cr0:
+      write_control_0(value);
+      break;
+    case offset_cr1:
+      control_1_ = value & 0xfu;
+      break;
+    case offset_dr:
+      write_data(value);
+      break;
+    case offset_cpsr:
+      prescale_ = value & 0xfeu;
+      break;
+    case offset_imsc:
+      mask_ = value & 0xfu;
+      break;
+    case offset_icr:
+      raised_ &= ~(value & irq_clearable);
+      break;
+    case offset_dmacr:
+      dma_control_ = value & 3u;
+      break;
+    case offset_sr:
+    case offset_ris:
+    case offset_mis:
+      break;
+    default:
+      if (offset < offset_identification) not_modelled_(name_ + ": no register at this offset");
+  }
+  begin();
+  update_lines();
+  schedule();
+}
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,117 @@
+// SPI0 and SPI1: the PL022 of the RP2040 in Motorola format, as a master and as a slave (RP2040
+// datasheet, 4.4; ARM PrimeCell Synchronous Serial Port PL022 manual).
+//
+// In:  registers; clk_peri; whole words from the other end.
+// Out: whole words to the other end, when their last bit has been captured; the interrupt line; the
+//      DREQs.
+// Who: the bus; the wheel at the ends of words. The pins are not driven bit by bit: a device that
+//      needs its chip select watches that pin (PadListener), which drivers move as a GPIO. With
+//      SPIx_CSn as the pin's function the pad stays still.
+//
+// A bit takes CPSDVSR x (1 + SCR) cycles of clk_peri. The last bit is captured as many bits after
+// the start as a word has. With SPH 1 words follow each other without a gap; with SPH 0 the chip
+// select must go high between them, which takes 1.5 bits more (Spi::gap_half_bits).
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <string_view>
+
+#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/irq_lines.hpp"
+#include "sim/chip/peripheral.hpp"
+#include "sim/chip/system/clocks.hpp"
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip {
+
+/// What is at the other end while the chip is the master.
+class SpiDevice {
+ public:
+  virtual ~SpiDevice() = default;
+  /// The chip has sent a word of `bits` bits, right-aligned; `at` is when its last bit was
+  /// captured. Returns the word that came the other way in the same frame: a device that answers
+  /// does so from what it knew before this word.
+  virtual std::uint16_t word_exchanged(std::uint16_t word, unsigned bits, Cycle at) = 0;
+};
+
+/// One of the two.
+class Spi final : public Peripheral, private Timed, private ClockListener {
+ public:
+  /// Half bits between two words with SPH 0 that follow each other. The manual draws the pulse of
+  /// the chip select without its length; others measured SCK low for about two bits, half a bit of
+  /// which belongs to the word.
+  static constexpr unsigned gap_half_bits = 3;
+
+  Spi(int number, TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_modelled);
+  Spi(const Spi&) = delete;
+  Spi& operator=(const Spi&) = delete;
+
+  void connect(DreqLines& lines) { dreqs_ = &lines; }
+  /// Without a device MISO reads zero.
+  void connect(SpiDevice& device) { device_ = &device; }
+  /// The chip is the slave: the master at the other end has clocked a whole word in. Returns what
+  /// the chip sent meanwhile; 0 if it had nothing, drives nothing or is no slave.
+  std::uint16_t word_from_master(std::uint16_t word);
+  /// Time of a bit as configured; 0: there is no clock.
+  Picoseconds bit_time() const;
+
+  std::string_view name() const override { return name_; }
+  std::uint32_t read(std::uint32_t offset) override;
+  std::uint32_t peek(std::uint32_t offset) const override;
+  void write(std::uint32_t offset, std::uint32_t value) override;
+  void reset() override;
+
+ private:
+  static constexpr std::size_t fifo_depth = 8;
+
+  void run(Cycle to) override;
+  void clock_changed() override { schedule(); }
+  void clocks_changed() override;
+
+  bool enabled() const { return (control_1_ & 2u) != 0; }
+  bool slave() const { return (control_1_ & 4u) != 0; }
+  unsigned word_bits() const { return (control_0_ & 0xfu) + 1; }
+  std::uint16_t word_mask() const {
+    return static_cast<std::uint16_t>((2u << (control_0_ & 0xfu)) - 1);
+  }
+  Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
+  Picoseconds half_bits(std::uint64_t count) const;
+  bool wants_to_send() const;
+  void begin();
+  void start_word(Picoseconds at);
+  void exchange();
+  void push_received(std::uint16_t word);
+  std::uint32_t pop_received();
+  void restart_timeout();
+  std::uint32_t raw_interrupts() const;
+  std::uint32_t flags() const;
+  void write_data(std::uint32_t value);
+  void write_control_0(std::uint32_t value);
+  void schedule();
+  void update_lines();
+
+  TimeWheel& wheel_;
+  TimeWheel::Slot slot_;
+  Clocks& clocks_;
+  IrqLines& irqs_;
+  DreqLines* dreqs_ = nullptr;
+  NotModelled not_modelled_;
+  std::string name_;
+  Irq irq_;
+  Dreq dreq_tx_, dreq_rx_;
+  SpiDevice* device_ = nullptr;
+
+  std::deque<std::uint16_t> transmit_, receive_;
+  bool shifting_ = false;    ///< a word is on the wires
+  bool frame_open_ = false;  ///< the chip select is low: until a bit after the last one
+  bool timeout_running_ = false;
+  std::uint16_t shift_ = 0;  ///< being sent
+  Picoseconds captured_at_ = 0, frame_end_at_ = 0, timeout_at_ = 0;
+  Picoseconds free_at_ = 0;  ///< the chip select may go low again
+  std::uint32_t control_0_ = 0, control_1_ = 0, prescale_ = 0;
+  std::uint32_t mask_ = 0, raised_ = 0, dma_control_ = 0;
+};
+
+}  // namespace lamplock::sim::chip
