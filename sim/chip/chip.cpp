@@ -53,6 +53,7 @@ NotModelled Chip::reporter() {
 void Chip::map() {
   Resets& resets = system_.resets;
   system_.map(bus_, gpio_);
+  system_.connect(pio_dma_.dreqs());
   bus_.map_sio(sio_.core(0), sio_.core(1));
   system_.psm.attach(PsmBit::xip, [this](bool held) {
     if (held) xip_.reset();

@@ -31,7 +31,13 @@ System::System(TimeWheel& wheel, Gpio& gpio, Sio& sio, IrqLines& irqs, Callbacks
       busctrl(not_modelled),
       uart0(0, wheel, clocks, irqs, not_modelled),
       uart1(1, wheel, clocks, irqs, not_modelled),
-      pwm(wheel, gpio, irqs, not_modelled) {
+      pwm(wheel, gpio, irqs, not_modelled),
+      spi0(0, wheel, clocks, irqs, not_modelled),
+      spi1(1, wheel, clocks, irqs, not_modelled),
+      i2c0(0, wheel, irqs, not_modelled),
+      i2c1(1, wheel, irqs, not_modelled),
+      adc(wheel, clocks, irqs, not_modelled),
+      rtc(wheel, clocks, irqs, not_modelled) {
   attach_stages(sio);
 }
 
@@ -66,12 +72,26 @@ void System::map(Bus& bus, Gpio& gpio) {
   bus.map(0x40030000, resets.attach(ResetBit::busctrl, busctrl));
   bus.map(0x40034000, resets.attach(ResetBit::uart0, uart0));
   bus.map(0x40038000, resets.attach(ResetBit::uart1, uart1));
+  bus.map(0x4003c000, resets.attach(ResetBit::spi0, spi0));
+  bus.map(0x40040000, resets.attach(ResetBit::spi1, spi1));
+  bus.map(0x40044000, resets.attach(ResetBit::i2c0, i2c0));
+  bus.map(0x40048000, resets.attach(ResetBit::i2c1, i2c1));
+  bus.map(0x4004c000, resets.attach(ResetBit::adc, adc));
   bus.map(0x40050000, resets.attach(ResetBit::pwm, pwm));
   bus.map(0x40054000, resets.attach(ResetBit::timer, timer));
   bus.map(0x40058000, watchdog);
+  bus.map(0x4005c000, resets.attach(ResetBit::rtc, rtc));
   bus.map(0x40060000, rosc);
   bus.map(0x40064000, vreg);
   bus.map(0x4006c000, resets.attach(ResetBit::tbman, tbman));
+}
+
+void System::connect(DreqLines& lines) {
+  spi0.connect(lines);
+  spi1.connect(lines);
+  i2c0.connect(lines);
+  i2c1.connect(lines);
+  adc.connect(lines);
 }
 
 void System::reset(ChipReset cause) {

@@ -1,15 +1,19 @@
-// The system blocks of the chip, wired to each other (RP2040 datasheet, 2.12-2.23, 4.2, 4.5-4.7).
+// The system blocks of the chip, wired to each other (RP2040 datasheet, 2.12-2.23, 4.2-4.9).
 //
 // In:  the wheel, the pins, the interrupt lines, SIO.
-// Out: clocks, resets, timer, watchdog, UARTs, PWM; a map of them for the bus; the reset tree.
-// Who: the chip, which attaches its own blocks to `resets` and `psm`.
+// Out: clocks, resets, timer, watchdog, UARTs, PWM, SPI, I2C, ADC, RTC; a map of them for the bus;
+// the reset tree. Who: the chip, which attaches its own blocks to `resets` and `psm`.
 #pragma once
 
 #include <functional>
 
+#include "sim/chip/analog/adc.hpp"
 #include "sim/chip/bus.hpp"
+#include "sim/chip/dma/dreq_lines.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/irq_lines.hpp"
+#include "sim/chip/serial/i2c.hpp"
+#include "sim/chip/serial/spi.hpp"
 #include "sim/chip/sio/sio.hpp"
 #include "sim/chip/system/clocks.hpp"
 #include "sim/chip/system/config.hpp"
@@ -17,6 +21,7 @@
 #include "sim/chip/system/power.hpp"
 #include "sim/chip/system/pwm.hpp"
 #include "sim/chip/system/resets.hpp"
+#include "sim/chip/system/rtc.hpp"
 #include "sim/chip/system/tick_generator.hpp"
 #include "sim/chip/system/timer.hpp"
 #include "sim/chip/system/uart.hpp"
@@ -41,6 +46,8 @@ class System {
 
   /// Puts all blocks, those of Gpio included, behind their resets and on the bus.
   void map(Bus& bus, Gpio& gpio);
+  /// Lets the blocks with FIFOs request transfers of the DMA.
+  void connect(DreqLines& lines);
   /// All causes alike: everything, the watchdog with its scratch registers included. All stages of
   /// `psm` are held and released.
   void reset(ChipReset cause);
@@ -61,6 +68,10 @@ class System {
   Busctrl busctrl;
   Uart uart0, uart1;
   Pwm pwm;
+  Spi spi0, spi1;
+  I2c i2c0, i2c1;
+  Adc adc;
+  Rtc rtc;
 
  private:
   void attach_stages(Sio& sio);
