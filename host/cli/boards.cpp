@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "host/cli/simulator_error.hpp"
 #include "host/error.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 
@@ -26,22 +27,12 @@ std::string image_file(const std::string& image) {
               "build the firmware, or give its file with --image");
 }
 
-/// The simulator's errors read "WHERE: WHAT; REMEDY" already.
-[[noreturn]] void refuse_image(const std::string& text) {
-  const auto where = text.find(": ");
-  const auto remedy = text.rfind("; ");
-  if (where == std::string::npos || remedy == std::string::npos || remedy < where)
-    throw Error(Exit::bad_input, "image", text, "give an ELF, UF2 or BIN file for the RP2040");
-  throw Error(Exit::bad_input, text.substr(0, where), text.substr(where + 2, remedy - where - 2),
-              text.substr(remedy + 2));
-}
-
 sim::chip::Image read_image(const std::string& image) {
   const std::string file = image_file(image);
   try {
     return sim::chip::load_image(file);
   } catch (const std::runtime_error& error) {
-    refuse_image(error.what());
+    refuse(error.what());
   }
 }
 
@@ -66,7 +57,7 @@ SimulatedBoard make_board(const std::string& name, const std::string& image,
   try {
     board = std::make_unique<sim::ChipBoard>(*made.image, stored, world);
   } catch (const std::runtime_error& error) {
-    refuse_image(error.what());
+    refuse(error.what());
   }
   made.timing = std::make_unique<sim::BoardTiming>(*board, *made.image);
   if (!board->run_until_found(longest_boot))

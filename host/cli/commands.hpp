@@ -24,5 +24,6 @@ void add_engrave(CLI::App& program, Action& action);
 void add_frame(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
 void add_sim(CLI::App& program, Action& action);
+void add_chip(CLI::App& program, Action& action);
 
 }  // namespace lamplock::cli

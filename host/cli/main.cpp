@@ -52,6 +52,7 @@ Exit run(int argc, char** argv) {
   lamplock::cli::add_frame(program, action);
   lamplock::cli::add_compare(program, action);
   lamplock::cli::add_sim(program, action);
+  lamplock::cli::add_chip(program, action);
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -5,37 +5,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/chip/profile/exception_name.hpp"
+
 namespace lamplock::sim::chip {
 
 namespace {
 
 constexpr std::size_t deepest = 256;  // frames kept; a program that never returns stays inside
 constexpr std::uint8_t pattern = 0xa5;
-
-std::string exception_name(unsigned number) {
-  // Numbers of the exceptions: ARMv6-M ARM, B1.5.2; lines of the RP2040 from 16 on (2.3.2).
-  constexpr std::array<const char*, 26> lines = {
-      "TIMER_0", "TIMER_1", "TIMER_2", "TIMER_3", "PWM_WRAP", "USBCTRL", "XIP",
-      "PIO0_0",  "PIO0_1",  "PIO1_0",  "PIO1_1",  "DMA_0",    "DMA_1",   "IO_BANK0",
-      "IO_QSPI", "SIO_0",   "SIO_1",   "CLOCKS",  "SPI0",     "SPI1",    "UART0",
-      "UART1",   "ADC",     "I2C0",    "I2C1",    "RTC"};
-  switch (number) {
-    case 2:
-      return "NMI";
-    case 3:
-      return "HardFault";
-    case 11:
-      return "SVCall";
-    case 14:
-      return "PendSV";
-    case 15:
-      return "SysTick";
-    default:
-      break;
-  }
-  if (number >= 16 && number - 16 < lines.size()) return lines[number - 16];
-  return "exception " + std::to_string(number);
-}
 
 void add(ProfileEntry& entry, Cycle cycles) {
   ++entry.count;

@@ -1,0 +1,105 @@
+#include "host/cli/chip_run.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <stdexcept>
+
+#include "host/cli/simulator_error.hpp"
+#include "host/error.hpp"
+#include "sim/chip/script/parser.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+namespace chip = sim::chip;
+
+chip::Image read_image(const std::string& file) {
+  try {
+    return chip::load_image(file);
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
+}
+
+chip::script::Script read_script(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in || in.bad())
+    throw Error(Exit::bad_input, file, "cannot be read", "give the file of a script");
+  try {
+    return chip::script::parse(text, file);
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
+}
+
+chip::ChipOptions chip_options(const ChipRunOptions& options) {
+  chip::ChipOptions result;
+  result.flash_size = options.flash_size;
+  return result;
+}
+
+}  // namespace
+
+ChipRun::Trace::Trace(const std::string& name, chip::Chip& chip)
+    : file(name), stream(file.path(), std::ios::binary), writer(stream, chip) {}
+
+ChipRun::CoreProfile::CoreProfile(chip::Core& core, const chip::Image& image)
+    : table(core, image.symbols), stacks(core, image.symbols) {
+  listeners.add(table);
+  listeners.add(stacks);
+  core.listen(&listeners);
+}
+
+ChipRun::ChipRun(const ChipRunOptions& options)
+    : options_(options),
+      image_(read_image(options.image)),
+      chip_(chip_options(options)),
+      host_(chip_.wheel(), chip_.usb()),
+      ports_(chip_, host_),
+      pads_(chip_) {
+  if (!options.script.empty())
+    runner_ = std::make_unique<chip::script::Runner>(chip_, ports_, read_script(options.script));
+  for (const std::string& file : {options.vcd, options.profile})
+    if (!file.empty()) check_target(file);
+  if (!options.vcd.empty()) trace_.emplace(options.vcd, chip_);
+  if (!options.profile.empty())
+    for (std::size_t core = 0; core < profiles_.size(); ++core)
+      profiles_[core] = std::make_unique<CoreProfile>(chip_.core(static_cast<int>(core)), image_);
+  try {
+    chip_.load(image_, options.image);
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
+  chip_.power_on();
+}
+
+void ChipRun::run_until(sim::Picoseconds until) {
+  // A change of the clock moves the cycle that a time means.
+  for (chip::Cycle target = chip_.wheel().cycle_at(until); target > chip_.wheel().now();
+       target = chip_.wheel().cycle_at(until))
+    chip_.run_until(target);
+  chip_.gpio().catch_up(chip_.wheel().now());
+  ports_.poll();
+  if (trace_) trace_->writer.flush(now());
+}
+
+void ChipRun::finish() {
+  if (trace_) {
+    trace_->writer.finish(now());
+    trace_->stream.close();
+    if (!trace_->stream)
+      throw Error(Exit::bad_input, options_.vcd, "cannot be written",
+                  "check permissions and free space");
+    trace_->file.commit();
+  }
+  if (options_.profile.empty()) return;
+  write_whole(options_.profile, [this](const std::filesystem::path& path) {
+    std::ofstream out(path, std::ios::binary);
+    for (const auto& profile : profiles_) out << profile->stacks.folded();
+    out.close();
+    if (!out) throw Error(Exit::bad_input, path.string(), "cannot be written", "check the disk");
+  });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,89 @@
+// One image on one simulated chip, with everything that can be connected to it.
+//
+// In:  an image, what is wanted of it; time.
+// Out: the run: its pads, ports, profile, and how its script stands.
+// Who: `lamplock chip`, which asks for slices of time and shows what came of them.
+//
+// Time 0 is power-up. A PC is at the USB from the start; an image without USB never notices. A
+// debugger would be one more part, between power-up and the first slice and at each slice.
+#pragma once
+
+#include <array>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "host/cli/staged_file.hpp"
+#include "sim/chip/chip.hpp"
+#include "sim/chip/image/image.hpp"
+#include "sim/chip/profile/call_stacks.hpp"
+#include "sim/chip/profile/core_listeners.hpp"
+#include "sim/chip/profile/profile.hpp"
+#include "sim/chip/script/runner.hpp"
+#include "sim/chip/trace/pad_counter.hpp"
+#include "sim/chip/trace/pad_trace.hpp"
+#include "sim/chip/usb_host/usb_host.hpp"
+
+namespace lamplock::cli {
+
+/// What is wanted of a run; empty: not.
+struct ChipRunOptions {
+  std::string image{}, script{}, vcd{}, profile{};
+  std::size_t flash_size = sim::chip::FlashChip::default_size;
+};
+
+/// The run.
+class ChipRun {
+ public:
+  /// Reads the files and switches the power on. Throws Error(bad_input).
+  explicit ChipRun(const ChipRunOptions& options);
+  ChipRun(const ChipRun&) = delete;
+  ChipRun& operator=(const ChipRun&) = delete;
+
+  /// Runs to a simulated time, or a little more.
+  void run_until(sim::Picoseconds until);
+  sim::Picoseconds now() const { return chip_.time(); }
+  /// Puts the trace and the profile in their places. Throws Error(bad_input).
+  void finish();
+
+  const sim::chip::Image& image() const { return image_; }
+  sim::chip::Chip& chip() { return chip_; }
+  sim::chip::UsbHost& usb_host() { return host_; }
+  sim::chip::script::SerialPorts& ports() { return ports_; }
+  const sim::chip::PadCounter& pads() const { return pads_; }
+  /// Null without a script.
+  const sim::chip::script::Runner* script() const { return runner_.get(); }
+  /// What profiles know of a core; null without one.
+  const sim::chip::Profile* profile(std::size_t core) const {
+    return profiles_[core] ? &profiles_[core]->table : nullptr;
+  }
+
+ private:
+  /// A file that takes text while the chip runs.
+  struct Trace {
+    Trace(const std::string& name, sim::chip::Chip& chip);
+    StagedFile file;
+    std::ofstream stream;
+    sim::chip::PadTrace writer;
+  };
+  /// Both views of where a core's cycles go.
+  struct CoreProfile {
+    CoreProfile(sim::chip::Core& core, const sim::chip::Image& image);
+    sim::chip::Profile table;
+    sim::chip::CallStacks stacks;
+    sim::chip::CoreListeners listeners;
+  };
+
+  ChipRunOptions options_;
+  sim::chip::Image image_;
+  sim::chip::Chip chip_;
+  sim::chip::UsbHost host_;
+  sim::chip::script::SerialPorts ports_;
+  sim::chip::PadCounter pads_;
+  std::unique_ptr<sim::chip::script::Runner> runner_;
+  std::optional<Trace> trace_;
+  std::array<std::unique_ptr<CoreProfile>, 2> profiles_;
+};
+
+}  // namespace lamplock::cli

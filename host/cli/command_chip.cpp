@@ -1,0 +1,224 @@
+// `lamplock chip`: any image for the RP2040 in the chip simulator.
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host/cli/chip_run.hpp"
+#include "host/cli/chip_summary.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/interrupt.hpp"
+#include "host/cli/options.hpp"
+#include "host/cli/simulator_error.hpp"
+#include "sim/chip/script/parser.hpp"
+#include "sim/endpoint/pty_endpoint.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using sim::Picoseconds;
+using sim::chip::script::Port;
+
+/// Ports and Ctrl-C are looked at this often, simulated time.
+constexpr Picoseconds slice = 100 * sim::ps_per_us;
+/// What a terminal that nobody reads is owed at most, bytes.
+constexpr std::size_t most_unsent = 65'536;
+/// So much ahead of the wall clock, a run with terminals waits.
+constexpr Picoseconds tolerated_lead = sim::ps_per_ms;
+/// Costliest functions shown per core.
+constexpr std::size_t profile_lines = 20;
+constexpr std::size_t mib = 1024 * 1024;
+/// What --pty and --uart mean without a name.
+constexpr const char* unnamed = "pty";
+
+struct Options {
+  ChipRunOptions run;
+  std::string until, pty, uart;
+  bool freq = false, json = false;
+};
+
+/// A port of the chip at a pseudo-terminal.
+class Terminal {
+ public:
+  Terminal(Port port, const std::string& link, const std::string& option)
+      : port_(port), endpoint_(open(link, option)) {}
+
+  std::string address() const { return endpoint_->address(); }
+  void exchange(sim::chip::script::SerialPorts& ports) {
+    std::array<std::uint8_t, 1024> bytes{};
+    const std::size_t count = endpoint_->read(bytes);
+    if (count > 0) ports.send(port_, {reinterpret_cast<const char*>(bytes.data()), count});
+    const std::string said = ports.take(port_);
+    if (unsent_.size() < most_unsent) unsent_ += said;
+    const auto* const first = reinterpret_cast<const std::uint8_t*>(unsent_.data());
+    unsent_.erase(0, endpoint_->write({first, unsent_.size()}));
+  }
+
+ private:
+  static std::unique_ptr<sim::PtyEndpoint> open(const std::string& link,
+                                                const std::string& option) {
+    try {
+      return std::make_unique<sim::PtyEndpoint>(link == unnamed ? std::string() : link);
+    } catch (const std::system_error& error) {
+      throw Error(Exit::no_device, option + ' ' + link,
+                  "cannot be opened (" + error.code().message() + ")", "choose another name");
+    }
+  }
+  Port port_;
+  std::unique_ptr<sim::PtyEndpoint> endpoint_;
+  std::string unsent_;
+};
+
+/// Where the bytes of the chip's ports go.
+class Terminals {
+ public:
+  Terminals(const Options& options, Console& console)
+      : console_(console), uart_shown_(options.uart == "-") {
+    if (!options.pty.empty()) add(Port::usb, options.pty, "--pty", "USB");
+    if (!options.uart.empty() && !uart_shown_) add(Port::uart0, options.uart, "--uart", "UART0");
+  }
+  bool any() const { return !terminals_.empty(); }
+  void exchange(sim::chip::script::SerialPorts& ports) {
+    for (const auto& terminal : terminals_) terminal->exchange(ports);
+    if (!uart_shown_) return;
+    const std::string said = ports.take(Port::uart0);
+    if (!said.empty()) console_.text(said);
+  }
+
+ private:
+  void add(Port port, const std::string& link, const std::string& option, const char* name) {
+    terminals_.push_back(std::make_unique<Terminal>(port, link, option));
+    console_.say("{} is {}", name, terminals_.back()->address());
+  }
+  Console& console_;
+  bool uart_shown_;
+  std::vector<std::unique_ptr<Terminal>> terminals_;
+};
+
+/// A run with terminals keeps to the wall clock where it can; a run that has fallen behind does not
+/// hurry afterwards.
+class Pace {
+ public:
+  void wait(Picoseconds simulated) {
+    const auto wall =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start_).count() *
+        sim::ps_per_ns;
+    const Picoseconds lead = simulated - wall;
+    if (lead > tolerated_lead)
+      std::this_thread::sleep_for(std::chrono::nanoseconds(lead / sim::ps_per_ns));
+    else if (lead < 0)
+      start_ -= std::chrono::nanoseconds(lead / sim::ps_per_ns);
+  }
+
+ private:
+  Clock::time_point start_ = Clock::now();
+};
+
+/// Runs to the end of time or of the script; whether nobody interrupted it.
+bool run_to_end(ChipRun& run, Terminals& terminals, Picoseconds until) {
+  const Interrupt interrupt;
+  Pace pace;
+  while (run.now() < until && (run.script() == nullptr || !run.script()->done())) {
+    if (interrupt.count() != 0) return false;
+    run.run_until(std::min(until, run.now() + slice));
+    terminals.exchange(run.ports());
+    if (terminals.any()) pace.wait(run.now());
+  }
+  return true;
+}
+
+[[noreturn]] void expectation_failed(const std::string& script,
+                                     const sim::chip::script::Failure& failure) {
+  throw Error(Exit::job_failed, script + ':' + std::to_string(failure.line),
+              "expected " + failure.expected + ", seen: " + failure.seen + ", at " +
+                  sim::chip::script::time_text(failure.at),
+              "look at the trace (--vcd FILE)");
+}
+
+Exit conclude(const ChipRun& run, const std::string& script, bool whole) {
+  if (run.script() == nullptr) return Exit::done;
+  if (run.script()->failure()) expectation_failed(script, *run.script()->failure());
+  if (run.script()->done()) return Exit::done;
+  if (!whole) return Exit::interrupted;
+  expectation_failed(script, run.script()->standing());
+}
+
+Picoseconds end_time(const Options& options) {
+  if (options.until.empty()) return std::numeric_limits<Picoseconds>::max() - slice;
+  try {
+    return sim::chip::script::parse_time(options.until, "--until");
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
+}
+
+Exit run_image(const Options& options) {
+  Console console(options.json);
+  const Picoseconds until = end_time(options);
+  ChipRun run(options.run);
+  Terminals terminals(options, console);
+  const auto start = Clock::now();
+  const bool whole = run_to_end(run, terminals, until);
+  const double wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  run.finish();
+  console.text(chip_summary(run, wall_seconds));
+  if (options.freq) console.text(chip_frequencies(run));
+  for (std::size_t core = 0; core < 2; ++core)
+    if (const auto* profile = run.profile(core)) console.text(profile->text(profile_lines));
+  console.document(chip_json(run, wall_seconds));
+  return conclude(run, options.run.script, whole);
+}
+
+}  // namespace
+
+void add_chip(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand(
+      "chip", "Runs any image for the RP2040 in the chip simulator, cycle by cycle");
+  app->footer(
+      "Example:\n  lamplock chip blink.uf2 --until 2.5s --vcd blink.vcd --freq\n"
+      "  lamplock chip firmware.elf --script test.script      # status 1 if it does not pass\n"
+      "  lamplock chip firmware.elf --pty                     # its serial port on a terminal");
+  const auto options = std::make_shared<Options>();
+  app->add_option("IMAGE", options->run.image, "ELF, UF2 or BIN file")->required();
+  app->add_option("--until", options->until,
+                  "End at this simulated time, such as 2.5s or 10ms; without it when the script "
+                  "ends, or at Ctrl-C")
+      ->type_name("TIME");
+  app->add_option("--script", options->run.script,
+                  "Drive pins and ports, and expect things of them (docs/chip-script.md)")
+      ->type_name("FILE");
+  app->add_option("--vcd", options->run.vcd, "Trace of all pins, for GTKWave")->type_name("FILE");
+  app->add_option("--profile", options->run.profile,
+                  "Cycles by function and interrupt, as folded stacks for flame graphs; a table on "
+                  "the terminal")
+      ->type_name("FILE");
+  app->add_flag(std::string("--pty{") + unnamed + "}", options->pty,
+                "Serial port of the image's USB as a pseudo-terminal; --pty=LINK makes a link to "
+                "it; keeps to the wall clock");
+  app->add_option("--uart", options->uart,
+                  "UART0: - shows what it sends, pty makes a pseudo-terminal, any other name a "
+                  "link to one")
+      ->type_name("-|pty|LINK");
+  app->add_flag("--freq", options->freq, "Print the frequencies of clocks and pins at the end");
+  const auto flash_mib = std::make_shared<std::size_t>(options->run.flash_size / mib);
+  app->add_option("--flash-size", *flash_mib, "Size of the flash in MiB")
+      ->check(one_of({"1", "2", "4", "8", "16"}))
+      ->type_name("1|2|4|8|16")
+      ->capture_default_str();
+  app->add_flag("--json", options->json, "Print the summary as JSON on stdout");
+  app->callback([options, flash_mib, &action] {
+    options->run.flash_size = *flash_mib * mib;
+    action = [options] { return run_image(*options); };
+  });
+}
+
+}  // namespace lamplock::cli

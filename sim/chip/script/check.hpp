@@ -1,0 +1,53 @@
+// One expectation of a script while it is open.
+//
+// In:  the edges of pads and the bytes of ports so far, up to the present cycle.
+// Out: open, met (and when), or not met (and what was seen instead).
+// Who: the runner, which asks at due() and makes sure that everything up to then is known.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "sim/chip/script/pad_log.hpp"
+#include "sim/chip/script/serial_ports.hpp"
+
+namespace lamplock::sim::chip::script {
+
+/// An edge may be found this much later than it happens, simulated time: a script looks no oftener.
+inline constexpr Picoseconds look_interval = ps_per_us;
+/// At the end of a window one waits for the instruction in progress to finish its access.
+inline constexpr Cycle settle_cycles = 16;
+
+/// What came of it so far.
+struct Verdict {
+  enum class State : std::uint8_t { open, met, failed };
+  State state = State::open;
+  Moment at{};       ///< met or failed: when
+  std::string seen;  ///< failed: what was seen
+};
+
+/// What checks look at.
+struct Scene {
+  const Chip& chip;
+  PadLog& pads;
+  SerialPorts& ports;
+  const TimeWheel& wheel() const { return chip.wheel(); }
+};
+
+class Check {
+ public:
+  virtual ~Check() = default;
+  /// Everything that happened before cycle `now` is known.
+  virtual Verdict look(Cycle now) = 0;
+  /// When to look next, later than `now`.
+  virtual Cycle due(Cycle now) const = 0;
+  /// Edges before this cycle are not needed any more.
+  virtual Cycle needs_from() const = 0;
+};
+
+/// The check for an expectation that begins at `start`; none for a step that expects nothing.
+std::unique_ptr<Check> make_check(const Action& action, const Scene& scene, const Moment& start);
+/// The pads whose edges an action looks at.
+std::uint32_t pins_of(const Action& action);
+
+}  // namespace lamplock::sim::chip::script

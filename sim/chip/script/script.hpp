@@ -1,0 +1,115 @@
+// What a script for the chip says: a list of steps, one after the other.
+//
+// In:  the parser's reading of a text (docs/chip-script.md has the grammar).
+// Out: plain data. Who: made by the parser, carried out by the runner.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "sim/chip/gpio/gpio.hpp"
+#include "sim/world/pins.hpp"
+
+namespace lamplock::sim::chip::script {
+
+/// A length of time, in picoseconds or in cycles of clk_sys.
+struct Span {
+  std::int64_t amount = 0;
+  bool cycles = false;
+};
+
+enum class EdgeKind : std::uint8_t { rise, fall, any };
+
+/// Edges of a pin that somebody looks for.
+struct PinEdge {
+  unsigned gpio = 0;
+  EdgeKind kind = EdgeKind::any;
+};
+
+/// Where bytes go in and out.
+enum class Port : std::uint8_t { usb, uart0, uart1 };
+inline constexpr std::size_t port_count = 3;
+
+/// The script's time is this, since power-up.
+struct At {
+  Picoseconds time = 0;
+};
+/// The script's time moves on.
+struct After {
+  Span span;
+};
+struct SetPin {
+  unsigned gpio = 0;
+  External level = External::floating;
+};
+/// Pulses to `level` beside the script, from now on.
+struct Pulse {
+  unsigned gpio = 0;
+  bool level = true;
+  Span width, period;
+  std::uint64_t times = 1;  ///< 0: without end
+};
+struct Send {
+  Port port = Port::usb;
+  std::string text;
+};
+/// The image's serial port is found on the USB.
+struct ExpectPort {
+  Span limit;
+};
+struct ExpectText {
+  Port port = Port::usb;
+  std::string text;
+  Span limit;
+};
+struct ExpectEdge {
+  PinEdge edge;
+  Span limit;
+};
+/// After each of `times` causes the first edge comes neither too early nor too late.
+struct ExpectReaction {
+  PinEdge edge;
+  Span least, most;
+  PinEdge cause;
+  std::uint64_t times = 1;
+};
+struct ExpectCount {
+  PinEdge edge;
+  std::uint64_t least = 0, most = 0;
+  Span window;
+};
+struct ExpectNever {
+  unsigned gpio = 0;
+  bool level = true;
+  Span window;
+};
+struct ExpectLevel {
+  unsigned gpio = 0;
+  bool level = true;
+};
+/// Of rising edges, on average over the window.
+struct ExpectFrequency {
+  unsigned gpio = 0;
+  double hz = 0;
+  double tolerance = 0;  ///< share of hz
+  Span window;
+};
+struct End {};
+
+using Action =
+    std::variant<At, After, SetPin, Pulse, Send, ExpectPort, ExpectText, ExpectEdge, ExpectReaction,
+                 ExpectCount, ExpectNever, ExpectLevel, ExpectFrequency, End>;
+
+/// One step.
+struct Step {
+  int line = 0;
+  std::string text;        ///< as written, without the words before what is expected
+  bool meanwhile = false;  ///< beside what follows
+  Action action;
+};
+
+using Script = std::vector<Step>;
+
+}  // namespace lamplock::sim::chip::script
