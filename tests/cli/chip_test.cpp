@@ -1,0 +1,201 @@
+// `lamplock chip`: images, scripts, traces, profiles, ports.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "tests/chip/tiny_image.hpp"
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using lamplock::test::pin_image;
+using lamplock::test::uart_image;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+
+std::string bytes(const std::vector<std::uint8_t>& image) { return {image.begin(), image.end()}; }
+
+/// All that a run prints, but for the wall clock.
+nlohmann::json summary(const Finished& run) {
+  nlohmann::json json = nlohmann::json::parse(run.out);
+  json.erase("wall");
+  return json;
+}
+
+TEST(Chip, runs_a_plain_binary_to_a_time) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const Finished done = run({"chip", image, "--until", "30ms", "--freq"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("simulated 0.03"));
+  EXPECT_THAT(done.out, HasSubstr("clk_sys   6.5 MHz"));
+  // 6.5 MHz by 65; the first period is longer by the 12 cycles from the store to CC, which raises
+  // the pin, to the one that starts the counter (LDM 3, CMP 1, B 1, STR 2 and 3 wait states, B 2).
+  EXPECT_THAT(done.out,
+              HasSubstr("gpio25    99.9922208 kHz on average from the first to the last of "
+                        "2374 rising edges"));
+}
+
+TEST(Chip, runs_a_uf2_file_the_same_way) {
+  const Folder folder;
+  const std::string bin = folder.write("pins.bin", bytes(pin_image()));
+  const std::string uf2 = folder.write("pins.uf2", lamplock::test::uf2_file(pin_image()));
+  const Finished one = run({"chip", bin, "--until", "20ms", "--json"});
+  const Finished two = run({"chip", uf2, "--until", "20ms", "--json"});
+  ASSERT_EQ(one.status, 0) << one.err;
+  EXPECT_GT(summary(one)["pins"]["gpio25"]["rises"], 100);
+  EXPECT_EQ(summary(one), summary(two));
+}
+
+TEST(Chip, ends_with_its_script) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const std::string script = folder.write(
+      "t.script",
+      "at 20ms set gpio8 1\nexpect gpio9 rise within 3cycles..10cycles of gpio8 rise\n");
+  const Finished passed = run({"chip", image, "--script", script, "--json"});
+  EXPECT_EQ(passed.status, 0) << passed.err;
+  EXPECT_EQ(summary(passed)["script"]["passed"], true);
+}
+
+TEST(Chip, tells_in_one_line_what_was_not_as_expected) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const std::string script =
+      folder.write("t.script", "at 20ms\n\nexpect gpio25 edges 10..20 in 1ms\n");
+  const Finished failed =
+      run({"chip", image, "--script", script, "--json", "--vcd", folder / "a.vcd"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.err,
+              HasSubstr("error: " + script +
+                        ":3: expected gpio25 edges 10..20 in 1ms, seen: 200, at 21 ms; "));
+  EXPECT_EQ(summary(failed)["script"]["line"], 3);
+  EXPECT_EQ(summary(failed)["script"]["at_ps"], 21'000'000'000);
+  EXPECT_THAT(read(folder / "a.vcd"), HasSubstr("gpio25"));
+}
+
+TEST(Chip, a_script_that_is_not_over_in_time_has_not_passed) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const std::string script = folder.write("t.script", "wait gpio9 rise within 1s\n");
+  const Finished failed = run({"chip", image, "--script", script, "--until", "25ms"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.err, HasSubstr(":1: expected gpio9 rise within 1s, seen: not over yet"));
+}
+
+TEST(Chip, wrong_use_is_told_with_status_2) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& what) {
+    std::vector<std::string> all{"chip"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const auto before = folder.files();
+    const Finished wrong = run(all);
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+\n"));
+    EXPECT_THAT(wrong.err, HasSubstr(what));
+    EXPECT_EQ(folder.files(), before);
+  };
+  refused({}, "IMAGE");
+  refused({folder / "none.uf2"}, "none.uf2");
+  refused({folder.write("bad.uf2", "UF2\n")}, "bad.uf2");
+  refused({image, "--until", "soon"}, "'soon' is not a time");
+  refused({image, "--until", "1ms", "--script", folder / "none"}, "none: cannot be read");
+  refused({image, "--script", folder.write("t.script", "set gpio77 1\n")},
+          "t.script:1: 'gpio77' is not a pin; pins are gpio0 to gpio29");
+  refused({image, "--until", "1ms", "--vcd", folder / "none/a.vcd"}, "none/a.vcd");
+  refused({image, "--until", "1ms", "--flash-size", "3"}, "--flash-size");
+}
+
+TEST(Chip, two_runs_are_the_same_with_and_without_traces) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const std::string script = folder.write("t.script",
+                                          "at 20ms pulse gpio8 3us every 7us times 90\n"
+                                          "expect gpio9 rises 89..90 in 1ms\nend\n");
+  const std::vector<std::string> plain{"chip", image, "--script", script, "--json"};
+  std::vector<std::string> traced = plain;
+  traced.insert(traced.end(), {"--vcd", folder / "a.vcd", "--profile", folder / "a.txt"});
+  const Finished one = run(plain), two = run(plain), three = run(traced);
+  ASSERT_EQ(one.status, 0) << one.err;
+  EXPECT_EQ(summary(one), summary(two));
+  EXPECT_EQ(summary(one), summary(three));
+  const std::string vcd = read(folder / "a.vcd"), profile = read(folder / "a.txt");
+  ASSERT_EQ(run(traced).status, 0);
+  EXPECT_EQ(read(folder / "a.vcd"), vcd);
+  EXPECT_EQ(read(folder / "a.txt"), profile);
+}
+
+TEST(Chip, the_profile_has_every_cycle) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const Finished done =
+      run({"chip", image, "--until", "20ms", "--json", "--profile", folder / "a.txt"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  std::uint64_t core0 = 0;
+  for (const std::string& line : lines(read(folder / "a.txt"))) {
+    EXPECT_THAT(line, MatchesRegex("core[01](;[^;]+)+ [0-9]+"));
+    if (line.starts_with("core0")) core0 += std::stoull(line.substr(line.rfind(' ')));
+  }
+  EXPECT_EQ(core0, summary(done)["cycles"][0]);
+  EXPECT_THAT(done.err, HasSubstr("function (by itself)"));
+}
+
+TEST(Chip, shows_what_the_uart_sends) {
+  const Folder folder;
+  const std::string image = folder.write("uart.bin", bytes(uart_image()));
+  const std::string script = folder.write("t.script",
+                                          "at 20ms uart0 send \"hello, chip\\n\"\n"
+                                          "expect uart0 \"chip\\n\" within 5ms\n");
+  const Finished done = run({"chip", image, "--script", script, "--uart", "-"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("hello, chip\n"));
+}
+
+TEST(Chip, has_its_uart_on_a_terminal) {
+  const Folder folder;
+  const std::string image = folder.write("uart.bin", bytes(uart_image()));
+  const std::string port = folder / "port";
+  Running running({"chip", image, "--uart", port, "--json"});
+  ASSERT_TRUE(running.wait_for("UART0 is " + port));
+  const int terminal = ::open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+  ASSERT_GE(terminal, 0);
+  // The image listens as soon as the ROM has started it; before that bytes are lost.
+  std::string heard;
+  std::array<char, 64> bytes{};
+  for (int i = 0; i < 1000 && heard.find('!') == std::string::npos; ++i) {
+    EXPECT_EQ(::write(terminal, "!", 1), 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const ssize_t count = ::read(terminal, bytes.data(), bytes.size());
+    if (count > 0) heard.append(bytes.data(), static_cast<std::size_t>(count));
+  }
+  ::close(terminal);
+  EXPECT_THAT(heard, HasSubstr("!"));
+  running.interrupt();
+  EXPECT_EQ(running.finish().status, 0);
+  EXPECT_FALSE(std::filesystem::exists(port));
+}
+
+#ifdef LAMPLOCK_UF2
+TEST(Chip, asks_the_firmware_over_usb) {
+  const Folder folder;
+  const std::string script = folder.write("t.script",
+                                          "wait usb within 1s\nafter 20ms\nusb send \"$I\\n\"\n"
+                                          "expect usb \"VER:\" within 20ms\n"
+                                          "expect usb \"ok\\r\\n\" within 20ms\n"
+                                          "expect gpio25 frequency 1MHz +-0.1% in 1ms\n");
+  const Finished done = run({"chip", LAMPLOCK_UF2, "--script", script, "--json"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(summary(done)["usb_violations"], nlohmann::json::array());
+  EXPECT_EQ(summary(done)["clocks_hz"]["clk_sys"], 125'000'000);
+}
+#endif
+
+}  // namespace
+}  // namespace lamplock::cli::test
