@@ -141,6 +141,10 @@ class ReactionCheck final : public Check {
     next_ = scene.pads.first_after(what.cause.gpio, start.cycle);
   }
   Verdict look(Cycle now) override {
+    const unsigned gpio = what_.cause.gpio;
+    if (next_ < scene_.pads.begin(gpio))
+      return {State::failed, moment_of(scene_.wheel(), now),
+              "too many edges of " + name(gpio) + " to remember"};
     for (;;) {
       if (!cause_ && !find_cause()) {
         from_ = now;

@@ -31,7 +31,8 @@ class PadLog final : private PadListener {
   PadLog(const PadLog&) = delete;
   PadLog& operator=(const PadLog&) = delete;
 
-  /// Edges are numbered from 0 on; end() has not happened yet.
+  /// Edges are numbered from 0 on; those before begin() are forgotten, end() has not happened yet.
+  std::size_t begin(unsigned gpio) const { return pads_[gpio].dropped; }
   std::size_t end(unsigned gpio) const { return pads_[gpio].dropped + pads_[gpio].edges.size(); }
   const PadEdge& edge(unsigned gpio, std::size_t number) const {
     return pads_[gpio].edges[number - pads_[gpio].dropped];

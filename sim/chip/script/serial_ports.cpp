@@ -13,9 +13,12 @@ std::size_t index_of(Port port) { return static_cast<std::size_t>(port); }
 }  // namespace
 
 /// The other end of a UART.
-struct SerialPorts::Line final : ByteLine {
+class SerialPorts::Line final : public ByteLine {
+ public:
   Line(SerialPorts& ports, Port port) : ports_(ports), port_(port) {}
   void byte_sent(std::uint8_t byte, Cycle at) override { ports_.heard(port_, byte, at); }
+
+ private:
   SerialPorts& ports_;
   Port port_;
 };

@@ -48,7 +48,7 @@ class SerialPorts {
   std::string take(Port port);
 
  private:
-  struct Line;
+  class Line;
   struct Heard {
     std::string unused;
     std::deque<Moment> times;  ///< of each byte of unused
