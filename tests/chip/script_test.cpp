@@ -243,6 +243,15 @@ TEST(ScriptRunner, CountsToTheCycle) {
   EXPECT_EQ(pins("expect gpio9 frequency 99kHz +-1% in 1ms"), "2: 0 rising edges");
 }
 
+// The edge at the beginning is not counted, the one at the end is.
+TEST(ScriptRunner, WindowsEndWithTheirLastCycle) {
+  const std::string at_a_rise = "wait gpio25 rise within 1ms\n";
+  EXPECT_EQ(pins(at_a_rise + "expect gpio25 rises 1 in 65cycles"), "");
+  EXPECT_EQ(pins(at_a_rise + "expect gpio25 rises 1 in 10us"), "");
+  EXPECT_EQ(pins(at_a_rise + "expect gpio25 rises 0 in 64cycles"), "");
+  EXPECT_EQ(pins(at_a_rise + "expect gpio25 rises 2 in 130cycles"), "");
+}
+
 TEST(ScriptRunner, WaitsAndCountsFromTheEdge) {
   // Two periods after a rise there is a rise, whenever the script found the first one.
   EXPECT_EQ(pins("wait gpio25 rise within 1ms\nafter 129cycles\n"
