@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <stdexcept>
+#include <system_error>
 
 #include "host/cli/simulator_error.hpp"
 #include "host/error.hpp"
@@ -39,6 +40,22 @@ chip::ChipOptions chip_options(const ChipRunOptions& options) {
   return result;
 }
 
+std::unique_ptr<sim::TcpEndpoint> open_door(const std::string& port) {
+  const std::string address = port.find(':') == std::string::npos ? "127.0.0.1:" + port : port;
+  const auto fail = [&port](const std::string& why) {
+    throw Error(Exit::no_device, "--gdb " + port, "cannot be opened (" + why + ")",
+                "give a free port such as 3333, or HOST:PORT");
+  };
+  try {
+    return std::make_unique<sim::TcpEndpoint>(address);
+  } catch (const std::system_error& error) {
+    fail(error.code().message());
+  } catch (const std::invalid_argument& error) {
+    fail(error.what());
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 ChipRun::Trace::Trace(const std::string& name, chip::Chip& chip)
@@ -72,16 +89,27 @@ ChipRun::ChipRun(const ChipRunOptions& options)
     refuse(error.what());
   }
   chip_.power_on();
+  if (options.gdb.empty()) return;
+  door_ = open_door(options.gdb);
+  debugger_ = std::make_unique<chip::gdb::Server>(chip_, *door_, chip::gdb::Start::halted);
 }
 
-void ChipRun::run_until(sim::Picoseconds until) {
+bool ChipRun::advance(chip::Cycle target, const std::function<bool()>& give_up) {
+  if (debugger_) return debugger_->run_until(target, give_up);
+  chip_.run_until(target);
+  return true;
+}
+
+bool ChipRun::run_until(sim::Picoseconds until, const std::function<bool()>& give_up) {
+  bool goes_on = true;
   // A change of the clock moves the cycle that a time means.
-  for (chip::Cycle target = chip_.wheel().cycle_at(until); target > chip_.wheel().now();
+  for (chip::Cycle target = chip_.wheel().cycle_at(until); goes_on && target > chip_.wheel().now();
        target = chip_.wheel().cycle_at(until))
-    chip_.run_until(target);
+    goes_on = advance(target, give_up);
   chip_.gpio().catch_up(chip_.wheel().now());
   ports_.poll();
   if (trace_) trace_->writer.flush(now());
+  return goes_on;
 }
 
 void ChipRun::finish() {

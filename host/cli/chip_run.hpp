@@ -4,18 +4,20 @@
 // Out: the run: its pads, ports, profile, and how its script stands.
 // Who: `lamplock chip`, which asks for slices of time and shows what came of them.
 //
-// Time 0 is power-up. A PC is at the USB from the start; an image without USB never notices. A
-// debugger would be one more part, between power-up and the first slice and at each slice.
+// Time 0 is power-up. A PC is at the USB from the start; an image without USB never notices. With a
+// debugger the cores stand in front of their first instruction until it lets them go.
 #pragma once
 
 #include <array>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "host/cli/staged_file.hpp"
 #include "sim/chip/chip.hpp"
+#include "sim/chip/gdb/server.hpp"
 #include "sim/chip/image/image.hpp"
 #include "sim/chip/profile/call_stacks.hpp"
 #include "sim/chip/profile/core_listeners.hpp"
@@ -24,12 +26,14 @@
 #include "sim/chip/trace/pad_counter.hpp"
 #include "sim/chip/trace/pad_trace.hpp"
 #include "sim/chip/usb_host/usb_host.hpp"
+#include "sim/endpoint/tcp_endpoint.hpp"
 
 namespace lamplock::cli {
 
 /// What is wanted of a run; empty: not.
 struct ChipRunOptions {
   std::string image{}, script{}, vcd{}, profile{};
+  std::string gdb{};  ///< [HOST:]PORT, 0 any free one
   std::size_t flash_size = sim::chip::FlashChip::default_size;
 };
 
@@ -41,8 +45,11 @@ class ChipRun {
   ChipRun(const ChipRun&) = delete;
   ChipRun& operator=(const ChipRun&) = delete;
 
-  /// Runs to a simulated time, or a little more.
-  void run_until(sim::Picoseconds until);
+  /// Where a debugger finds the chip, HOST:PORT; empty without one.
+  std::string debugger_address() const { return door_ ? door_->address() : std::string(); }
+  /// Runs to a simulated time, or a little more; with a debugger as it wants, and `give_up` is
+  /// asked while it halts the chip. False: the debugger or give_up has ended the run.
+  bool run_until(sim::Picoseconds until, const std::function<bool()>& give_up);
   sim::Picoseconds now() const { return chip_.time(); }
   /// Puts the trace and the profile in their places. Throws Error(bad_input).
   void finish();
@@ -75,6 +82,8 @@ class ChipRun {
     sim::chip::CoreListeners listeners;
   };
 
+  bool advance(sim::chip::Cycle target, const std::function<bool()>& give_up);
+
   ChipRunOptions options_;
   sim::chip::Image image_;
   sim::chip::Chip chip_;
@@ -84,6 +93,8 @@ class ChipRun {
   std::unique_ptr<sim::chip::script::Runner> runner_;
   std::optional<Trace> trace_;
   std::array<std::unique_ptr<CoreProfile>, 2> profiles_;
+  std::unique_ptr<sim::TcpEndpoint> door_;
+  std::unique_ptr<sim::chip::gdb::Server> debugger_;
 };
 
 }  // namespace lamplock::cli

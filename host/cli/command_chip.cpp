@@ -126,10 +126,11 @@ class Pace {
 /// Runs to the end of time or of the script; whether nobody interrupted it.
 bool run_to_end(ChipRun& run, Terminals& terminals, Picoseconds until) {
   const Interrupt interrupt;
+  const auto interrupted = [&interrupt] { return interrupt.count() != 0; };
   Pace pace;
   while (run.now() < until && (run.script() == nullptr || !run.script()->done())) {
-    if (interrupt.count() != 0) return false;
-    run.run_until(std::min(until, run.now() + slice));
+    if (interrupted()) return false;
+    if (!run.run_until(std::min(until, run.now() + slice), interrupted)) return false;
     terminals.exchange(run.ports());
     if (terminals.any()) pace.wait(run.now());
   }
@@ -165,6 +166,9 @@ Exit run_image(const Options& options) {
   Console console(options.json);
   const Picoseconds until = end_time(options);
   ChipRun run(options.run);
+  if (const std::string door = run.debugger_address(); !door.empty())
+    console.say("waiting for a debugger: gdb-multiarch {} -ex 'target remote {}'",
+                options.run.image, door);
   Terminals terminals(options, console);
   const auto start = Clock::now();
   const bool whole = run_to_end(run, terminals, until);
@@ -208,6 +212,10 @@ void add_chip(CLI::App& program, Action& action) {
                   "UART0: - shows what it sends, pty makes a pseudo-terminal, any other name a "
                   "link to one")
       ->type_name("-|pty|LINK");
+  app->add_option("--gdb", options->run.gdb,
+                  "Wait for gdb on this port of 127.0.0.1 (0: any free one), or on HOST:PORT, with "
+                  "both cores halted at reset")
+      ->type_name("PORT");
   app->add_flag("--freq", options->freq, "Print the frequencies of clocks and pins at the end");
   const auto flash_mib = std::make_shared<std::size_t>(options->run.flash_size / mib);
   app->add_option("--flash-size", *flash_mib, "Size of the flash in MiB")

@@ -6,6 +6,7 @@
 // stretches end makes no difference to what is simulated.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "sim/chip/gdb/debug_target.hpp"
@@ -23,8 +24,9 @@ class Server {
   Server(Chip& chip, ByteEndpoint& endpoint, Start start);
 
   /// Runs the chip to `until`, as Chip::run_until() would; waits as long as the debugger halts it.
-  /// False: the debugger has ended the simulation.
-  bool run_until(Cycle until);
+  /// `give_up` is asked meanwhile; empty: for ever. False: the debugger has ended the simulation,
+  /// or give_up() has.
+  bool run_until(Cycle until, const std::function<bool()>& give_up = {});
 
  private:
   /// One look at the connection; whether anything came.
