@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "sim/chip/system/wide.hpp"
+#include "sim/chip/wide.hpp"
 
 namespace lamplock::sim::chip {
 

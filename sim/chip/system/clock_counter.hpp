@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "sim/chip/system/wide.hpp"
+#include "sim/chip/wide.hpp"
 #include "sim/world/pins.hpp"
 
 namespace lamplock::sim::chip {
