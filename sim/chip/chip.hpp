@@ -85,6 +85,7 @@ class Chip final : private ClockListener {
   BootRom& rom() { return rom_; }
   System& system() { return system_; }
   UsbController& usb() { return usb_; }
+  PioDmaClock& pio_dma() { return pio_dma_; }
 
   /// What was touched and is not modelled, each once, in order.
   const std::vector<std::string>& not_modelled() const { return not_modelled_; }
