@@ -42,7 +42,7 @@ std::string target_description() {
       "<?xml version=\"1.0\"?>\n<!DOCTYPE target SYSTEM \"gdb-target.dtd\">\n"
       "<target version=\"1.0\">\n<architecture>arm</architecture>\n"
       "<feature name=\"org.gnu.gdb.arm.m-profile\">\n";
-  for (unsigned i = 0; i <= 12; ++i) text += reg("r" + std::to_string(i), i);
+  for (unsigned i = 0; i <= 12; ++i) text += reg(std::string("r") + std::to_string(i), i);
   text += reg("sp", 13, "data_ptr") + reg("lr", 14) + reg("pc", 15, "code_ptr") + reg("xpsr", 16);
   text += "</feature>\n<feature name=\"org.gnu.gdb.arm.m-system\">\n";
   text += reg("msp", 17, "data_ptr") + reg("psp", 18, "data_ptr") + reg("primask", 19) +

@@ -20,11 +20,12 @@ std::string time_text(Picoseconds time) {
   const Picoseconds size = time < 0 ? -time : time;
   const Unit& unit = *std::find_if(units.begin(), units.end(),
                                    [size](const Unit& each) { return size >= each.size; });
-  std::string text = (time < 0 ? "-" : "") + std::to_string(size / unit.size);
+  std::string text = time < 0 ? "-" : "";
+  text += std::to_string(size / unit.size);
   std::string fraction = std::to_string(size % unit.size);
   fraction.insert(0, unit.digits - std::min(unit.digits, fraction.size()), '0');
   fraction.erase(fraction.find_last_not_of('0') + 1);
-  if (!fraction.empty()) text += '.' + fraction;
+  if (!fraction.empty()) text.append(1, '.').append(fraction);
   return text + unit.name;
 }
 
