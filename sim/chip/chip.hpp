@@ -38,6 +38,7 @@ struct ChipOptions {
   std::size_t flash_size = FlashChip::default_size;
   UsbErrata usb_errata{};
   std::uint64_t seed = 1;  ///< of what a power cut leaves in the flash
+  unsigned rom_version = BootRom::latest_version;  ///< 1 in stepping B0, 2 in B1, 3 in B2
 };
 
 /// Asked before each step of a core (an instruction, an exception entry), see Chip::watch_steps().

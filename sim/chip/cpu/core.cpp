@@ -118,8 +118,14 @@ void Core::set_nmi_mask(std::uint32_t mask) {
   sample(cycle_);
 }
 
+std::vector<Core::NativeRange>::const_iterator Core::native_above(std::uint32_t address) const {
+  return std::upper_bound(
+      natives_.begin(), natives_.end(), address,
+      [](std::uint32_t at, const NativeRange& range) { return at < range.first; });
+}
+
 void Core::add_native(std::uint32_t first, std::uint32_t last, NativeFunction function) {
-  natives_.push_back({first, last, std::move(function)});
+  natives_.insert(native_above(first), {first, last, std::move(function)});
   window_.size = 0;
 }
 
@@ -128,9 +134,10 @@ void Core::add_native(std::uint32_t first, std::uint32_t last, NativeFunction fu
 // The instruction is not in the window: another region, a native function, or nothing at all.
 // False: something else than the instruction happened.
 bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
-  for (const NativeRange& range : natives_) {
-    if (pc < range.first || pc > range.last) continue;
-    call_native(range.function);
+  const auto above = native_above(pc);
+  const bool below = above != natives_.begin();
+  if (below && pc <= std::prev(above)->last) {
+    call_native(std::prev(above)->function);
     return false;
   }
   if (!executable(pc)) {
@@ -138,16 +145,13 @@ bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
     return false;
   }
   Bus::CodeWindow window = bus_.code_at(pc);
-  for (const NativeRange& range : natives_) {
-    // The part of the window around pc that has no native function in it.
-    if (range.last < pc && range.last + 2 > window.first) {
-      const std::uint32_t cut = range.last + 2 - window.first;
-      if (cut >= window.size) continue;
-      window = {window.bytes + cut, range.last + 2, window.size - cut};
-    } else if (range.first > pc && range.first - window.first < window.size) {
-      window.size = range.first - window.first;
-    }
+  // The part of the window around pc that has no native function in it.
+  if (below && std::prev(above)->last + 2 > window.first) {
+    const std::uint32_t cut = std::prev(above)->last + 2 - window.first;
+    window = {window.bytes + cut, window.first + cut, window.size - cut};
   }
+  if (above != natives_.end() && above->first - window.first < window.size)
+    window.size = above->first - window.first;
   window_ = window;
   const Access access = bus_.read(pc, Width::half, master_, cycle_);
   if (access.fault) {

@@ -275,7 +275,8 @@ class Core {
     std::uint32_t first, last;
     NativeFunction function;
   };
-  std::vector<NativeRange> natives_;
+  std::vector<NativeRange> natives_;  ///< in the order of their addresses
+  std::vector<NativeRange>::const_iterator native_above(std::uint32_t address) const;
 };
 
 }  // namespace lamplock::sim::chip

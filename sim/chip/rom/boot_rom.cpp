@@ -13,8 +13,15 @@ namespace lamplock::sim::chip {
 using namespace rom;
 
 BootRom::BootRom(std::span<std::uint8_t> memory, const QspiPins& pins, NotModelled not_modelled,
-                 RomTiming timing)
-    : memory_(memory), pins_(pins), not_modelled_(std::move(not_modelled)), timing_(timing) {
+                 RomTiming timing, unsigned version)
+    : memory_(memory),
+      pins_(pins),
+      not_modelled_(std::move(not_modelled)),
+      timing_(timing),
+      version_(version),
+      loader_(not_modelled_) {
+  if (version < 1 || version > latest_version)
+    throw std::invalid_argument("boot ROM: versions are 1, 2 and 3");
   if (memory.size() != Bus::rom_size) throw std::invalid_argument("boot ROM: 16 KiB of memory");
   build();
 }
@@ -135,6 +142,41 @@ void BootRom::run(Trap trap, Context& c) {
       return;
     case Trap::wait:
       wait_for_vector(c);
+      return;
+    case Trap::float_start:
+      float_start(c);
+      return;
+    case Trap::float_wait:
+      float_wait(c);
+      return;
+    case Trap::float_finish:
+      float_finish(c);
+      return;
+    case Trap::loader_crystal:
+      loader_clocks(c);
+      return;
+    case Trap::loader_pll:
+      loader_pll(c);
+      return;
+    case Trap::loader_ready:
+      loader_ready(c);
+      return;
+    case Trap::loader_task:
+      loader_task(c);
+      return;
+    case Trap::page_read_start:
+    case Trap::page_read:
+      page_read(c);
+      return;
+    case Trap::loader_scratch:
+    case Trap::loader_blocks:
+    case Trap::loader_done:
+    case Trap::loader_interrupt:
+    case Trap::range_arguments:
+    case Trap::sector_arguments:
+    case Trap::page_arguments:
+    case Trap::give_zero:
+      run_loader(trap, c);
       return;
     case Trap::bad:
       return;

@@ -19,6 +19,8 @@
 #include "sim/chip/bus.hpp"
 #include "sim/chip/flash/qspi_pins.hpp"
 #include "sim/chip/peripheral.hpp"
+#include "sim/chip/rom/soft_float.hpp"
+#include "sim/chip/rom/usb_loader.hpp"
 #include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
@@ -50,6 +52,15 @@ struct RomTiming {
   std::uint32_t copy_byte = 7;            ///< LDRB, STRB, SUB, BNE
   std::uint32_t flash_step = 14;          ///< around a status read or a byte moved
   std::uint32_t boot2_checksum = 13'500;  ///< from "about 4 ms an attempt at 6.5 MHz"
+  std::uint32_t float_step = 8;           ///< an interrupt is taken within so many cycles
+  /// Of the functions in 'SF' and 'SD', in their order. The datasheet has a table of averages
+  /// (2.8.3.2.2); these are near it, of version 2, and not for exact work.
+  std::array<std::uint16_t, soft_float::functions> float_cycles = {
+      71,  74,  58,  71,  25,  25, 63,  40, 39, 39, 38, 55, 53, 54, 53, 587,
+      577, 653, 600, 524, 789, 25, 599, 62, 63, 48, 46, 53, 53, 42, 41, 15};
+  std::array<std::uint16_t, soft_float::functions> double_cycles = {
+      91,   95,   155,  183, 39,  39, 169,  75, 74, 63, 62, 69, 68, 64, 62, 1617,
+      1618, 1891, 2200, 804, 428, 39, 2168, 55, 56, 50, 49, 54, 53, 52, 52, 23};
 };
 
 /// Where a chip is in its start.
@@ -57,7 +68,7 @@ enum class RomState : std::uint8_t {
   reset,    ///< no instruction of the ROM has run since the reset
   booting,  ///< in the ROM
   running,  ///< gone to boot2 or to a boot vector
-  bootsel,  ///< in the USB boot loader: pins at their reset state; nothing more is modelled
+  bootsel,  ///< in the USB boot loader (usb_loader.hpp)
   rescue,   ///< halted by the rescue flag
 };
 
@@ -69,9 +80,12 @@ class BootRom {
   /// An undefined instruction that is no trap.
   static constexpr std::uint32_t fault_address = 0x3ffe;
 
+  /// Versions of the ROM: 1 in stepping B0, 2 in B1, 3 in B2.
+  static constexpr unsigned latest_version = 3;
+
   /// Writes the image into `memory` (16 KiB, Bus::rom()). `pins` tells whether BOOTSEL is pressed.
   BootRom(std::span<std::uint8_t> memory, const QspiPins& pins, NotModelled not_modelled,
-          RomTiming timing = {});
+          RomTiming timing = {}, unsigned version = latest_version);
   BootRom(const BootRom&) = delete;
   BootRom& operator=(const BootRom&) = delete;
 
@@ -95,8 +109,11 @@ class BootRom {
   enum class Trap : std::uint8_t;
   class Context;
   class Assembler;
+  class LoaderView;
 
   void build();
+  std::uint32_t build_float(Assembler& code, soft_float::Precision precision);
+  void build_loader(Assembler& code, std::uint32_t connect, std::uint32_t exit_xip);
   void run(Trap trap, Context& context);
   void lookup(Context& context);
   void fill_start(Context& context, bool copy);
@@ -111,9 +128,19 @@ class BootRom {
   void flush_cache(Context& context);
   void enter_command_xip(Context& context);
   void usb_boot(Context& context);
+  void float_start(Context& context);
+  void float_wait(Context& context);
+  void float_finish(Context& context);
+  void run_loader(Trap trap, Context& context);
   void enter_boot_loader(Context& context);
+  void loader_clocks(Context& context);
+  void loader_pll(Context& context);
+  void loader_ready(Context& context);
+  void loader_task(Context& context);
+  void page_read(Context& context);
   void boot_start(Context& context);
   void boot_main(Context& context);
+  void enter_loader_cold(Context& context);
   void boot_attempt(Context& context);
   void boot_read(Context& context);
   void boot_check(Context& context);
@@ -128,9 +155,13 @@ class BootRom {
   const QspiPins& pins_;
   NotModelled not_modelled_;
   RomTiming timing_;
+  unsigned version_;
+  UsbLoader loader_;
   RomState state_ = RomState::reset;
   std::uint32_t function_table_ = 0, data_table_ = 0;
-  std::uint32_t main_ = 0, dead_ = 0, usb_boot_ = 0, wait_ = 0, attempt_ = 0;
+  std::uint32_t main_ = 0, dead_ = 0, usb_boot_ = 0, usb_reset_ = 0, wait_ = 0, attempt_ = 0;
+  std::uint32_t loader_vectors_ = 0;
+  std::array<std::uint32_t, picoboot::services> loader_functions_{};
 };
 
 }  // namespace lamplock::sim::chip

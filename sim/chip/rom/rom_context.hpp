@@ -62,6 +62,23 @@ enum class BootRom::Trap : std::uint8_t {
   boot_enter,
   wait_start,
   wait,
+  float_start,
+  float_wait,
+  float_finish,
+  loader_scratch,
+  loader_crystal,
+  loader_pll,
+  loader_blocks,
+  loader_ready,
+  loader_task,
+  loader_done,
+  loader_interrupt,
+  range_arguments,
+  sector_arguments,
+  page_arguments,
+  page_read_start,
+  page_read,
+  give_zero,
   bad
 };
 

@@ -30,8 +30,13 @@ class BootRom::Assembler {
     half(value & 0xffffu);
     half(value >> 16);
   }
+  void align(std::uint32_t boundary) {
+    while (at_ % boundary != 0) half(0);
+  }
   static constexpr std::uint32_t bx_lr = 0x4770, push = 0xb5f0, pop = 0xbdf0, wfe = 0xbf20,
-                                 wfi = 0xbf30, sev = 0xbf40;
+                                 wfi = 0xbf30, sev = 0xbf40, cpsid = 0xb672, cpsie = 0xb662,
+                                 breakpoint = 0xbe00, blx_r7 = 0x47b8, blx_r9 = 0x47c8,
+                                 compare_r0_0 = 0x2800, str_r1_at_r0 = 0x6001;
 
  private:
   std::span<std::uint8_t> memory_;
@@ -89,6 +94,9 @@ void BootRom::build() {
   code.trap(Trap::reset_usb);
   dead_ = code.half(A::wfi);
   code.branch(dead_);
+  // For debuggers: calls what r7 points to and stops (2.8.3.1.4).
+  listed("DT", code.half(A::blx_r7));
+  listed("DE", code.half(A::breakpoint));
 
   wait_ = listed("WV", code.trap(Trap::wait_start));
   const std::uint32_t wait = code.trap(Trap::wait);
@@ -97,8 +105,7 @@ void BootRom::build() {
   code.half(A::sev);
   code.branch(wait);
 
-  usb_boot_ = code.trap(Trap::usb_boot);
-  code.branch(dead_);
+  build_loader(code, connect, exit_xip);
   const std::uint32_t start = code.trap(Trap::boot_start);
   main_ = code.trap(Trap::boot_main);
   code.call(connect);
@@ -111,7 +118,10 @@ void BootRom::build() {
   code.call(flush);
   code.trap(Trap::boot_enter);
 
-  while (code.here() % 4 != 0) code.half(0);
+  const std::uint32_t float_table = build_float(code, soft_float::Precision::float32);
+  const std::uint32_t double_table =
+      version_ == 1 ? 0 : build_float(code, soft_float::Precision::float64);
+  code.align(4);
   const std::uint32_t revision = code.here();
   code.word(0x1a30'0001);  // of this model, not of any real ROM
   const std::uint32_t copyright = code.here();
@@ -132,7 +142,9 @@ void BootRom::build() {
     return at;
   };
   function_table_ = table(functions);
-  data_table_ = table({{'G', 'R', revision}, {'C', 'R', copyright}});
+  std::vector<Entry> data = {{'G', 'R', revision}, {'C', 'R', copyright}, {'S', 'F', float_table}};
+  if (double_table != 0) data.push_back({'S', 'D', double_table});
+  data_table_ = table(data);
 
   // Vectors and the words at fixed places (2.8.3).
   A vectors(memory_, 0);
@@ -141,10 +153,84 @@ void BootRom::build() {
   vectors.word(dead_ | 1u);
   vectors.word(dead_ | 1u);
   vectors.half('M' | 'u' << 8);
-  vectors.half(0x01 | 3u << 8);  // version 3: revision B2
+  vectors.half(0x01 | version_ << 8);
   vectors.half(function_table_);
   vectors.half(data_table_);
   vectors.half(lookup | 1u);
+}
+
+std::uint32_t BootRom::build_float(Assembler& code, soft_float::Precision precision) {
+  using A = Assembler;
+  using soft_float::Function;
+  const unsigned count = version_ == 1 ? soft_float::version1_functions : soft_float::functions;
+  std::vector<std::uint32_t> entries;
+  for (unsigned i = 0; i < count; ++i) {
+    const auto function = static_cast<Function>(i);
+    if (function == Function::sine_cosine && version_ < 3) {
+      entries.push_back(fault_address | 1u);
+      continue;
+    }
+    code.half(i | static_cast<std::uint32_t>(precision) << 8);
+    entries.push_back(code.trap(Trap::float_start) | 1u);
+    code.trap(Trap::float_wait);
+    code.trap(Trap::float_finish);
+    if (function == Function::compare_fast_flags) code.half(A::compare_r0_0);
+    code.half(A::bx_lr);
+  }
+  // The byte two before the table is its size in words: pico-sdk looks at it.
+  code.align(4);
+  code.half(0);
+  code.half(count);
+  const std::uint32_t table = code.here();
+  for (const std::uint32_t entry : entries) code.word(entry);
+  return table;
+}
+
+void BootRom::build_loader(Assembler& code, std::uint32_t connect, std::uint32_t exit_xip) {
+  using A = Assembler;
+  const auto flash_function = [&](std::initializer_list<Trap> traps) {
+    const std::uint32_t at = code.half(A::push);
+    for (const Trap trap : traps) code.trap(trap);
+    code.trap(Trap::give_zero);
+    code.half(A::pop);
+    return at | 1u;
+  };
+  loader_functions_ = {
+      flash_function({Trap::flush, Trap::enter_xip}),
+      flash_function({Trap::exit_xip_start, Trap::exit_xip}),
+      flash_function({Trap::sector_arguments, Trap::erase_start, Trap::flash_write}),
+      flash_function({Trap::range_arguments, Trap::erase_start, Trap::flash_write}),
+      flash_function({Trap::page_arguments, Trap::program_start, Trap::flash_write}),
+      flash_function({Trap::page_read_start, Trap::page_read}),
+  };
+  loader_.set_functions(loader_functions_);
+
+  const std::uint32_t handler = code.trap(Trap::loader_interrupt);
+  code.half(A::bx_lr);
+  constexpr std::uint32_t vector_alignment = 256, vector_count = 48, usb_vector = 16 + 5;
+  code.align(vector_alignment);
+  loader_vectors_ = code.here();
+  for (std::uint32_t i = 0; i < vector_count; ++i)
+    code.word((i == usb_vector ? handler : dead_) | 1u);
+
+  usb_reset_ = code.trap(Trap::loader_scratch);
+  usb_boot_ = code.trap(Trap::usb_boot);
+  code.trap(Trap::loader_crystal);
+  code.trap(Trap::loader_pll);
+  code.trap(Trap::loader_blocks);
+  code.call(connect);
+  code.call(exit_xip);
+  code.trap(Trap::loader_ready);
+  code.half(A::str_r1_at_r0);
+  const std::uint32_t loop = code.half(A::cpsid);
+  code.trap(Trap::loader_task);
+  code.half(A::wfi);
+  code.half(A::cpsie);
+  code.branch(loop);
+  code.half(A::cpsie);
+  code.half(A::blx_r9);
+  code.trap(Trap::loader_done);
+  code.branch(loop);
 }
 
 }  // namespace lamplock::sim::chip

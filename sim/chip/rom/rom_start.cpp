@@ -39,12 +39,6 @@ constexpr std::uint32_t fifo_valid = 1, fifo_ready = 2;
 
 }  // namespace
 
-void BootRom::enter_boot_loader(Context& c) {
-  state_ = RomState::bootsel;
-  if (not_modelled_) not_modelled_("ROM USB boot loader: the chip stays in it");
-  c.leave();
-}
-
 void BootRom::boot_main(Context& c) {
   // Blocks the ROM starts afresh, and a majority of nine looks at the BOOTSEL button.
   c.store(resets + set_alias, reset_io_qspi | reset_pads_qspi | reset_timer);
@@ -53,7 +47,13 @@ void BootRom::boot_main(Context& c) {
   if ((pins_.inputs() >> QspiPins::ss & 1u) != 0)
     c.leave();
   else
-    c.set(pc, usb_boot_);
+    enter_loader_cold(c);
+}
+
+void BootRom::enter_loader_cold(Context& c) {
+  c.set(0, 0);  // no pin, all interfaces
+  c.set(1, 0);
+  c.set(pc, usb_boot_);
 }
 
 void BootRom::usb_boot(Context& c) {
@@ -64,7 +64,7 @@ void BootRom::usb_boot(Context& c) {
   c.store(scratch0 + 4, c.reg(1));
   c.store(psm_wdsel, 0x1'fffc);  // everything but ROSC and XOSC
   c.store(watchdog + clear_alias, control_enable | control_pause);
-  const std::uint32_t entry = usb_boot_ | 1u;
+  const std::uint32_t entry = usb_reset_ | 1u;
   c.store(scratch4, boot_magic);
   c.store(scratch4 + 4, entry ^ (0u - boot_magic));
   c.store(scratch4 + 8, sram_end);
@@ -148,7 +148,10 @@ void BootRom::boot_check(Context& c) {
   }
   const std::uint32_t attempt = c.reg(8) + 1;
   c.set(8, attempt);
-  c.set(pc, attempt < flash_attempts ? attempt_ : usb_boot_);
+  if (attempt < flash_attempts)
+    c.set(pc, attempt_);
+  else
+    enter_loader_cold(c);
 }
 
 void BootRom::wait_for_vector(Context& c) {
