@@ -6,10 +6,13 @@
 #include <array>
 #include <cstring>
 #include <random>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "sim/chip/chip.hpp"
 #include "sim/chip/rom/crc32.hpp"
+#include "sim/chip/usb_host/usb_host.hpp"
 #include "sim/chip/usb_host/vendor_host.hpp"
 
 namespace lamplock::sim::chip {
@@ -302,6 +305,23 @@ TEST_F(RomUsb, FlashFunctionsCanBeReplaced) {  // 2.8.5.4.9
   ASSERT_EQ(order(Command::flash_erase, {flash, 0x3000}), End::done);
   EXPECT_EQ(read(mark, 4), (Bytes{0, 0x30, 0, 0}));
   EXPECT_EQ(chip.flash().counts().sectors_erased, 0u);
+}
+
+TEST(RomUsbOrdinaryHost, FindsADeviceWithoutASerialPort) {
+  Chip chip;
+  UsbHost host(chip.wheel(), chip.usb());
+  chip.power_on();
+  while (!host.failed() && !host.enumerated() && chip.time() < 2'000 * ps_per_ms)
+    chip.run_until(chip.wheel().cycle_at(chip.time() + ps_per_ms));
+  EXPECT_EQ(chip.rom().state(), RomState::bootsel);
+  EXPECT_EQ(host.device_info().vendor, UsbLoader::vendor);
+  EXPECT_EQ(host.device_info().product, UsbLoader::product);
+  EXPECT_FALSE(host.port().found());
+  EXPECT_FALSE(host.enumerated());
+  // In each of its attempts the same four things that a serial port has, and nothing else.
+  const std::set<std::string> texts(host.violations().begin(), host.violations().end());
+  EXPECT_EQ(texts.size(), 4u + 1);
+  EXPECT_EQ(host.violations().back(), "enumeration failed: no serial port");
 }
 
 /// A program in SRAM that calls reset_to_usb_boot as images do.
