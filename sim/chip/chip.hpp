@@ -37,7 +37,7 @@ struct ChipOptions {
   FlashTiming flash_timing{};
   std::size_t flash_size = FlashChip::default_size;
   UsbErrata usb_errata{};
-  std::uint64_t seed = 1;  ///< of what a power cut leaves in the flash
+  std::uint64_t seed = 1;                          ///< of what a power cut leaves in the flash
   unsigned rom_version = BootRom::latest_version;  ///< 1 in stepping B0, 2 in B1, 3 in B2
 };
 
