@@ -88,6 +88,7 @@ ChipRun::ChipRun(const ChipRunOptions& options)
   } catch (const std::runtime_error& error) {
     refuse(error.what());
   }
+  chip_.pio_dma().set_step_every_clock(options.step_every_clock);
   chip_.power_on();
   if (options.gdb.empty()) return;
   door_ = open_door(options.gdb);

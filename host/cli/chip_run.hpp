@@ -34,6 +34,7 @@ namespace lamplock::cli {
 struct ChipRunOptions {
   std::string image{}, script{}, vcd{}, profile{};
   std::string gdb{};  ///< [HOST:]PORT, 0 any free one
+  bool step_every_clock = false;
   std::size_t flash_size = sim::chip::FlashChip::default_size;
 };
 

@@ -130,7 +130,8 @@ bool run_to_end(ChipRun& run, Terminals& terminals, Picoseconds until) {
   Pace pace;
   while (run.now() < until && (run.script() == nullptr || !run.script()->done())) {
     if (interrupted()) return false;
-    if (!run.run_until(std::min(until, run.now() + slice), interrupted)) return false;
+    // On a grid of slices, however far the one before has gone beyond its end.
+    if (!run.run_until(std::min(until, (run.now() / slice + 1) * slice), interrupted)) return false;
     terminals.exchange(run.ports());
     if (terminals.any()) pace.wait(run.now());
   }
@@ -217,6 +218,9 @@ void add_chip(CLI::App& program, Action& action) {
                   "both cores halted at reset")
       ->type_name("PORT");
   app->add_flag("--freq", options->freq, "Print the frequencies of clocks and pins at the end");
+  app->add_flag("--step-every-clock", options->run.step_every_clock,
+                "Run PIO and DMA in every single clock instead of skipping those in which nothing "
+                "happens: slower, the same trace");
   const auto flash_mib = std::make_shared<std::size_t>(options->run.flash_size / mib);
   app->add_option("--flash-size", *flash_mib, "Size of the flash in MiB")
       ->check(one_of({"1", "2", "4", "8", "16"}))

@@ -1,0 +1,94 @@
+// Runs of the flash image in `lamplock chip` are the same to the byte: twice, with and without
+// traces and profiles, and with PIO and DMA run in every clock. With a debugger: tests/gdb/session.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.hpp"
+
+#ifdef LAMPLOCK_UF2
+
+namespace lamplock::cli::test {
+namespace {
+
+/// Boot, USB, a lamp at 1 kHz on LAMP SYNC, a question over USB in the middle of it.
+constexpr const char* busy_script =
+    "wait usb within 1s\n"
+    "pulse gpio8 10us every 1ms times 1000\n"
+    "after 20ms usb send \"$I\\n\"\n"
+    "expect usb \"ok\\r\\n\" within 20ms\n"
+    "expect gpio25 frequency 1MHz +-0.1% in 1ms\n"
+    "end\n";
+
+/// Without USB, whose host takes its time, for runs that are slow: boot, the lamp, steps of time.
+constexpr const char* short_script =
+    "at 40ms pulse gpio8 10us every 1ms times 10\n"
+    "at 50ms\n"
+    "expect gpio25 frequency 1MHz +-0.1% in 1ms\n"
+    "end\n";
+
+/// What a run leaves behind.
+struct Left {
+  nlohmann::json summary;
+  std::string vcd, profile;
+};
+
+class ChipDeterminism : public testing::Test {
+ protected:
+  Left left(const std::vector<std::string>& more) { return left(busy_, more); }
+  Left left(const std::string& script, const std::vector<std::string>& more) {
+    std::vector<std::string> all{"chip", LAMPLOCK_UF2, "--script", script, "--json"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Finished done = run(all);
+    EXPECT_EQ(done.status, 0) << done.err;
+    Left result;
+    result.summary = nlohmann::json::parse(done.out);
+    result.summary.erase("wall");
+    if (const std::string file = folder_ / "trace.vcd"; std::filesystem::exists(file)) {
+      result.vcd = read(file);
+      std::filesystem::remove(file);
+    }
+    if (const std::string file = folder_ / "profile.txt"; std::filesystem::exists(file)) {
+      result.profile = read(file);
+      std::filesystem::remove(file);
+    }
+    return result;
+  }
+
+  const Folder folder_;
+  const std::string busy_ = folder_.write("busy.script", busy_script);
+  const std::string short_ = folder_.write("short.script", short_script);
+  const std::vector<std::string> vcd_{"--vcd", folder_ / "trace.vcd"};
+  const std::vector<std::string> profile_{"--profile", folder_ / "profile.txt"};
+};
+
+/// For messages: no megabytes of VCD.
+void expect_same(const std::string& one, const std::string& two, const char* what) {
+  EXPECT_FALSE(one.empty()) << what;
+  EXPECT_TRUE(one == two) << what << ": " << one.size() << " and " << two.size() << " bytes";
+}
+
+TEST_F(ChipDeterminism, two_runs_of_the_firmware_are_the_same_whatever_looks_on) {
+  const Left traced = left(vcd_);
+  expect_same(traced.vcd, left(vcd_).vcd, "two traces");
+  std::vector<std::string> both = vcd_;
+  both.insert(both.end(), profile_.begin(), profile_.end());
+  const Left watched = left(both);
+  expect_same(traced.vcd, watched.vcd, "trace with a profile");
+  expect_same(watched.profile, left(profile_).profile, "profile without a trace");
+  EXPECT_EQ(left({}).summary, traced.summary);
+  EXPECT_EQ(watched.summary, traced.summary);
+}
+
+TEST_F(ChipDeterminism, skipping_clocks_changes_nothing) {
+  std::vector<std::string> stepped = vcd_;
+  stepped.push_back("--step-every-clock");
+  const Left sleeping = left(short_, vcd_), stepping = left(short_, stepped);
+  expect_same(sleeping.vcd, stepping.vcd, "trace with every clock stepped");
+  EXPECT_EQ(sleeping.summary, stepping.summary);
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test
+
+#endif  // LAMPLOCK_UF2
