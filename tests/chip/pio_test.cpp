@@ -423,6 +423,20 @@ TEST(PioPins, HighestMachineWins) {
   EXPECT_EQ(rig.edges_of(0, first), (Longs{2, 4, 5}));
 }
 
+// Groups of pins wrap after 31 (3.5.6): from 28, the fifth is GPIO0.
+TEST(PioPins, GroupsWrapAfterThirtyOne) {
+  Rig rig;
+  rig.connect(28, 2);
+  rig.connect(0, 2);
+  const Pins map{.set_base = 28, .set_count = 5};
+  rig.machine(0, {set(pins, 0b10001), set(pins, 0), jmp(always, 2)}, map);
+  const Cycle first = rig.start(1);
+  rig.run(10);
+  for (const unsigned gpio : {28u, 0u})
+    EXPECT_EQ(rig.edges_of(gpio, first), (Longs{1, 2})) << "gpio" << gpio;
+  for (const unsigned gpio : {29u, 1u}) EXPECT_EQ(rig.edges_of(gpio, first), Longs{});
+}
+
 TEST(PioPins, StickyAssertsAgainAndInlineEnableTakesItBack) {
   // Machine 1 is sticky and higher: machine 0 cannot change the pin until the enable bit is 0.
   Rig rig;
