@@ -1,0 +1,59 @@
+// docs/chip-simulator.md names tests and cases that exist.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "tests/docs/page.hpp"
+
+namespace lamplock {
+namespace {
+
+using testing::Contains;
+
+/// First groups of all matches.
+std::set<std::string> found(const std::string& text, const std::string& pattern) {
+  const std::regex regex(pattern);
+  std::set<std::string> result;
+  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it)
+    result.insert((*it)[1].str() + ((*it).size() > 2 ? '.' + (*it)[2].str() : ""));
+  return result;
+}
+
+std::set<std::string> tests_in(const std::string& folder) {
+  std::set<std::string> result;
+  for (const auto& file : std::filesystem::directory_iterator(LAMPLOCK_ROOT "/" + folder)) {
+    if (file.path().extension() != ".cpp") continue;
+    const std::string name = folder + '/' + file.path().filename().string();
+    result.merge(found(test::read_repository_file(name), R"(TEST(?:_F)?\((\w+),\s+(\w+)\))"));
+  }
+  return result;
+}
+
+TEST(ChipSimulatorPage, NamesTestsThatExist) {
+  const std::string page = test::read_repository_file("docs/chip-simulator.md");
+  const std::set<std::string> tests = tests_in("tests/chip");
+  const std::set<std::string> named = found(page, R"(`([A-Z]\w+)\.([A-Z]\w+)`)");
+  EXPECT_GE(named.size(), 50u);
+  for (const std::string& name : named) EXPECT_THAT(tests, Contains(name));
+  for (const std::string& file : found(page, R"(`(\w+_test)`)"))
+    EXPECT_TRUE(std::filesystem::exists(LAMPLOCK_ROOT "/tests/chip/" + file + ".cpp")) << file;
+}
+
+TEST(ChipSimulatorPage, HasEveryCaseOfTheComparison) {
+  const std::string page = test::read_repository_file("docs/chip-simulator.md");
+  int count = 0;
+  for (const auto& file :
+       std::filesystem::directory_iterator(LAMPLOCK_ROOT "/tests/rp2040js/cases")) {
+    if (file.path().extension() != ".json") continue;
+    EXPECT_THAT(page, testing::HasSubstr("| `" + file.path().stem().string() + "`: "));
+    ++count;
+  }
+  EXPECT_GE(count, 10);
+}
+
+}  // namespace
+}  // namespace lamplock
