@@ -46,6 +46,13 @@ function stop_free_run(pio) {
   pio.run = () => {};
 }
 
+/** One clock of a PIO; its own step() runs machines that are not enabled as well. */
+function step_enabled(pio) {
+  if (pio.stopped) return;
+  for (const machine of pio.machines) if (machine.enabled) machine.step();
+  pio.checkChangedPins();
+}
+
 /** The input of a pin is what is on its pad, whoever drives it (RP2040 datasheet, 2.19.1). */
 function see_own_output(pin) {
   pin.addListener((state) => {
@@ -56,8 +63,8 @@ function see_own_output(pin) {
 
 /**
  * Runs `image` in rp2040js for `ms` of its time; `prepare(rp2040, clock)` may listen. `clocked`: its
- * PIO is stepped once a cycle of the CPU and sees pins that the chip drives, neither of which
- * rp2040js does by itself.
+ * PIO is stepped once a cycle of the CPU, enabled machines only, and sees pins that the chip drives,
+ * none of which rp2040js does by itself.
  */
 export function run_in_rp2040js(image, ms, clocked, prepare) {
   const { rp2040, clock } = new Simulator();
@@ -85,7 +92,7 @@ export function run_in_rp2040js(image, ms, clocked, prepare) {
     }
     for (let i = 0; i < cycles; ++i) {
       clock.tick(cycle_ns);
-      for (const pio of rp2040.pio) if (!pio.stopped) pio.step();
+      for (const pio of rp2040.pio) step_enabled(pio);
     }
   }
   rp2040.pio.forEach((pio) => pio.stop());
