@@ -269,7 +269,7 @@ TEST(GdbStub, RegistersOfBothCoresAreReadAndWritten) {
     ASSERT_EQ(all.size(), 8 * DebugTarget::register_count);
     for (unsigned i = 0; i < 13; ++i) {
       const std::string value = in_memory_order(0x1111'1111 * (i % 9) + i);
-      EXPECT_EQ(gdb.ask("P" + std::string(1, "0123456789abc"[i]) + "=" + value), "OK");
+      EXPECT_EQ(gdb.ask(std::string("P") + "0123456789abc"[i] + "=" + value), "OK");
       all.replace(8 * i, 8, value);
     }
     EXPECT_EQ(gdb.ask("g"), all);

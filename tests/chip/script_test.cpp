@@ -198,9 +198,8 @@ TEST(ScriptRunner, MeasuresAReaction) {
   EXPECT_EQ(pins("set gpio8 1\nexpect gpio9 rise within 3cycles..10cycles of gpio8 rise\n"
                  "set gpio8 0\nexpect gpio9 fall within 450ns..1540ns of gpio8 fall"),
             "");
-  EXPECT_THAT(
-      pins("set gpio8 1\nexpect gpio9 rise within 2cycles of gpio8 rise"),
-      testing::MatchesRegex("3: gpio9 rise .* ns \\([3-9] cycles\\) after gpio8 rise at .*"));
+  EXPECT_THAT(pins("set gpio8 1\nexpect gpio9 rise within 2cycles of gpio8 rise"),
+              testing::MatchesRegex("3: gpio9 rise .*s \\([3-9] cycles\\) after gpio8 rise at .*"));
   EXPECT_THAT(pins("set gpio8 1\nexpect gpio9 rise within 20us..30us of gpio8 rise"),
               HasSubstr("gpio9 rise"));
   EXPECT_THAT(pins("set gpio8 1\nexpect gpio9 fall within 20us of gpio8 rise"),

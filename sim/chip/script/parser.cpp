@@ -23,7 +23,7 @@ constexpr std::uint64_t most_times = 1'000'000'000;
   throw std::runtime_error(where + ": " + what + "; " + possible);
 }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string quoted(std::string_view text) { return std::string("'").append(text).append("'"); }
 
 /// A number at the beginning of a word, and what follows it.
 struct Number {
