@@ -80,12 +80,13 @@ export function run_in_rp2040js(image, ms, clocked, prepare) {
   prepare(rp2040, clock);
   while (clock.nanos < ms * 1e6) {
     const cycle_ns = 1e9 / rp2040.clkSys;
-    if (rp2040.core.waiting) {
-      if (clock.nextAlarm === null) break;
+    const { waiting } = rp2040.core;
+    if (waiting && !clocked) {
+      if (clock.nextAlarm === null) break;  // nothing will ever wake it
       clock.tick(clock.nanosToNextAlarm);
       continue;
     }
-    const cycles = rp2040.core.executeInstruction();
+    const cycles = waiting ? 1 : rp2040.core.executeInstruction();
     if (!clocked) {
       clock.tick(cycles * cycle_ns);
       continue;
