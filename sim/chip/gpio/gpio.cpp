@@ -98,6 +98,7 @@ void Gpio::update(Cycle at) {
   }
   const std::uint32_t out = out_override_.apply(out_from_peripheral_);
   const std::uint32_t driven = enable_override_.apply(enable_from_peripheral_) & ~output_disable_;
+  driven_ = driven;
   // Neither pull: the charge of the pin; both: the bus keeper (2.19.4).
   const std::uint32_t keeps = ~(pull_up_ ^ pull_down_);
   const std::uint32_t pulled = (pull_up_ & ~pull_down_) | (keeps & pads_);

@@ -92,6 +92,8 @@ class Gpio : private Timed {
   }
   /// Levels on the pads; a floating pin follows its pull, else keeps its level.
   std::uint32_t pad_levels() const { return pads_; }
+  /// Pads that somebody drives, from within or from outside; the others follow their pulls.
+  std::uint32_t driven() const { return driven_ | external_driven_; }
   /// Pins that are connected to a function.
   std::uint32_t selected(PinFunction function) const {
     return sources_[static_cast<std::size_t>(function)].selected;
@@ -195,6 +197,7 @@ class Gpio : private Timed {
   std::uint32_t contention_told_ = 0;
 
   std::uint32_t out_from_peripheral_ = 0, enable_from_peripheral_ = 0;
+  std::uint32_t driven_ = 0;  ///< by the chip
   std::uint32_t pads_ = 0, pads_told_ = 0;
   std::uint32_t inputs_ = 0, inputs_told_ = 0;
 

@@ -29,8 +29,9 @@ System::System(TimeWheel& wheel, Gpio& gpio, Sio& sio, IrqLines& irqs, Callbacks
              not_modelled),
       tbman(Identification::tbman(not_modelled)),
       busctrl(not_modelled),
-      uart0(0, wheel, clocks, irqs, not_modelled),
-      uart1(1, wheel, clocks, irqs, not_modelled),
+      uart_pins(gpio, PinFunction::uart, uart_signal),
+      uart0(0, wheel, clocks, uart_pins, irqs, not_modelled),
+      uart1(1, wheel, clocks, uart_pins, irqs, not_modelled),
       pwm(wheel, gpio, irqs, not_modelled),
       spi0(0, wheel, clocks, irqs, not_modelled),
       spi1(1, wheel, clocks, irqs, not_modelled),
@@ -87,6 +88,9 @@ void System::map(Bus& bus, Gpio& gpio) {
 }
 
 void System::connect(DreqLines& lines) {
+  uart0.connect(lines);
+  uart1.connect(lines);
+  pwm.connect(lines);
   spi0.connect(lines);
   spi1.connect(lines);
   i2c0.connect(lines);

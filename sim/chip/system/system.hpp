@@ -10,6 +10,7 @@
 #include "sim/chip/analog/adc.hpp"
 #include "sim/chip/bus.hpp"
 #include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/serial/i2c.hpp"
@@ -66,6 +67,7 @@ class System {
   Syscfg syscfg;
   Identification tbman;
   Busctrl busctrl;
+  FunctionPins uart_pins;
   Uart uart0, uart1;
   Pwm pwm;
   Spi spi0, spi1;

@@ -29,15 +29,14 @@ constexpr std::uint32_t offset_dmacr = 0x48;
 constexpr std::uint32_t offset_identification = 0xfe0;  // PERIPHID0-3, PCELLID0-3
 
 // FR.
+constexpr std::uint32_t flag_clear_to_send = 1u << 0;
 constexpr std::uint32_t flag_busy = 1u << 3;
 constexpr std::uint32_t flag_rx_empty = 1u << 4;
 constexpr std::uint32_t flag_tx_full = 1u << 5;
 constexpr std::uint32_t flag_rx_full = 1u << 6;
 constexpr std::uint32_t flag_tx_empty = 1u << 7;
-// LCR_H: BRK 0, PEN 1, EPS 2, STP2 3, FEN 4, WLEN 6:5, SPS 7.
+// LCR_H: BRK 0, PEN 1, EPS 2, STP2 3, FEN 4, WLEN 6:5, SPS 7 (UartFormat).
 constexpr std::uint32_t line_break = 1u << 0;
-constexpr std::uint32_t line_parity = 1u << 1;
-constexpr std::uint32_t line_two_stop = 1u << 3;
 constexpr std::uint32_t line_fifos = 1u << 4;
 // CR.
 constexpr std::uint32_t control_uart = 1u << 0;
@@ -45,45 +44,64 @@ constexpr std::uint32_t control_irda = 3u << 1;
 constexpr std::uint32_t control_loop = 1u << 7;
 constexpr std::uint32_t control_tx = 1u << 8;
 constexpr std::uint32_t control_rx = 1u << 9;
-constexpr std::uint32_t control_flow = 3u << 14;  // RTSEN, CTSEN
+constexpr std::uint32_t control_rts = 1u << 11;
+constexpr std::uint32_t control_rts_flow = 1u << 14;
+constexpr std::uint32_t control_cts_flow = 1u << 15;
 constexpr std::uint32_t control_mask = 0xff87;
 constexpr std::uint32_t control_reset = 0x300;
 constexpr std::uint32_t trigger_reset = 0x12;  // both at one half
 // RIS, MIS, IMSC, ICR.
+constexpr std::uint32_t irq_cts = 1u << 1;
 constexpr std::uint32_t irq_rx = 1u << 4;
 constexpr std::uint32_t irq_tx = 1u << 5;
 constexpr std::uint32_t irq_timeout = 1u << 6;
+constexpr std::uint32_t irq_errors = 0xfu << 7;  // framing, parity, break, overrun
 constexpr std::uint32_t irq_overrun = 1u << 10;
 constexpr std::uint32_t irq_mask = 0x7ff;
-// DR and RSR.
-constexpr std::uint32_t data_overrun = 1u << 11;
+// RSR: the errors of DR, eight bits lower; RIS has them one bit lower.
 constexpr std::uint32_t rsr_overrun = 1u << 3;
+// DMACR.
+constexpr std::uint32_t dma_rx = 1u << 0;
+constexpr std::uint32_t dma_tx = 1u << 1;
+constexpr std::uint32_t dma_not_on_error = 1u << 2;
 
 constexpr int timeout_bits = 32;  // 4.2.6: "32-bit period"
 
 }  // namespace
 
-Uart::Uart(int number, TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_modelled)
+Uart::Uart(int number, TimeWheel& wheel, Clocks& clocks, FunctionPins& pins, IrqLines& irqs,
+           NotModelled not_modelled)
     : wheel_(wheel),
       slot_(wheel.add(*this)),
       clocks_(clocks),
+      pins_(pins),
       irqs_(irqs),
       not_modelled_(std::move(not_modelled)),
       name_("UART" + std::to_string(number)),
-      irq_(number == 0 ? Irq::uart0 : Irq::uart1) {
+      irq_(number == 0 ? Irq::uart0 : Irq::uart1),
+      dreq_tx_(number == 0 ? Dreq::uart0_tx : Dreq::uart1_tx),
+      dreq_rx_(number == 0 ? Dreq::uart0_rx : Dreq::uart1_rx),
+      first_signal_(number == 0 ? 0 : 4) {
+  pins_.listen(*this);
+  pins_.sense(signal(signal_rx));
+  pins_.sense(signal(signal_cts));
   reset();
 }
 
 void Uart::reset() {
   transmit_.clear();
   receive_.clear();
-  sending_ = timeout_running_ = overrun_ = false;
+  sending_ = timeout_running_ = overrun_ = breaking_ = false;
   error_status_ = integer_baud_ = fraction_baud_ = divisor_ = line_control_ = 0;
   control_ = control_reset;
   trigger_levels_ = trigger_reset;
   mask_ = raised_ = dma_control_ = low_power_ = 0;
+  receiver_.reset(true);
+  drive_tx(wheel_.now());
+  take_line(wheel_.now());
+  cleared_ = clear_to_send();
+  update_lines();
   schedule();
-  update_irq();
 }
 
 std::size_t Uart::depth() const { return (line_control_ & line_fifos) != 0 ? fifo_depth : 1; }
@@ -103,57 +121,71 @@ Picoseconds Uart::bit_time() const {
                                   (64 * static_cast<Wide>(hz)));
 }
 
-Picoseconds Uart::frame_time() const {
-  const std::uint32_t bits = 1 + 5 + (line_control_ >> 5 & 3u) +
-                             ((line_control_ & line_parity) != 0 ? 1u : 0u) +
-                             ((line_control_ & line_two_stop) != 0 ? 2u : 1u);
-  return bit_time() * static_cast<Picoseconds>(bits);
-}
+Picoseconds Uart::frame_time() const { return format().length(); }
 
 void Uart::schedule() {
-  Picoseconds first = std::numeric_limits<Picoseconds>::max();
-  if (sending_) first = std::min(first, sent_at_);
+  Picoseconds first = receiver_.due();
+  if (sending_) first = std::min(first, tx_is_seen() ? std::min(sent_at_, edge_at_) : sent_at_);
   if (arriving_) first = std::min(first, arrives_at_);
   if (timeout_running_) first = std::min(first, timeout_at_);
-  const bool waits = sending_ || arriving_ || timeout_running_;
-  wheel_.set(slot_, waits ? wheel_.cycle_at(first) : never_cycle);
+  wheel_.set(slot_, first == UartReceiver::never ? never_cycle : wheel_.cycle_at(first));
 }
 
 void Uart::run(Cycle) {
   const Picoseconds time = now();
+  if (sending_ && tx_is_seen() && edge_at_ <= time) drive_tx(wheel_.now());
   if (sending_ && sent_at_ <= time) end_frame();
+  if (receiver_.due() <= time) {
+    // What drives the line may run behind: it must have done so up to the sample.
+    pins_.bring_sources_up_to(wheel_.now());
+    if (const auto character = receiver_.run(time)) push_received(*character);
+    take_line(wheel_.now());
+  }
   if (arriving_ && arrives_at_ <= time) arrive();
   if (timeout_running_ && timeout_at_ <= time) {
     timeout_running_ = false;
     if (!receive_.empty()) raised_ |= irq_timeout;
   }
-  update_irq();
+  update_lines();
   schedule();
 }
 
 // --- transmitter
 
 void Uart::start_frame() {
-  if (sending_ || transmit_.empty() || !on(control_uart) || !on(control_tx)) return;
-  const Picoseconds frame = frame_time();
-  if (frame == 0) return not_modelled_(name_ + ": a byte was sent without a baud rate");
-  shift_ = transmit_.front();
+  if (sending_ || transmit_.empty() || !on(control_uart) || !on(control_tx) || breaking_) return;
+  if (on(control_cts_flow) && !clear_to_send()) return;
+  const UartFormat form = format();
+  if (form.bit == 0) return not_modelled_(name_ + ": a byte was sent without a baud rate");
+  shift_ = static_cast<std::uint8_t>(transmit_.front() & form.data_mask());
   transmit_.pop_front();
   sending_ = true;
-  sent_at_ = now() + frame;
+  sent_at_ = now() + form.length();
+  frame_ = UartFrame(shift_, form, now());
+  drive_tx(wheel_.now());
   // The interrupt comes with the transition through the level, not with the level (PL011, 2.8).
   if (transmit_.size() == trigger(0)) raised_ |= irq_tx;
 }
 
 void Uart::end_frame() {
   sending_ = false;
-  const auto bits = static_cast<unsigned>(5 + (line_control_ >> 5 & 3u));
-  const auto byte = static_cast<std::uint8_t>(shift_ & ((1u << bits) - 1));
-  if (on(control_loop))
-    push_received(byte);
-  else if (line_ != nullptr)
-    line_->byte_sent(byte, wheel_.now());
+  if (line_ != nullptr && !on(control_loop)) line_->byte_sent(shift_, wheel_.now());
+  breaking_ = (line_control_ & line_break) != 0;
+  drive_tx(wheel_.now());
   start_frame();
+}
+
+/// A break waits for the end of the frame under way, and frames for the end of the break.
+bool Uart::tx_level(Picoseconds at) const { return sending_ ? frame_.level(at) : !breaking_; }
+
+bool Uart::tx_is_seen() const { return on(control_loop) || pins_.connected(signal(signal_tx)); }
+
+/// Puts TX on its pins as it is at `at`; looped back the pins stay high (assumed).
+void Uart::drive_tx(Cycle at) {
+  const Picoseconds time = wheel_.time_of(at);
+  pins_.put(signal(signal_tx), tx_level(time) || on(control_loop), true, at);
+  if (sending_) edge_at_ = frame_.next_change(time);
+  if (on(control_loop)) take_line(at);
 }
 
 void Uart::write_data(std::uint32_t value) {
@@ -162,6 +194,53 @@ void Uart::write_data(std::uint32_t value) {
   transmit_.push_back(static_cast<std::uint8_t>(value));
   if (transmit_.size() > trigger(0)) raised_ &= ~irq_tx;
   start_frame();
+}
+
+// --- pins
+
+void Uart::pins_changed(Cycle at) {
+  take_line(at);
+  take_clear_to_send();
+  update_lines();
+  schedule();
+}
+
+void Uart::pins_looked_at(Cycle at) {
+  if (sending_ && !tx_is_seen()) drive_tx(at);
+}
+
+/// CTS is active low. On no pin, it is taken as active (assumed).
+bool Uart::clear_to_send() const {
+  if (on(control_loop)) return ready_to_receive();
+  return !pins_.input(signal(signal_cts));
+}
+
+void Uart::take_clear_to_send() {
+  const bool clear = clear_to_send();
+  if (std::exchange(cleared_, clear) == clear) return;
+  raised_ |= irq_cts;
+  start_frame();
+}
+
+/// RTS: what CR says, or whether the receive FIFO is below its level (4.2.4).
+bool Uart::ready_to_receive() const {
+  return on(control_rts_flow) ? receive_.size() < trigger(3) : on(control_rts);
+}
+
+/// RX has the level that its pin has. On no pin it is taken as idle (assumed); so is a pin that
+/// nobody drives while a line of whole bytes is plugged in, whose far end would hold it high.
+bool Uart::line_level() const {
+  const unsigned rx = signal(signal_rx);
+  if (!pins_.connected(rx) || (line_ != nullptr && !pins_.driven(rx))) return true;
+  return pins_.input(rx);
+}
+
+void Uart::take_line(Cycle at) {
+  const Picoseconds time = wheel_.time_of(at);
+  const bool level = on(control_loop) ? tx_level(time) : line_level();
+  UartFormat form = format();
+  if (!on(control_uart) || !on(control_rx)) form.bit = 0;
+  if (const auto character = receiver_.line(level, time, form)) push_received(*character);
 }
 
 // --- receiver
@@ -174,37 +253,43 @@ void Uart::send_to_chip(std::uint8_t byte) {
 
 void Uart::start_arrival() {
   if (arriving_ || incoming_.empty() || !on(control_uart) || !on(control_rx)) return;
-  const Picoseconds frame = frame_time();
-  if (frame == 0) return;
+  const UartFormat form = format();
+  if (form.bit == 0) return;
   arriving_ = true;
-  arrives_at_ = now() + frame;
+  const Picoseconds start = std::max(now(), arrival_end_);
+  arrives_at_ = start + form.to_stop_sample();
+  arrival_end_ = start + form.length();
 }
 
 void Uart::arrive() {
   arriving_ = false;
   const std::uint8_t byte = incoming_.front();
   incoming_.pop_front();
-  if (on(control_uart) && on(control_rx) && !on(control_loop)) push_received(byte);
+  if (on(control_uart) && on(control_rx) && !on(control_loop))
+    push_received(byte & format().data_mask());
   start_arrival();
 }
 
-void Uart::push_received(std::uint8_t byte) {
+void Uart::push_received(std::uint32_t character) {
+  raised_ |= character >> 1 & irq_errors;
   if (receive_.size() >= depth()) {
     overrun_ = true;
     error_status_ |= rsr_overrun;
     raised_ |= irq_overrun;
     return;
   }
-  receive_.push_back(byte);
+  receive_.push_back(static_cast<std::uint16_t>(character));
   if (receive_.size() >= trigger(3)) raised_ |= irq_rx;
   timeout_running_ = true;
   timeout_at_ = now() + timeout_bits * bit_time();
 }
 
+/// The errors of a character are in RSR from when it is read (description of UARTRSR).
 std::uint32_t Uart::pop_received() {
   if (receive_.empty()) return 0;
-  const std::uint32_t value = receive_.front() | (overrun_ ? data_overrun : 0u);
+  const std::uint32_t value = receive_.front() | (overrun_ ? uart_data::overrun_error : 0u);
   receive_.pop_front();
+  error_status_ = (error_status_ & rsr_overrun) | (value >> 8 & 0xfu);
   overrun_ = false;
   if (receive_.size() < trigger(3)) raised_ &= ~irq_rx;
   if (receive_.empty()) {
@@ -216,10 +301,23 @@ std::uint32_t Uart::pop_received() {
 
 // --- registers
 
-void Uart::update_irq() { irqs_.set(irq_, (raised_ & mask_) != 0); }
+void Uart::update_lines() {
+  irqs_.set(irq_, (raised_ & mask_) != 0);
+  pins_.put(signal(signal_rts), !ready_to_receive(), true, wheel_.now());
+  if (dreqs_ == nullptr) return;
+  // The DMA may read and write the FIFOs within these calls. DMAONERR: an error that interrupts
+  // stops the requests of the receiver (4.2.5).
+  const bool sends = on(control_uart) && (dma_control_ & dma_tx) != 0;
+  dreqs_->set_level(dreq_tx_, sends ? static_cast<unsigned>(depth() - transmit_.size()) : 0u);
+  const bool stopped =
+      (dma_control_ & dma_not_on_error) != 0 && (raised_ & mask_ & irq_errors) != 0;
+  const bool receives = on(control_uart) && (dma_control_ & dma_rx) != 0 && !stopped;
+  dreqs_->set_level(dreq_rx_, receives ? static_cast<unsigned>(receive_.size()) : 0u);
+}
 
 std::uint32_t Uart::flags() const {
-  return (sending_ || !transmit_.empty() ? flag_busy : 0u) |
+  return (clear_to_send() ? flag_clear_to_send : 0u) |
+         (sending_ || !transmit_.empty() ? flag_busy : 0u) |
          (receive_.empty() ? flag_rx_empty : 0u) |
          (transmit_.size() >= depth() ? flag_tx_full : 0u) |
          (receive_.size() >= depth() ? flag_rx_full : 0u) |
@@ -235,7 +333,7 @@ std::uint32_t Uart::peek(std::uint32_t offset) const {
   if (offset >= offset_identification) return identification(offset);
   switch (offset) {
     case offset_dr:
-      return receive_.empty() ? 0 : receive_.front() | (overrun_ ? data_overrun : 0u);
+      return receive_.empty() ? 0 : receive_.front() | (overrun_ ? uart_data::overrun_error : 0u);
     case offset_rsr:
       return error_status_;
     case offset_fr:
@@ -268,7 +366,7 @@ std::uint32_t Uart::peek(std::uint32_t offset) const {
 std::uint32_t Uart::read(std::uint32_t offset) {
   if (offset == offset_dr) {
     const std::uint32_t value = pop_received();
-    update_irq();
+    update_lines();
     schedule();
     return value;
   }
@@ -281,9 +379,22 @@ std::uint32_t Uart::read(std::uint32_t offset) {
 
 void Uart::write_control(std::uint32_t value) {
   control_ = value & control_mask;
-  if ((control_ & (control_irda | control_flow)) != 0)
-    not_modelled_(name_ + " CR: IrDA and hardware flow control are without effect");
+  if ((control_ & control_irda) != 0) not_modelled_(name_ + " CR: IrDA is without effect");
+  drive_tx(wheel_.now());
+  take_line(wheel_.now());
+  take_clear_to_send();
   start_frame();
+  start_arrival();
+}
+
+void Uart::write_line_control(std::uint32_t value) {
+  line_control_ = value & 0xffu;
+  divisor_ = integer_baud_ << 6 | fraction_baud_;
+  if (!sending_) {
+    breaking_ = (line_control_ & line_break) != 0;
+    drive_tx(wheel_.now());
+    start_frame();
+  }
   start_arrival();
 }
 
@@ -305,10 +416,7 @@ void Uart::write(std::uint32_t offset, std::uint32_t value) {
       fraction_baud_ = value & 0x3fu;
       break;
     case offset_lcr_h:
-      line_control_ = value & 0xffu;
-      divisor_ = integer_baud_ << 6 | fraction_baud_;
-      if ((line_control_ & line_break) != 0) not_modelled_(name_ + " LCR_H BRK: no break is sent");
-      start_arrival();
+      write_line_control(value);
       break;
     case offset_cr:
       write_control(value);
@@ -324,7 +432,6 @@ void Uart::write(std::uint32_t offset, std::uint32_t value) {
       break;
     case offset_dmacr:
       dma_control_ = value & 7u;
-      if (dma_control_ != 0) not_modelled_(name_ + " DMACR: no requests are made");
       break;
     case offset_fr:
     case offset_ris:
@@ -333,7 +440,7 @@ void Uart::write(std::uint32_t offset, std::uint32_t value) {
     default:
       if (offset < offset_identification) not_modelled_(name_ + ": no register at this offset");
   }
-  update_irq();
+  update_lines();
   schedule();
 }
 

@@ -1,12 +1,16 @@
 // UART0 and UART1: the PL011 of the RP2040 (RP2040 datasheet, 4.2; ARM PrimeCell UART PL011
 // manual).
 //
-// In:  registers; whole bytes from the line.
-// Out: whole bytes to the line, at the end of their frames; the interrupt line.
-// Who: the bus; the wheel at the ends of frames. The pins are not driven bit by bit.
+// In:  registers; the levels of RX and CTS; whole bytes from the line.
+// Out: the levels of TX and RTS, bit by bit; whole bytes to the line, at the end of their frames;
+//      the interrupt line; the DREQs.
+// Who: the bus; the wheel at the ends of frames, and at each edge of TX that a pin shows and each
+//      sample of RX while a frame is on it.
 //
 // A frame takes start bit, data bits, parity and stop bits at the rate that IBRD, FBRD and clk_peri
-// give. Bytes from the line arrive one after the other at that same rate.
+// give; it begins when its byte is there and the line is free (the phase of the free-running baud
+// rate generator is not modelled). Whole bytes from the line arrive one after the other at that
+// same rate, each received in the middle of its stop bit, as one from the pin is.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +18,12 @@
 #include <string>
 #include <string_view>
 
+#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/system/clocks.hpp"
+#include "sim/chip/system/uart_frame.hpp"
 #include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
@@ -30,12 +37,14 @@ class ByteLine {
 };
 
 /// One of the two.
-class Uart final : public Peripheral, private Timed {
+class Uart final : public Peripheral, private Timed, private FunctionPins::User {
  public:
-  Uart(int number, TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_modelled);
+  Uart(int number, TimeWheel& wheel, Clocks& clocks, FunctionPins& pins, IrqLines& irqs,
+       NotModelled not_modelled);
   Uart(const Uart&) = delete;
   Uart& operator=(const Uart&) = delete;
 
+  void connect(DreqLines& lines) { dreqs_ = &lines; }
   void connect(ByteLine& line) { line_ = &line; }
   /// The other end begins to send a byte as soon as the line is free.
   void send_to_chip(std::uint8_t byte);
@@ -53,38 +62,64 @@ class Uart final : public Peripheral, private Timed {
 
   void run(Cycle to) override;
   void clock_changed() override { schedule(); }
+  void pins_changed(Cycle at) override;
+  void pins_looked_at(Cycle at) override;
 
+  /// Signals of each of the two (uart_signal).
+  enum Signal : unsigned { signal_tx, signal_rx, signal_cts, signal_rts };
+  unsigned signal(Signal of) const { return first_signal_ + of; }
   bool on(std::uint32_t control_bit) const { return (control_ & control_bit) != 0; }
   std::size_t depth() const;
   std::size_t trigger(unsigned field) const;
   Picoseconds bit_time() const;
+  UartFormat format() const { return UartFormat::from(line_control_, bit_time()); }
   Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
   void start_frame();
   void end_frame();
+  bool tx_level(Picoseconds at) const;
+  bool tx_is_seen() const;
+  void drive_tx(Cycle at);
+  bool clear_to_send() const;
+  bool ready_to_receive() const;
+  bool line_level() const;
+  void take_line(Cycle at);
+  void take_clear_to_send();
   void start_arrival();
   void arrive();
-  void push_received(std::uint8_t byte);
+  void push_received(std::uint32_t character);
   std::uint32_t pop_received();
   void write_data(std::uint32_t value);
   void write_control(std::uint32_t value);
+  void write_line_control(std::uint32_t value);
   std::uint32_t flags() const;
   std::uint32_t identification(std::uint32_t offset) const;
   void schedule();
-  void update_irq();
+  void update_lines();
 
   TimeWheel& wheel_;
   TimeWheel::Slot slot_;
   Clocks& clocks_;
+  FunctionPins& pins_;
   IrqLines& irqs_;
   NotModelled not_modelled_;
   std::string name_;
   Irq irq_;
+  Dreq dreq_tx_, dreq_rx_;
+  unsigned first_signal_;
+  DreqLines* dreqs_ = nullptr;
   ByteLine* line_ = nullptr;
 
-  std::deque<std::uint8_t> transmit_, receive_, incoming_;
+  std::deque<std::uint8_t> transmit_, incoming_;
+  std::deque<std::uint16_t> receive_;  ///< with their errors (uart_data)
   bool sending_ = false, arriving_ = false, timeout_running_ = false;
-  std::uint8_t shift_ = 0;  ///< being sent
+  bool breaking_ = false;    ///< BRK, after the frame that was under way
+  std::uint8_t shift_ = 0;   ///< being sent
+  UartFrame frame_;          ///< the same on the line
+  Picoseconds edge_at_ = 0;  ///< the next of TX, if it is seen
+  UartReceiver receiver_;
   Picoseconds sent_at_ = 0, arrives_at_ = 0, timeout_at_ = 0;
+  Picoseconds arrival_end_ = 0;     ///< the other end may begin its next byte
+  bool cleared_ = true;             ///< CTS when it was last looked at
   bool overrun_ = false;            ///< a byte was lost: goes with the next one received
   std::uint32_t error_status_ = 0;  ///< RSR
   std::uint32_t integer_baud_ = 0, fraction_baud_ = 0;

@@ -1,0 +1,99 @@
+// What a UART puts on its line for a character, and what it makes of the line's levels (RP2040
+// datasheet, 4.2.3 and 4.2.4; ARM PrimeCell UART PL011 manual, "UART operation").
+//
+// In:  characters; levels of the line with their time.
+// Out: levels of the line; characters with their errors, at the middle of the stop bit.
+// Who: Uart.
+//
+// The receiver counts Baud16, sixteen of which are a bit. From a low level of the idle line it
+// looks again at the eighth: still low, it is a start bit; then at every sixteenth for data, parity
+// and one stop bit, however many stop bits there are.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "sim/world/pins.hpp"
+
+namespace lamplock::sim::chip {
+
+/// Form of the frames, from LCR_H, and the time of a bit (0: the rate is not set).
+struct UartFormat {
+  unsigned data_bits = 8;
+  bool parity = false, even = false, stick = false, two_stops = false;
+  Picoseconds bit = 0;
+
+  static UartFormat from(std::uint32_t line_control, Picoseconds bit) {
+    const auto set = [line_control](unsigned n) { return (line_control >> n & 1u) != 0; };
+    return {5 + (line_control >> 5 & 3u), set(1), set(2), set(7), set(3), bit};
+  }
+  /// Bits from the start bit to the last before the stop bits.
+  unsigned bits_before_stop() const { return 1 + data_bits + (parity ? 1u : 0u); }
+  unsigned bits() const { return bits_before_stop() + (two_stops ? 2u : 1u); }
+  std::uint32_t data_mask() const { return (1u << data_bits) - 1; }
+  Picoseconds length() const { return bit * static_cast<Picoseconds>(bits()); }
+  /// From the beginning of a frame to where the receiver takes its stop bit.
+  Picoseconds to_stop_sample() const {
+    return bit * static_cast<Picoseconds>(bits_before_stop()) + bit / 2;
+  }
+  /// The bit that goes with the data: with "stick" always 1, or 0 for even.
+  bool parity_bit(std::uint32_t data) const;
+};
+
+/// One character on its way out.
+class UartFrame {
+ public:
+  static constexpr Picoseconds never = std::numeric_limits<Picoseconds>::max();
+
+  UartFrame() = default;
+  UartFrame(std::uint32_t data, const UartFormat& format, Picoseconds start);
+  bool level(Picoseconds at) const { return (levels_ >> index(at) & 1u) != 0; }
+  /// When the level changes next after `at`; never: it stays high.
+  Picoseconds next_change(Picoseconds at) const;
+
+ private:
+  unsigned index(Picoseconds at) const;
+
+  std::uint32_t levels_ = ~0u;  ///< bit 0 first; high behind the stop bits
+  Picoseconds start_ = 0, bit_ = 1;
+};
+
+/// A character as DR shows it: data, and what was wrong with it.
+namespace uart_data {
+inline constexpr std::uint32_t framing_error = 1u << 8;
+inline constexpr std::uint32_t parity_error = 1u << 9;
+inline constexpr std::uint32_t break_error = 1u << 10;
+inline constexpr std::uint32_t overrun_error = 1u << 11;
+}  // namespace uart_data
+
+/// The other direction.
+class UartReceiver {
+ public:
+  static constexpr Picoseconds never = UartFrame::never;
+
+  /// Forgets a frame under way.
+  void reset(bool level);
+  /// The line has this level from `at` on. A frame that begins now has this form; a bit time of 0:
+  /// nobody listens. Samples before `at` are taken first: returns what was complete by then.
+  std::optional<std::uint32_t> line(bool level, Picoseconds at, const UartFormat& format);
+  /// Takes all samples up to and including `through`.
+  std::optional<std::uint32_t> run(Picoseconds through);
+  /// The next sample.
+  Picoseconds due() const { return busy_ ? sample_at_ : never; }
+  bool level() const { return level_; }
+
+ private:
+  std::optional<std::uint32_t> sample();
+  std::uint32_t character() const;
+
+  UartFormat format_;
+  bool level_ = true;
+  bool busy_ = false;
+  bool awaits_mark_ = false;  ///< after a break or a wrong stop bit the line must be high first
+  Picoseconds start_ = 0, sample_at_ = 0;
+  unsigned index_ = 0;         ///< of the next sample; 0 is the start bit
+  std::uint32_t sampled_ = 0;  ///< bit n: sample n
+};
+
+}  // namespace lamplock::sim::chip

@@ -1,0 +1,352 @@
+// UART on its pins (RP2040 datasheet, 4.2 and 2.19.2).
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "sim/chip/system/uart.hpp"
+#include "tests/chip/dma_system_rig.hpp"
+
+namespace lamplock::sim::chip {
+namespace {
+
+constexpr std::uint32_t dr = 0x00, rsr = 0x04, fr = 0x18, ibrd = 0x24, fbrd = 0x28, lcr_h = 0x2c,
+                        cr = 0x30, imsc = 0x38, ris = 0x3c, icr = 0x44, dmacr = 0x48;
+constexpr std::uint32_t enable = 0x301, loop = 1u << 7, rts = 1u << 11, rts_flow = 1u << 14,
+                        cts_flow = 1u << 15;
+constexpr std::uint32_t rx_empty = 1u << 4;
+constexpr std::uint32_t framing = 1u << 8, parity = 1u << 9, a_break = 1u << 10;
+
+using Edge = std::pair<bool, Cycle>;
+struct Edges : PadListener {
+  void pad_changed(unsigned gpio, bool level, Cycle at) override {
+    by_pin.at(gpio).emplace_back(level, at);
+  }
+  std::array<std::vector<Edge>, gpio_count> by_pin;
+};
+/// A wire from one pad to another.
+struct Wire : PadListener {
+  Wire(Gpio& on, unsigned from, unsigned to) : gpio(on), out(from), in(to) {
+    gpio.set_external(in, (gpio.pad_levels() >> out & 1u) != 0 ? External::high : External::low, 0);
+    gpio.listen(*this);
+  }
+  void pad_changed(unsigned pin, bool level, Cycle at) override {
+    if (pin == out) gpio.set_external(in, level ? External::high : External::low, at);
+  }
+  Gpio& gpio;
+  unsigned out, in;
+};
+struct Sent : ByteLine {
+  void byte_sent(std::uint8_t byte, Cycle at) override { list.emplace_back(byte, at); }
+  std::vector<std::pair<int, Cycle>> list;
+};
+
+class UartPinsTest : public ::testing::Test {
+ protected:
+  UartPinsTest() {
+    rig_.gpio.listen(edges_);
+    for (Uart* uart : {&one_, &two_}) {
+      // 125 MHz / (16 * 67.8125): 1085 cycles a bit.
+      uart->write(ibrd, 67);
+      uart->write(fbrd, 52);
+      uart->write(lcr_h, 0x70);
+      uart->write(cr, enable);
+    }
+  }
+  void connect(unsigned gpio, unsigned overrides = 0) {
+    rig_.gpio.io_bank().write(8 * gpio + 4, 2 | overrides);
+  }
+  void outside(unsigned gpio, bool level) {
+    rig_.gpio.set_external(gpio, level ? External::high : External::low, rig_.wheel.now());
+  }
+  /// Puts levels on a pin, each for so many half bits.
+  void play(unsigned gpio, const std::vector<std::pair<bool, unsigned>>& levels) {
+    const Cycle start = rig_.wheel.now();
+    unsigned halves = 0;
+    for (const auto& [level, length] : levels) {
+      outside(gpio, level);
+      halves += length;
+      rig_.wheel.advance_to(start + halves * bit / 2);
+    }
+  }
+  bool empty(Uart& uart) { return (uart.read(fr) & rx_empty) != 0; }
+
+  static constexpr Cycle bit = 1085;
+  test::DmaSystemRig rig_;
+  Uart& one_ = rig_.system.uart0;
+  Uart& two_ = rig_.system.uart1;
+  Edges edges_;
+};
+
+// 4.2.3.1: start bit, data with the lowest bit first, stop bit.
+TEST_F(UartPinsTest, TxShowsTheFrame) {
+  connect(0);
+  EXPECT_TRUE((rig_.gpio.pad_levels() & 1u) != 0) << "idle is high";
+  edges_.by_pin[0].clear();
+  Sent sent;
+  one_.connect(sent);
+  const Cycle t = rig_.wheel.now();
+  one_.write(dr, 0x53);  // 1100 1010 on the wire
+  rig_.pass(20 * bit);
+  EXPECT_EQ(edges_.by_pin[0], (std::vector<Edge>{{false, t},
+                                                 {true, t + bit},
+                                                 {false, t + 3 * bit},
+                                                 {true, t + 5 * bit},
+                                                 {false, t + 6 * bit},
+                                                 {true, t + 7 * bit},
+                                                 {false, t + 8 * bit},
+                                                 {true, t + 9 * bit}}));
+  ASSERT_EQ(sent.list.size(), 1u);
+  EXPECT_EQ(sent.list[0], std::make_pair(0x53, t + 10 * bit)) << "bytes have the same times";
+}
+
+TEST_F(UartPinsTest, NothingIsDueWhileTheLineIsIdle) {
+  connect(0);
+  connect(1);
+  outside(1, true);
+  one_.write(dr, 0);
+  rig_.pass(10 * bit);
+  EXPECT_GT(rig_.wheel.next(), rig_.wheel.now() + 1'000'000'000);
+}
+
+// Parity: even makes the number of ones even; two stop bits before the next frame.
+TEST_F(UartPinsTest, ParityAndStopBitsOnTheWire) {
+  connect(28);                                            // UART0 TX again
+  one_.write(lcr_h, 0x50 | 1u << 1 | 1u << 2 | 1u << 3);  // 7 bits, even, two stop bits, FIFOs
+  edges_.by_pin[28].clear();
+  const Cycle t = rig_.wheel.now();
+  one_.write(dr, 0x01);
+  one_.write(dr, 0x7f);
+  rig_.pass(30 * bit);
+  EXPECT_EQ(edges_.by_pin[28], (std::vector<Edge>{{false, t},
+                                                  {true, t + bit},
+                                                  {false, t + 2 * bit},
+                                                  {true, t + 8 * bit},  // parity of one one
+                                                  {false, t + 11 * bit},
+                                                  {true, t + 12 * bit}}));
+}
+
+// A rate that is no whole number of cycles: edges do not drift.
+TEST_F(UartPinsTest, FractionalRateDoesNotDrift) {
+  connect(0);
+  one_.write(ibrd, 1);
+  one_.write(fbrd, 5);  // 16 * 1.078125 = 17.25 cycles a bit
+  one_.write(lcr_h, 0x70);
+  edges_.by_pin[0].clear();
+  const Cycle t = rig_.wheel.now();
+  one_.write(dr, 0x55);
+  rig_.pass(200);
+  ASSERT_EQ(edges_.by_pin[0].size(), 10u);
+  for (Cycle n = 0; n < 10; ++n)
+    EXPECT_EQ(edges_.by_pin[0][n].second, t + (1725 * n + 99) / 100) << n;
+}
+
+TEST_F(UartPinsTest, OverrideInvertsThePad) {
+  connect(0, 1u << 8);
+  EXPECT_FALSE((rig_.gpio.pad_levels() & 1u) != 0);
+}
+
+TEST_F(UartPinsTest, ConnectedInTheMiddleOfAFrame) {
+  const Cycle t = rig_.wheel.now();
+  one_.write(dr, 0x0f);
+  rig_.wheel.advance_to(t + 6 * bit);  // in data bit 5
+  edges_.by_pin[0].clear();
+  connect(0);
+  rig_.pass(10 * bit);
+  EXPECT_EQ(edges_.by_pin[0], (std::vector<Edge>{{true, t + 9 * bit}}));
+}
+
+// PL011: samples at the eighth Baud16 of each bit; the character is there with its stop bit.
+TEST_F(UartPinsTest, TwoUartsTalkOverAWire) {
+  connect(0);  // UART0 TX
+  Wire wire(rig_.gpio, 0, 5);
+  connect(5);  // UART1 RX
+  const Cycle t = rig_.wheel.now();
+  for (const std::uint32_t byte : {0x00u, 0xffu, 0xa5u}) one_.write(dr, byte);
+  rig_.wheel.advance_to(t + 9 * bit + bit / 2);
+  EXPECT_TRUE(empty(two_));
+  rig_.pass(1);
+  EXPECT_FALSE(empty(two_));
+  rig_.wheel.advance_to(t + 30 * bit);
+  EXPECT_EQ(two_.read(dr), 0x00u);
+  EXPECT_EQ(two_.read(dr), 0xffu);
+  EXPECT_EQ(two_.read(dr), 0xa5u);
+  EXPECT_TRUE(empty(two_));
+  EXPECT_EQ(two_.read(ris) & 0x780u, 0u);
+}
+
+// "The byte interface gives the same times": one byte by each way.
+TEST_F(UartPinsTest, BytesArriveWhenThoseFromThePinDo) {
+  outside(1, true);
+  connect(1);
+  const Cycle t = rig_.wheel.now();
+  two_.send_to_chip(0x5a);
+  const auto arrival = [&](Uart& uart) {
+    rig_.wheel.advance_to(t + 9 * bit + bit / 2);
+    const bool early = !empty(uart);
+    rig_.pass(1);
+    return !early && !empty(uart);
+  };
+  outside(1, false);
+  for (const bool level : {false, true, false, true, true, false, true, false, true}) {
+    rig_.pass(bit);
+    outside(1, level);
+  }
+  EXPECT_TRUE(arrival(one_));
+  EXPECT_FALSE(empty(two_));
+  EXPECT_EQ(one_.read(dr), 0x5au);
+  EXPECT_EQ(two_.read(dr), 0x5au);
+}
+
+// A low of less than half a bit is no start bit (PL011: "false start bit is detected").
+TEST_F(UartPinsTest, FalseStartBitIsIgnored) {
+  outside(1, true);
+  connect(1);
+  outside(1, false);
+  rig_.pass(bit / 2 - 1);
+  outside(1, true);
+  rig_.pass(20 * bit);
+  EXPECT_TRUE(empty(one_));
+}
+
+TEST_F(UartPinsTest, FramingParityAndBreakErrors) {
+  outside(1, true);
+  connect(1);
+  // 0xff with a low stop bit; the line stays low for another bit and is then high.
+  play(1, {{false, 2}, {true, 16}, {false, 4}, {true, 4}});
+  EXPECT_EQ(one_.read(ris) >> 7 & 0xfu, 1u);
+  EXPECT_EQ(one_.read(dr), 0xffu | framing);
+  EXPECT_EQ(one_.read(rsr), 1u);
+  EXPECT_TRUE(empty(one_)) << "the rest of the low is no start bit";
+  one_.write(icr, 0x7ff);
+  one_.write(rsr, 0);
+  // Odd parity (PEN, EPS 0) of 0x00 is 1: a 0 is wrong.
+  one_.write(lcr_h, 0x72);
+  play(1, {{false, 20}, {true, 4}});
+  EXPECT_EQ(one_.read(dr), 0x00u | parity);
+  EXPECT_EQ(one_.read(ris) >> 7 & 0xfu, 2u);
+  one_.write(icr, 0x7ff);
+  // Low for longer than a frame: one character, whatever the length.
+  one_.write(lcr_h, 0x70);
+  play(1, {{false, 100}, {true, 4}});
+  EXPECT_EQ(one_.read(dr), a_break | framing);
+  EXPECT_TRUE(empty(one_));
+  EXPECT_EQ(one_.read(ris) >> 7 & 0xfu, 5u);
+}
+
+TEST_F(UartPinsTest, BreakIsSentBetweenFrames) {
+  connect(0);
+  Wire wire(rig_.gpio, 0, 5);
+  connect(5);
+  edges_.by_pin[0].clear();
+  const Cycle t = rig_.wheel.now();
+  one_.write(dr, 0xff);
+  one_.write(lcr_h, 0x71);
+  rig_.wheel.advance_to(t + 30 * bit);
+  one_.write(lcr_h, 0x70);
+  EXPECT_EQ(edges_.by_pin[0],
+            (std::vector<Edge>{
+                {false, t}, {true, t + bit}, {false, t + 10 * bit}, {true, t + 30 * bit}}));
+  EXPECT_EQ(two_.read(dr), 0xffu);
+  EXPECT_EQ(two_.read(dr), a_break | framing);
+}
+
+// The sample of the stop bit lies 9.5 bits from the start: half a bit in ten is too much.
+TEST_F(UartPinsTest, ToleranceOfTheRate) {
+  connect(0);
+  Wire wire(rig_.gpio, 0, 5);
+  connect(5);
+  for (const auto& [percent, good] :
+       {std::make_pair(104u, true), std::make_pair(96u, true), std::make_pair(107u, false)}) {
+    const std::uint32_t divisor = 4340 * percent / 100;
+    one_.write(ibrd, divisor >> 6);
+    one_.write(fbrd, divisor & 63u);
+    one_.write(lcr_h, 0x70);
+    one_.write(dr, 0x00);  // a slow last data bit is taken for the stop bit
+    rig_.pass(30 * bit);
+    EXPECT_EQ(two_.read(dr) == 0x00u, good) << percent;
+    while (!empty(two_)) two_.read(dr);
+  }
+}
+
+// 4.2.4: nUARTRTS low while the receive FIFO is below its level; nUARTCTS high holds frames back.
+TEST_F(UartPinsTest, FlowControl) {
+  connect(3);  // UART0 RTS
+  EXPECT_TRUE((rig_.gpio.pad_levels() >> 3 & 1u) != 0);
+  one_.write(cr, enable | rts);
+  EXPECT_FALSE((rig_.gpio.pad_levels() >> 3 & 1u) != 0);
+  one_.write(cr, enable | rts_flow);
+  for (int n = 0; n < 16; ++n) one_.send_to_chip(1);
+  rig_.pass(15 * 10 * bit);
+  EXPECT_FALSE((rig_.gpio.pad_levels() >> 3 & 1u) != 0);
+  rig_.pass(10 * bit);
+  EXPECT_TRUE((rig_.gpio.pad_levels() >> 3 & 1u) != 0) << "sixteen of 32";
+  one_.read(dr);
+  EXPECT_FALSE((rig_.gpio.pad_levels() >> 3 & 1u) != 0);
+
+  outside(6, true);
+  connect(6);  // UART1 CTS
+  Sent sent;
+  two_.connect(sent);
+  two_.write(cr, enable | cts_flow);
+  two_.write(dr, 1);
+  two_.write(dr, 2);
+  rig_.pass(30 * bit);
+  EXPECT_TRUE(sent.list.empty());
+  EXPECT_EQ(two_.read(fr) & 1u, 0u);
+  outside(6, false);
+  const Cycle t = rig_.wheel.now();
+  rig_.pass(bit);
+  outside(6, true);
+  rig_.pass(30 * bit);
+  ASSERT_EQ(sent.list.size(), 1u) << "the frame under way is finished";
+  EXPECT_EQ(sent.list[0], std::make_pair(1, t + 10 * bit));
+  EXPECT_NE(two_.read(ris) & 2u, 0u);
+}
+
+TEST_F(UartPinsTest, LoopBackKeepsThePinsHigh) {
+  connect(0);
+  one_.write(cr, enable | loop);
+  edges_.by_pin[0].clear();
+  one_.write(dr, 0x42);
+  rig_.pass(10 * bit);
+  EXPECT_TRUE(edges_.by_pin[0].empty());
+  EXPECT_EQ(one_.read(dr), 0x42u);
+}
+
+// 2.5.3: the DMA keeps the transmit FIFO full and takes what arrives.
+TEST_F(UartPinsTest, Dma) {
+  connect(0);
+  Wire wire(rig_.gpio, 0, 5);
+  connect(5);
+  for (std::uint32_t n = 0; n < 100; ++n) rig_.bus.sram()[n] = static_cast<std::uint8_t>(n * 7);
+  one_.write(dmacr, 2);
+  two_.write(dmacr, 1);
+  rig_.start_dma(1, 0x40038000, rig_.ram + 0x1000, 100, 0, false, true, Dreq::uart1_rx);
+  rig_.start_dma(0, rig_.ram, 0x40034000, 100, 0, true, false, Dreq::uart0_tx);
+  rig_.pass(200);
+  EXPECT_NE(one_.read(fr) & 1u << 5, 0u) << "full";
+  rig_.pass(100 * 10 * bit);
+  EXPECT_FALSE(rig_.dma_busy(0));
+  EXPECT_FALSE(rig_.dma_busy(1));
+  for (std::uint32_t n = 0; n < 100; ++n)
+    EXPECT_EQ(rig_.bus.sram()[0x1000 + n], static_cast<std::uint8_t>(n * 7));
+  EXPECT_TRUE(rig_.reports.empty());
+}
+
+// DMAONERR: no requests of the receiver while an error interrupts.
+TEST_F(UartPinsTest, DmaStopsOnError) {
+  outside(1, true);
+  connect(1);
+  one_.write(dmacr, 5);
+  one_.write(imsc, 1u << 7);
+  rig_.start_dma(0, 0x40034000, rig_.ram, 10, 0, false, true, Dreq::uart0_rx);
+  play(1, {{false, 2}, {true, 16}, {false, 4}, {true, 4}});
+  EXPECT_FALSE(empty(one_));
+  one_.write(icr, 0x7ff);
+  rig_.pass(50);
+  EXPECT_TRUE(empty(one_));
+}
+
+}  // namespace
+}  // namespace lamplock::sim::chip
