@@ -42,7 +42,7 @@ constexpr bool is_pwm(unsigned dreq) { return dreq >= 24 && dreq < 32; }
 
 }  // namespace
 
-Dma::Dma(ClockOwner& clock, Bus& bus, const DreqLines& dreqs, const std::array<PioBlock, 2>& pio,
+Dma::Dma(ClockOwner& clock, Bus& bus, DreqLines& dreqs, const std::array<PioBlock, 2>& pio,
          IrqLines& irqs, const Timing& timing, NotModelled not_modelled)
     : owner_(clock),
       bus_(bus),
@@ -217,9 +217,11 @@ void Dma::find_due(Cycle clock) {
   due_ = never_cycle;
   const auto by = [this, clock](Cycle when) { due_ = std::min(due_, std::max(when, clock + 1)); };
   if (fifo_level_ != 0) by(std::max(fifo_[fifo_head_].ready, write_free_));
+  std::uint32_t wraps = 0;
   for (std::uint32_t rest = busy_mask_; rest != 0; rest &= rest - 1) {
     const Channel& channel = channels_[static_cast<unsigned>(std::countr_zero(rest))];
     const unsigned treq = channel.treq();
+    if (is_pwm(treq)) wraps |= 1u << (treq - static_cast<unsigned>(Dreq::pwm_wrap0));
     if (channel.count == 0) by(channel.ready);
     if (channel.enabled() && channel.to_read != 0 && fifo_level_ != fifo_depth &&
         (treq == permanent || channel.credits != 0))
@@ -235,6 +237,7 @@ void Dma::find_due(Cycle clock) {
       by(clock + 1);
     }
   }
+  dreqs_.await_wraps(wraps);
 }
 
 // ---------------------------------------------------------------------------------------------

@@ -32,7 +32,7 @@ inline constexpr unsigned dma_timer_count = 4;
 /// The block of registers and what is behind it.
 class Dma final : public Peripheral {
  public:
-  Dma(ClockOwner& clock, Bus& bus, const DreqLines& dreqs, const std::array<PioBlock, 2>& pio,
+  Dma(ClockOwner& clock, Bus& bus, DreqLines& dreqs, const std::array<PioBlock, 2>& pio,
       IrqLines& irqs, const Timing& timing, NotModelled not_modelled);
   Dma(const Dma&) = delete;
   Dma& operator=(const Dma&) = delete;
@@ -111,7 +111,7 @@ class Dma final : public Peripheral {
 
   ClockOwner& owner_;
   Bus& bus_;
-  const DreqLines& dreqs_;
+  DreqLines& dreqs_;
   const std::array<PioBlock, 2>& pio_;
   IrqLines& irqs_;
   const Timing& timing_;

@@ -1,8 +1,9 @@
 // Data requests of the blocks to the DMA (RP2040 datasheet, 2.5.3).
 //
 // In:  from blocks with a FIFO, the transfers that it can take or give now; from the PWM, one pulse
-//      for each wrap.
-// Out: to the DMA, which hands out one credit a clock for what is not spoken for yet.
+//      for each wrap that a channel waits for.
+// Out: to the DMA, which hands out one credit a clock for what is not spoken for yet; to the PWM,
+//      which wraps those are.
 // The PIO FIFOs (0..15) are not here: the DMA looks at them itself.
 #pragma once
 
@@ -46,6 +47,14 @@ class DreqListener {
   virtual void dreq_level_changed() = 0;
 };
 
+/// A block whose requests have no FIFO: it needs to work for them only while the DMA waits.
+class DreqPulser {
+ public:
+  virtual ~DreqPulser() = default;
+  /// Bit n: a channel waits for the wrap of slice n.
+  virtual void wraps_awaited(std::uint32_t slices) = 0;
+};
+
 /// The other blocks' side. Calls are made at the present time of the wheel.
 class DreqLines {
  public:
@@ -61,10 +70,19 @@ class DreqLines {
   void pwm_wrap(unsigned slice) {
     listener_.dreq_pulsed(static_cast<unsigned>(Dreq::pwm_wrap0) + slice);
   }
+  void connect(DreqPulser& pulser) { pulser_ = &pulser; }
+  /// The DMA's channels wait for the wraps of these slices.
+  void await_wraps(std::uint32_t slices) {
+    if (slices == awaited_) return;
+    awaited_ = slices;
+    if (pulser_ != nullptr) pulser_->wraps_awaited(slices);
+  }
   unsigned level(unsigned dreq) const { return dreq < dreq_count ? levels_[dreq] : 0; }
 
  private:
   DreqListener& listener_;
+  DreqPulser* pulser_ = nullptr;
+  std::uint32_t awaited_ = 0;
   std::array<unsigned, dreq_count> levels_{};
 };
 

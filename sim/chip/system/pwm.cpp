@@ -210,8 +210,19 @@ void Pwm::advance(Cycle to) {
 }
 
 void Pwm::collect_wraps() {
+  std::uint32_t wrapped = 0;
   for (std::size_t slice = 0; slice < slice_count; ++slice)
-    if (slices_[slice].take_wrapped()) raised_ |= 1u << slice;
+    if (slices_[slice].take_wrapped()) wrapped |= 1u << slice;
+  raised_ |= wrapped;
+  for (std::size_t slice = 0; slice < slice_count; ++slice)
+    if ((wrapped & awaited_) >> slice & 1u) dreqs_->pwm_wrap(static_cast<unsigned>(slice));
+}
+
+/// Wraps before now are none of the channel's that has just begun to wait.
+void Pwm::wraps_awaited(std::uint32_t slices) {
+  advance(wheel_.now());
+  awaited_ = slices;
+  schedule();
 }
 
 void Pwm::drive(Cycle at) {
@@ -235,7 +246,7 @@ void Pwm::schedule() {
     running_ = true;
     counts_inputs_ = counts_inputs_ || part.mode() != PwmSlice::Mode::free_running;
     const bool seen = connected(slice);
-    const bool awaited = (enabled_ >> slice & 1u) != 0 && (raised_ >> slice & 1u) == 0;
+    const bool awaited = ((enabled_ & ~raised_) | awaited_) >> slice & 1u;
     if (seen || awaited) first = std::min(first, part.until_event(!seen));
   }
   wheel_.set(slot_, first == never_cycle ? never_cycle : time_ + first);
@@ -305,6 +316,10 @@ std::uint32_t Pwm::read(std::uint32_t offset) {
   if (offset > offset_ints) not_modelled_("PWM: no register at this offset");
   advance(wheel_.now());
   return peek(offset);
+}
+
+std::uint32_t Pwm::write_clear_bits(std::uint32_t offset) const {
+  return offset == offset_intr ? all_slices : 0;
 }
 
 void Pwm::write(std::uint32_t offset, std::uint32_t value) {

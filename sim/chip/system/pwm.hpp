@@ -1,7 +1,7 @@
 // PWM: eight slices of two channels (RP2040 datasheet, 4.5).
 //
 // In:  registers; the levels of the pins that channels B count.
-// Out: levels on the pins; the interrupt PWM_IRQ_WRAP.
+// Out: levels on the pins; the interrupt PWM_IRQ_WRAP; a request to the DMA for each wrap.
 // Who: the bus; the wheel at edges of outputs that are connected to a pin, and at wraps that
 //      somebody waits for. A slice that nobody looks at costs nothing: its counter has a closed
 //      form.
@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "sim/chip/dma/dreq_lines.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
@@ -68,7 +69,7 @@ class PwmSlice {
 };
 
 /// The block.
-class Pwm final : public Peripheral, private Timed, private InputListener {
+class Pwm final : public Peripheral, private Timed, private InputListener, private DreqPulser {
  public:
   static constexpr std::size_t slice_count = 8;
 
@@ -76,10 +77,16 @@ class Pwm final : public Peripheral, private Timed, private InputListener {
   Pwm(const Pwm&) = delete;
   Pwm& operator=(const Pwm&) = delete;
 
+  void connect(DreqLines& lines) {
+    dreqs_ = &lines;
+    lines.connect(*this);
+  }
+
   std::string_view name() const override { return "PWM"; }
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
 
  private:
@@ -87,6 +94,7 @@ class Pwm final : public Peripheral, private Timed, private InputListener {
   void inputs_changed(Cycle at) override;
   void catch_up(Cycle at) override;
   void connections_changed(Cycle at) override;
+  void wraps_awaited(std::uint32_t slices) override;
   void advance(Cycle to);
   void settle(Cycle at);
   bool connected(std::size_t slice) const;
@@ -106,6 +114,8 @@ class Pwm final : public Peripheral, private Timed, private InputListener {
   bool running_ = false;        ///< some slice is enabled
   bool counts_inputs_ = false;  ///< some slice counts or is gated by its pin
   std::uint32_t raised_ = 0, enabled_ = 0, forced_ = 0;
+  DreqLines* dreqs_ = nullptr;
+  std::uint32_t awaited_ = 0;  ///< slices whose wraps a DMA channel waits for
 };
 
 }  // namespace lamplock::sim::chip
