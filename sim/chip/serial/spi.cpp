@@ -26,6 +26,7 @@ constexpr std::uint32_t offset_identification = 0xfe0;  // PERIPHID0-3, PCELLID0
 
 // CR0: DSS 3:0, FRF 5:4, SPO 6, SPH 7, SCR 15:8.
 constexpr std::uint32_t cr0_format = 3u << 4;
+constexpr std::uint32_t cr0_polarity = 1u << 6;
 constexpr std::uint32_t cr0_phase = 1u << 7;
 constexpr std::uint32_t smallest_size = 3;  // four bits
 // CR1: SSE 1, MS 2.
@@ -53,17 +54,22 @@ constexpr std::uint64_t deselect_half_bits = 2;  // chip select high after the l
 
 }  // namespace
 
-Spi::Spi(int number, TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_modelled)
+Spi::Spi(int number, TimeWheel& wheel, Clocks& clocks, FunctionPins& pins, IrqLines& irqs,
+         NotModelled not_modelled)
     : wheel_(wheel),
       slot_(wheel.add(*this)),
       clocks_(clocks),
+      pins_(pins),
       irqs_(irqs),
       not_modelled_(std::move(not_modelled)),
       name_("SPI" + std::to_string(number)),
       irq_(number == 0 ? Irq::spi0 : Irq::spi1),
+      first_signal_(number == 0 ? 0 : 4),
       dreq_tx_(number == 0 ? Dreq::spi0_tx : Dreq::spi1_tx),
       dreq_rx_(number == 0 ? Dreq::spi0_rx : Dreq::spi1_rx) {
   clocks_.listen(*this);
+  pins_.listen(*this);
+  for (const Signal of : {signal_select, signal_clock}) pins_.sense(signal(of));
   reset();
 }
 
@@ -74,6 +80,9 @@ void Spi::reset() {
   free_at_ = 0;
   control_0_ = control_1_ = prescale_ = 0;
   mask_ = raised_ = dma_control_ = 0;
+  tx_ = false;
+  follower_.deselect();
+  put_wires(wheel_.now());
   schedule();
   update_lines();
 }
@@ -92,6 +101,7 @@ Picoseconds Spi::bit_time() const { return half_bits(2); }
 void Spi::schedule() {
   Picoseconds first = std::numeric_limits<Picoseconds>::max();
   if (shifting_) first = std::min(first, captured_at_);
+  if (on_wires() && wires_are_seen()) first = std::min(first, word_start_ + half_bits(half_ + 1));
   if (frame_open_ && !shifting_) first = std::min(first, frame_end_at_);
   if (!shifting_ && wants_to_send() && bit_time() != 0) first = std::min(first, free_at_);
   if (timeout_running_) first = std::min(first, timeout_at_);
@@ -101,8 +111,12 @@ void Spi::schedule() {
 
 void Spi::run(Cycle) {
   const Picoseconds time = now();
+  shift_wires(wheel_.now());
   if (shifting_ && captured_at_ <= time) exchange();
-  if (frame_open_ && !shifting_ && frame_end_at_ <= time) frame_open_ = false;
+  if (frame_open_ && !shifting_ && frame_end_at_ <= time) {
+    frame_open_ = false;
+    put_wires(wheel_.now());
+  }
   if (!shifting_ && wants_to_send() && free_at_ <= time) start_word(free_at_);
   if (timeout_running_ && timeout_at_ <= time) {
     timeout_running_ = false;
@@ -134,6 +148,86 @@ void Spi::start_word(Picoseconds at) {
   shifting_ = frame_open_ = true;
   timeout_running_ = false;
   captured_at_ = at + half_bits(2 * word_bits());
+  shape_ = {word_bits(), (control_0_ & cr0_polarity) != 0, (control_0_ & cr0_phase) != 0};
+  half_ = 0;
+  word_start_ = at;
+  sampled_ = 0;
+  sampling_ = pins_.connected(signal(signal_rx));
+  put_wires(wheel_.now());
+}
+
+// --- pins
+
+/// Somebody can see the wires, or they are looked at bit by bit.
+bool Spi::wires_are_seen() const {
+  return sampling_ || pins_.connected(signal(signal_clock)) || pins_.connected(signal(signal_tx));
+}
+
+/// Half bits that have passed by `at`. RX is taken before SCK moves.
+void Spi::shift_wires(Cycle at) {
+  if (!on_wires()) return;
+  const Picoseconds time = wheel_.time_of(at);
+  const unsigned before = half_;
+  while (half_ < shape_.last_half() && word_start_ + half_bits(half_ + 1) <= time) {
+    ++half_;
+    if (!shape_.captures(half_) || !sampling_) continue;
+    pins_.bring_sources_up_to(at);
+    sampled_ = static_cast<std::uint16_t>(sampled_ << 1 | (pins_.input(signal(signal_rx)) ? 1 : 0));
+  }
+  if (half_ != before) put_wires(at);
+}
+
+/// Idle, TX is low and of high impedance, and CSn high; a slave drives TX alone (4.4.3.10).
+void Spi::put_wires(Cycle at) {
+  const bool idle_clock = (control_0_ & cr0_polarity) != 0;
+  const bool master = !slave();
+  if (!frame_open_)
+    tx_ = false;
+  else if (half_ != 0)
+    tx_ = shape_.tx(shift_, half_);
+  pins_.put(signal(signal_select), !frame_open_, master, at);
+  pins_.put(signal(signal_clock), frame_open_ ? shape_.sck(half_) : idle_clock, master, at);
+  const bool answers =
+      enabled() && follower_.selected() && (control_1_ & cr1_slave_output_off) == 0;
+  pins_.put(signal(signal_tx), master ? tx_ : answers && follower_.tx(),
+            master ? frame_open_ : answers, at);
+}
+
+void Spi::pins_changed(Cycle at) {
+  if (slave()) {
+    follow_master();
+    put_wires(at);
+    update_lines();
+  }
+  schedule();
+}
+
+void Spi::pins_looked_at(Cycle at) {
+  if (!wires_are_seen()) shift_wires(at);
+}
+
+/// As a slave: edges of CSn and SCK. On no pin, CSn is taken as high (assumed).
+void Spi::follow_master() {
+  const unsigned select = signal(signal_select);
+  const bool selected = enabled() && pins_.connected(select) && !pins_.input(select);
+  if (!selected) return follower_.deselect();
+  if (!follower_.selected()) {
+    follower_.select(
+        {word_bits(), (control_0_ & cr0_polarity) != 0, (control_0_ & cr0_phase) != 0});
+    if ((control_0_ & cr0_phase) == 0) take_word_to_answer();
+  }
+  const bool first_bit = follower_.wants_word();
+  const auto word =
+      follower_.clock(pins_.input(signal(signal_clock)), pins_.input(signal(signal_rx)));
+  if (word) push_received(*word);
+  // With SPH 1 the first edge of a word fetches what is sent.
+  if (first_bit && !follower_.wants_word() && (control_0_ & cr0_phase) != 0) take_word_to_answer();
+}
+
+/// With nothing in the FIFO zeroes are sent (assumed).
+void Spi::take_word_to_answer() {
+  follower_.send(transmit_.empty() ? std::uint16_t{0} : transmit_.front());
+  if (!transmit_.empty()) transmit_.pop_front();
 }
 
 /// The last bit has been captured at both ends.
@@ -145,6 +239,8 @@ void Spi::exchange() {
     received = sent;
   else if (device_ != nullptr)
     received = device_->word_exchanged(sent, word_bits(), wheel_.now());
+  else if (sampling_)
+    received = sampled_;
   push_received(static_cast<std::uint16_t>(received & word_mask()));
   frame_end_at_ = captured_at_ + half_bits(deselect_half_bits);
   if ((control_0_ & cr0_phase) == 0)
@@ -307,6 +403,7 @@ void Spi::write(std::uint32_t offset, std::uint32_t value) {
       if (offset < offset_identification) not_modelled_(name_ + ": no register at this offset");
   }
   begin();
+  if (offset <= offset_cr1) put_wires(wheel_.now());
   update_lines();
   schedule();
 }

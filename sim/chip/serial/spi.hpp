@@ -1,12 +1,12 @@
 // SPI0 and SPI1: the PL022 of the RP2040 in Motorola format, as a master and as a slave (RP2040
 // datasheet, 4.4; ARM PrimeCell Synchronous Serial Port PL022 manual).
 //
-// In:  registers; clk_peri; whole words from the other end.
-// Out: whole words to the other end, when their last bit has been captured; the interrupt line; the
-//      DREQs.
-// Who: the bus; the wheel at the ends of words. The pins are not driven bit by bit: a device that
-//      needs its chip select watches that pin (PadListener), which drivers move as a GPIO. With
-//      SPIx_CSn as the pin's function the pad stays still.
+// In:  registers; clk_peri; the levels of RX and, as a slave, of SCK and CSn; whole words from the
+//      other end.
+// Out: the levels of SCK, TX and CSn; whole words to the other end, when their last bit has been
+//      captured; the interrupt line; the DREQs.
+// Who: the bus; the wheel at the ends of words, and at each half bit while a pin shows it. A device
+//      that takes whole words and needs its chip select watches that pin (PadListener).
 //
 // A bit takes CPSDVSR x (1 + SCR) cycles of clk_peri. The last bit is captured as many bits after
 // the start as a word has. With SPH 1 words follow each other without a gap; with SPH 0 the chip
@@ -19,8 +19,10 @@
 #include <string_view>
 
 #include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
+#include "sim/chip/serial/spi_wires.hpp"
 #include "sim/chip/system/clocks.hpp"
 #include "sim/chip/time_wheel.hpp"
 
@@ -37,19 +39,23 @@ class SpiDevice {
 };
 
 /// One of the two.
-class Spi final : public Peripheral, private Timed, private ClockListener {
+class Spi final : public Peripheral,
+                  private Timed,
+                  private ClockListener,
+                  private FunctionPins::User {
  public:
   /// Half bits between two words with SPH 0 that follow each other. The manual draws the pulse of
   /// the chip select without its length; others measured SCK low for about two bits, half a bit of
   /// which belongs to the word.
   static constexpr unsigned gap_half_bits = 3;
 
-  Spi(int number, TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_modelled);
+  Spi(int number, TimeWheel& wheel, Clocks& clocks, FunctionPins& pins, IrqLines& irqs,
+      NotModelled not_modelled);
   Spi(const Spi&) = delete;
   Spi& operator=(const Spi&) = delete;
 
   void connect(DreqLines& lines) { dreqs_ = &lines; }
-  /// Without a device MISO reads zero.
+  /// Words come from the device instead of from the RX pin.
   void connect(SpiDevice& device) { device_ = &device; }
   /// The chip is the slave: the master at the other end has clocked a whole word in. Returns what
   /// the chip sent meanwhile; 0 if it had nothing, drives nothing or is no slave.
@@ -69,7 +75,18 @@ class Spi final : public Peripheral, private Timed, private ClockListener {
   void run(Cycle to) override;
   void clock_changed() override { schedule(); }
   void clocks_changed() override;
+  void pins_changed(Cycle at) override;
+  void pins_looked_at(Cycle at) override;
 
+  /// Signals of each of the two (spi_signal).
+  enum Signal : unsigned { signal_rx, signal_select, signal_clock, signal_tx };
+  unsigned signal(Signal of) const { return first_signal_ + of; }
+  bool wires_are_seen() const;
+  bool on_wires() const { return frame_open_ && half_ < shape_.last_half(); }
+  void shift_wires(Cycle at);
+  void put_wires(Cycle at);
+  void follow_master();
+  void take_word_to_answer();
   bool enabled() const { return (control_1_ & 2u) != 0; }
   bool slave() const { return (control_1_ & 4u) != 0; }
   unsigned word_bits() const { return (control_0_ & 0xfu) + 1; }
@@ -95,11 +112,13 @@ class Spi final : public Peripheral, private Timed, private ClockListener {
   TimeWheel& wheel_;
   TimeWheel::Slot slot_;
   Clocks& clocks_;
+  FunctionPins& pins_;
   IrqLines& irqs_;
   DreqLines* dreqs_ = nullptr;
   NotModelled not_modelled_;
   std::string name_;
   Irq irq_;
+  unsigned first_signal_;
   Dreq dreq_tx_, dreq_rx_;
   SpiDevice* device_ = nullptr;
 
@@ -108,6 +127,13 @@ class Spi final : public Peripheral, private Timed, private ClockListener {
   bool frame_open_ = false;  ///< the chip select is low: until a bit after the last one
   bool timeout_running_ = false;
   std::uint16_t shift_ = 0;  ///< being sent
+  SpiShape shape_;           ///< of that word
+  unsigned half_ = 0;        ///< half bits of it that have passed on the wires
+  Picoseconds word_start_ = 0;
+  std::uint16_t sampled_ = 0;  ///< bits of RX
+  bool sampling_ = false;      ///< all of them were seen
+  bool tx_ = false;
+  SpiSlaveShifter follower_;
   Picoseconds captured_at_ = 0, frame_end_at_ = 0, timeout_at_ = 0;
   Picoseconds free_at_ = 0;  ///< the chip select may go low again
   std::uint32_t control_0_ = 0, control_1_ = 0, prescale_ = 0;

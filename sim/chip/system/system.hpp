@@ -70,6 +70,7 @@ class System {
   FunctionPins uart_pins;
   Uart uart0, uart1;
   Pwm pwm;
+  FunctionPins spi_pins;
   Spi spi0, spi1;
   I2c i2c0, i2c1;
   Adc adc;
