@@ -35,6 +35,7 @@ Chip::Chip(const ChipOptions& options)
               reporter()),
       pio_dma_(wheel_, bus_, gpio_, irqs_, timing_, reporter()),
       usb_(wheel_, irqs_, usb_dpram_, reporter(), options.usb_errata),
+      usb_pins_(gpio_, usb_),
       cores_{Core(0, bus_, wheel_, irqs_, timing_, reporter()),
              Core(1, bus_, wheel_, irqs_, timing_, reporter())},
       seed_(options.seed) {

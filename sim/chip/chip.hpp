@@ -29,6 +29,7 @@
 #include "sim/chip/time_wheel.hpp"
 #include "sim/chip/timing.hpp"
 #include "sim/chip/usb/usb_controller.hpp"
+#include "sim/chip/usb/usb_pins.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -119,6 +120,7 @@ class Chip final : private ClockListener {
   PioDmaClock pio_dma_;
   std::array<std::uint8_t, Bus::usb_dpram_size> usb_dpram_{};
   UsbController usb_;
+  UsbPins usb_pins_;
   std::array<Core, 2> cores_;
   std::array<bool, 2> held_{true, true};       ///< in reset
   std::array<bool, 2> restart_{false, false};  ///< released, has not started yet

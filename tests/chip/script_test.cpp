@@ -286,9 +286,10 @@ TEST(ScriptRunner, TalksToUarts) {
                  "expect uart0 \"c\\r\\n\" within 1ms"),
             "");
   EXPECT_EQ(uart("uart0 send \"abc\\x01\"\nexpect uart0 \"x\" within 1ms"), R"(3: "abc\x01")");
-  // A byte takes 480 cycles, 73.85 us, each way; the program looks every 12 cycles or so.
-  EXPECT_EQ(uart("uart0 send \"a\"\nexpect uart0 \"a\" within 155us"), "");
-  EXPECT_THAT(uart("uart0 send \"a\"\nexpect uart0 \"a\" within 147us"),
+  // A bit takes 48 cycles, 7.385 us. A byte is there in the middle of its stop bit, after 9.5 of
+  // them, and sent after 10: 144.0 us. The program looks every 12 cycles or so.
+  EXPECT_EQ(uart("uart0 send \"a\"\nexpect uart0 \"a\" within 150us"), "");
+  EXPECT_THAT(uart("uart0 send \"a\"\nexpect uart0 \"a\" within 143us"),
               testing::AnyOf(HasSubstr("nothing"), HasSubstr("it came")));
   EXPECT_EQ(uart("wait usb within 1ms"), "2: no serial port on the USB");
 }

@@ -1,7 +1,10 @@
 #include "sim/chip/system/clocks.hpp"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
+#include "sim/chip/system/clock_enables.hpp"
 #include "sim/chip/wide.hpp"
 
 namespace lamplock::sim::chip {
@@ -36,9 +39,15 @@ constexpr std::uint32_t control_enable = 1u << 11;
 constexpr std::uint32_t control_kill = 1u << 10;
 
 constexpr std::uint32_t resus_reset = 0xff;
-constexpr std::uint32_t resus_mask = 0x000111ff;  // TIMEOUT 7:0, ENABLE 8, FRCE 12, CLEAR 16
+constexpr std::uint32_t resus_mask = 0x000111ff;
+constexpr std::uint32_t resus_timeout = 0xff;
+constexpr std::uint32_t resus_enable = 1u << 8;
+constexpr std::uint32_t resus_force = 1u << 12;
+constexpr std::uint32_t resus_clear = 1u << 16;
 constexpr std::array<std::uint32_t, 6> fc0_masks{0xfffff, 0x1ffffff, 0x1ffffff, 7, 15, 0xff};
 constexpr std::array<std::uint32_t, 6> fc0_resets{0, 0, 0x1ffffff, 1, 8, 0};
+constexpr Picoseconds fc0_base_hz = 1'024'000;
+constexpr std::uint32_t fc0_edge = 1024 * 32;  ///< of RESULT for an edge in the shortest interval
 constexpr std::array<std::uint32_t, 2> enable_masks{0xffffffff, 0x7fff};
 
 constexpr std::size_t index_of(Clock clock) { return static_cast<std::size_t>(clock); }
@@ -46,8 +55,8 @@ constexpr bool has_mux(Clock clock) { return clock == Clock::ref || clock == Clo
 
 }  // namespace
 
-Clocks::Clocks(TimeWheel& wheel, Xosc& xosc, Rosc& rosc, Pll& pll_sys, Pll& pll_usb, IrqLines& irqs,
-               NotModelled not_modelled)
+Clocks::Clocks(TimeWheel& wheel, Xosc& xosc, Rosc& rosc, Pll& pll_sys, Pll& pll_usb,
+               FunctionPins& pins, IrqLines& irqs, Held held, NotModelled not_modelled)
     : wheel_(wheel),
       slot_(wheel.add(*this)),
       xosc_(xosc),
@@ -55,7 +64,11 @@ Clocks::Clocks(TimeWheel& wheel, Xosc& xosc, Rosc& rosc, Pll& pll_sys, Pll& pll_
       pll_sys_(pll_sys),
       pll_usb_(pll_usb),
       irqs_(irqs),
-      not_modelled_(std::move(not_modelled)) {
+      pins_(pins),
+      held_(std::move(held)),
+      not_modelled_(std::move(not_modelled)),
+      outputs_(wheel, pins, not_modelled_) {
+  pins_.listen(*this);
   xosc_.on_change([this] {
     pll_sys_.reference_changed();
     pll_usb_.reference_changed();
@@ -71,6 +84,7 @@ void Clocks::reset() {
   for (Generator& generator : generators_) generator = {0, divider_one, 0};
   generators_[index_of(Clock::peri)].divider = 0;
   resus_control_ = resus_reset;
+  stopped_ = resussed_ = false;
   counter_ = fc0_resets;
   counted_hz_ = 0;
   wake_enable_ = sleep_enable_ = enable_masks;
@@ -80,7 +94,10 @@ void Clocks::reset() {
   update_irq();
 }
 
-void Clocks::update_irq() { irqs_.set(Irq::clocks, interrupt_force_ != 0); }
+void Clocks::update_irq() {
+  const std::uint32_t raised = resussed_ ? 1u : 0u;
+  irqs_.set(Irq::clocks, ((raised & interrupt_enable_) | interrupt_force_) != 0);
+}
 
 // --- frequencies
 
@@ -90,7 +107,9 @@ std::uint64_t Clocks::auxiliary_hz(Clock clock) const {
     usb_pll,
     ring,
     crystal,
-    pin,
+    pin0,
+    pin1,
+    nothing,
     of_sys,
     of_usb,
     of_adc,
@@ -98,18 +117,18 @@ std::uint64_t Clocks::auxiliary_hz(Clock clock) const {
     of_ref
   };
   static constexpr std::array<Source, 11> for_gpout{
-      sys_pll, pin, pin, usb_pll, ring, crystal, of_sys, of_usb, of_adc, of_rtc, of_ref};
-  static constexpr std::array<Source, 3> for_ref{usb_pll, pin, pin};
-  static constexpr std::array<Source, 6> for_sys{sys_pll, usb_pll, ring, crystal, pin, pin};
+      sys_pll, pin0, pin1, usb_pll, ring, crystal, of_sys, of_usb, of_adc, of_rtc, of_ref};
+  static constexpr std::array<Source, 3> for_ref{usb_pll, pin0, pin1};
+  static constexpr std::array<Source, 6> for_sys{sys_pll, usb_pll, ring, crystal, pin0, pin1};
   static constexpr std::array<Source, 7> for_peri{of_sys,  sys_pll, usb_pll, ring,
-                                                  crystal, pin,     pin};
-  static constexpr std::array<Source, 6> for_others{usb_pll, sys_pll, ring, crystal, pin, pin};
+                                                  crystal, pin0,    pin1};
+  static constexpr std::array<Source, 6> for_others{usb_pll, sys_pll, ring, crystal, pin0, pin1};
 
   const auto field = generators_[index_of(clock)].control >> 5;
   const auto pick = [](const auto& table, std::uint32_t index) {
-    return index < table.size() ? table[index] : pin;
+    return index < table.size() ? table[index] : nothing;
   };
-  Source source = pin;
+  Source source = nothing;
   switch (clock) {
     case Clock::ref:
       source = pick(for_ref, field & 3u);
@@ -137,6 +156,10 @@ std::uint64_t Clocks::auxiliary_hz(Clock clock) const {
       return rosc_.hz();
     case crystal:
       return xosc_.hz();
+    case pin0:
+      return input_hz(0);
+    case pin1:
+      return input_hz(1);
     case of_sys:
       return hz(Clock::sys);
     case of_usb:
@@ -148,7 +171,7 @@ std::uint64_t Clocks::auxiliary_hz(Clock clock) const {
     case of_ref:
       return hz(Clock::ref);
     default:
-      return 0;  // GPIN0, GPIN1: nothing is connected
+      return 0;  // reserved numbers
   }
 }
 
@@ -162,18 +185,23 @@ std::uint64_t Clocks::source_hz(Clock clock) const {
   return auxiliary_hz(clock);
 }
 
+/// 24.8 fixed point. An integer part of zero divides by the largest number plus one (2^16, 2^2 for
+/// two bits).
+std::uint64_t Clocks::divisor(Clock clock) const {
+  if (clock == Clock::peri) return divider_one;
+  const Generator& generator = generators_[index_of(clock)];
+  const std::uint64_t whole = generator.divider >> 8;
+  const bool two_bits = divider_masks[index_of(clock)] == 0x300;
+  return (whole != 0 ? whole : (two_bits ? 4u : 0x10000u)) << 8 | (generator.divider & 0xffu);
+}
+
 std::uint64_t Clocks::generated(Clock clock) const {
   const Generator& generator = generators_[index_of(clock)];
   const bool is_on = has_mux(clock) || ((generator.control & control_enable) != 0 &&
                                         (generator.control & control_kill) == 0);
   if (!is_on) return 0;
-  if (clock == Clock::peri) return source_hz(clock);
-  // An integer part of zero divides by the largest number plus one (2^16, 2^2 for two bits).
-  const std::uint64_t whole = generator.divider >> 8;
-  const bool two_bits = divider_masks[index_of(clock)] == 0x300;
-  const std::uint64_t divisor =
-      (whole != 0 ? whole : (two_bits ? 4u : 0x10000u)) << 8 | (generator.divider & 0xffu);
-  return (source_hz(clock) << 8) / divisor;
+  if (clock == Clock::sys && resussed_) return hz(Clock::ref);
+  return (source_hz(clock) << 8) / divisor(clock);
 }
 
 // Frequencies anew, each after those it depends on.
@@ -185,13 +213,56 @@ void Clocks::refresh() {
       Clock::rtc, Clock::gpout0, Clock::gpout1, Clock::gpout2, Clock::gpout3};
   const std::array<std::uint64_t, clock_count> before = hz_;
   for (const Clock clock : order) hz_[index_of(clock)] = generated(clock);
-  if (hz(Clock::sys) != 0)
-    wheel_.set_frequency(hz(Clock::sys));
-  else
-    not_modelled_("CLOCKS: clk_sys stands still; it is run on at its last frequency");
+  set_system_clock();
   refreshing_ = false;
+  for (std::size_t n = 0; n < ClockOutputs::output_count; ++n) {
+    const auto output = static_cast<Clock>(n);
+    outputs_.set(n, hz(output) == 0 ? 0 : source_hz(output), divisor(output));
+  }
   if (before == hz_) return;
   for (ClockListener* listener : listeners_) listener->clocks_changed();
+}
+
+/// clk_sys moves the wheel. If it stands still, cycles stop: the resuscitation lets one of them
+/// last as many cycles of clk_ref as its TIMEOUT and forces clk_sys to clk_ref (2.15.5).
+void Clocks::set_system_clock() {
+  if (hz(Clock::sys) != 0) {
+    stopped_ = false;
+    return wheel_.set_frequency(hz(Clock::sys));
+  }
+  const bool helped = (resus_control_ & resus_enable) != 0 && hz(Clock::ref) != 0;
+  if (!helped)
+    return not_modelled_("CLOCKS: clk_sys stands still; it is run on at its last frequency");
+  if (std::exchange(stopped_, true)) return;
+  const std::uint64_t timeout = std::max(1u, resus_control_ & resus_timeout);
+  wheel_.set_frequency(std::max<std::uint64_t>(1, hz(Clock::ref) / timeout));
+  wheel_.set(slot_, wheel_.now() + 1);
+}
+
+void Clocks::write_resus(std::uint32_t value) {
+  resus_control_ = value & resus_mask;
+  if ((resus_control_ & resus_force) != 0)
+    resussed_ = true;
+  else if ((resus_control_ & resus_clear) != 0)
+    resussed_ = false;
+  refresh();
+  update_irq();
+}
+
+// --- pins
+
+void Clocks::set_input_hz(unsigned input, std::uint64_t hz) {
+  input_hz_[input] = hz;
+  refresh();
+}
+
+std::uint64_t Clocks::input_hz(unsigned input) const {
+  const bool connected = pins_.connected(static_cast<unsigned>(ClockOutputs::output_count) + input);
+  return connected ? input_hz_[input] : 0;
+}
+
+void Clocks::pins_changed(Cycle /*at*/) {
+  if (input_hz_[0] != 0 || input_hz_[1] != 0) refresh();
 }
 
 // The glitchless multiplexers follow SRC, but stay where they are when the new source stands still.
@@ -209,7 +280,13 @@ void Clocks::change_over() {
   refresh();
 }
 
-void Clocks::run(Cycle) { change_over(); }
+void Clocks::run(Cycle) {
+  if (std::exchange(stopped_, false)) {
+    resussed_ = true;
+    update_irq();
+  }
+  change_over();
+}
 
 // --- registers
 
@@ -217,8 +294,6 @@ void Clocks::write_generator(std::size_t index, std::uint32_t reg, std::uint32_t
   Generator& generator = generators_[index];
   if (reg == 0) {
     generator.control = value & control_masks[index];
-    if (index <= index_of(Clock::gpout3) && (generator.control & control_enable) != 0)
-      not_modelled_("CLOCKS GPOUT: the clock is not put on its pin");
     const std::uint32_t source = index == index_of(Clock::ref) ? 3u : 1u;
     if (has_mux(static_cast<Clock>(index)) && (generator.control & source) != generator.selected)
       wheel_.set(slot_, wheel_.now() + mux_cycles);
@@ -246,7 +321,7 @@ std::uint32_t Clocks::peek(std::uint32_t offset) const {
     case offset_resus_control:
       return resus_control_;
     case offset_resus_status:
-      return 0;
+      return resussed_ ? 1u : 0u;
     case offset_fc0_status:
       return counter_status();
     case offset_fc0_result:
@@ -261,12 +336,13 @@ std::uint32_t Clocks::peek(std::uint32_t offset) const {
     case offset_enabled + 4:
       return wake_enable_[(offset - offset_enabled) / 4];
     case offset_intr:
-      return 0;
+      return resussed_ ? 1u : 0u;
     case offset_inte:
       return interrupt_enable_;
     case offset_intf:
-    case offset_ints:
       return interrupt_force_;
+    case offset_ints:
+      return (resussed_ ? interrupt_enable_ : 0u) | interrupt_force_;
     default:
       return 0;
   }
@@ -279,18 +355,26 @@ std::uint32_t Clocks::read(std::uint32_t offset) {
 
 void Clocks::write_enables(std::uint32_t offset, std::uint32_t value) {
   const std::size_t word = offset / 4 % 2;
-  auto& enables = offset < offset_sleep ? wake_enable_ : sleep_enable_;
+  const bool wake = offset < offset_sleep;
+  auto& enables = wake ? wake_enable_ : sleep_enable_;
   enables[word] = value & enable_masks[word];
-  if (enables[word] != enable_masks[word])
-    not_modelled_("CLOCKS WAKE_EN, SLEEP_EN: clocks of single blocks are not stopped");
+  const std::uint32_t stopped = ~enables[word] & enable_masks[word];
+  if (!wake && stopped != 0) not_modelled_("CLOCKS SLEEP_EN: in deep sleep all clocks go on");
+  if (!wake) return;
+  for (std::size_t bit = 0; bit < 32; ++bit) {
+    if ((stopped >> bit & 1u) == 0) continue;
+    const ClockEnable& clock = clock_enables[32 * word + bit];
+    if (!clock.has_reset || !held_(clock.reset))
+      not_modelled_("CLOCKS WAKE_EN: " + std::string(clock.clock) +
+                    " is stopped while its block is in use; the block runs on");
+  }
 }
 
 void Clocks::write(std::uint32_t offset, std::uint32_t value) {
   if (offset < offset_resus_control) {
     write_generator(offset / generator_bytes, offset % generator_bytes, value);
   } else if (offset == offset_resus_control) {
-    resus_control_ = value & resus_mask;
-    if ((resus_control_ & 0x1100u) != 0) not_modelled_("CLOCKS RESUS: never takes effect");
+    write_resus(value);
   } else if (offset >= offset_fc0 && offset <= offset_fc0_source) {
     const std::size_t index = (offset - offset_fc0) / 4;
     counter_[index] = value & fc0_masks[index];
@@ -299,6 +383,7 @@ void Clocks::write(std::uint32_t offset, std::uint32_t value) {
     write_enables(offset, value);
   } else if (offset == offset_inte) {
     interrupt_enable_ = value & 1u;
+    update_irq();
   } else if (offset == offset_intf) {
     interrupt_force_ = value & 1u;
     update_irq();
@@ -320,6 +405,9 @@ std::uint64_t Clocks::counted_hz() const {
       return rosc_.hz();
     case 5:
       return xosc_.hz();
+    case 6:
+    case 7:
+      return input_hz(counter_[5] - 6);
     case 8:
       return hz(Clock::ref);
     case 9:
@@ -337,10 +425,11 @@ std::uint64_t Clocks::counted_hz() const {
   }
 }
 
-// The interval is 0.98 us times a power of two; DELAY are cycles of clk_ref before it.
+// The interval is 0.98 us (1 / 1.024 MHz, so that edges are counted in 1024 kHz over the same power
+// of two) times a power of two; DELAY are cycles of clk_ref before it.
 void Clocks::start_counter(std::uint32_t source) {
   counted_hz_ = source == 0 ? 0 : counted_hz();
-  const auto interval = static_cast<Picoseconds>(980'000) << counter_[4];
+  const Picoseconds interval = (ps_per_s << counter_[4]) / fc0_base_hz;
   const std::uint64_t reference = hz(Clock::ref);
   const Picoseconds delay = reference == 0 ? 0
                                            : static_cast<Picoseconds>(counter_[3]) * ps_per_s /
@@ -352,13 +441,15 @@ bool Clocks::counter_done() const {
   return counter_[5] != 0 && wheel_.time_of(wheel_.now()) >= counter_end_;
 }
 
-/// Kilohertz with five fractional bits, measured against what REF_KHZ says clk_ref is.
+/// Kilohertz with five fractional bits, measured against what REF_KHZ says clk_ref is: whole edges
+/// in the interval, each of which stands for 1024 kHz over a power of two.
 std::uint32_t Clocks::counter_result() const {
   const std::uint64_t reference = hz(Clock::ref);
   if (!counter_done() || reference == 0) return 0;
   const Wide scaled =
       static_cast<Wide>(counted_hz_) * counter_[0] * 32 / static_cast<Wide>(reference);
-  return static_cast<std::uint32_t>(scaled) & 0x3fffffffu;
+  const std::uint32_t edge = fc0_edge >> counter_[4];
+  return (static_cast<std::uint32_t>(scaled) & 0x3fffffffu) / edge * edge;
 }
 
 /// PASS 0, DONE 4, RUNNING 8, WAITING 12, FAIL 16, SLOW 20, FAST 24, DIED 28.

@@ -1,17 +1,22 @@
 // CLOCKS: which source, divided by what, drives which part (RP2040 datasheet, 2.15).
 //
-// In:  frequencies of the sources; registers.
-// Out: the frequency of each clock; clk_sys is the wheel's. Others are told of changes.
+// In:  frequencies of the sources, those on GPIN0 and GPIN1 included; registers.
+// Out: the frequency of each clock; clk_sys is the wheel's. Others are told of changes. GPOUT0-3 on
+//      their pins; the interrupt of the resuscitation of clk_sys.
 // Who: the bus; UART, tick generator and whoever needs the frequency of a clock.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
+#include "sim/chip/system/clock_outputs.hpp"
 #include "sim/chip/system/oscillators.hpp"
+#include "sim/chip/system/resets.hpp"
 #include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
@@ -28,19 +33,25 @@ class ClockListener {
 };
 
 /// The clock generators and the frequency counter.
-class Clocks final : public Peripheral, private Timed {
+class Clocks final : public Peripheral, private Timed, private FunctionPins::User {
  public:
   /// Cycles of clk_sys until a glitchless multiplexer has changed over. The datasheet says that it
   /// takes a few cycles of both clocks (2.15.3.2); the number is assumed.
   static constexpr Cycle mux_cycles = 4;
 
-  Clocks(TimeWheel& wheel, Xosc& xosc, Rosc& rosc, Pll& pll_sys, Pll& pll_usb, IrqLines& irqs,
-         NotModelled not_modelled);
+  /// Whether a block is held in reset: its clocks may be stopped unnoticed.
+  using Held = std::function<bool(ResetBit)>;
+
+  Clocks(TimeWheel& wheel, Xosc& xosc, Rosc& rosc, Pll& pll_sys, Pll& pll_usb, FunctionPins& pins,
+         IrqLines& irqs, Held held, NotModelled not_modelled);
   Clocks(const Clocks&) = delete;
   Clocks& operator=(const Clocks&) = delete;
 
   /// Frequency of a clock; 0: it stands still.
   std::uint64_t hz(Clock clock) const { return hz_[static_cast<std::size_t>(clock)]; }
+  /// The clock that the outside puts on GPIN0 (GPIO 20) or GPIN1 (GPIO 22) is given by its
+  /// frequency, not by edges; it comes in if the pin has the function. 0: none.
+  void set_input_hz(unsigned input, std::uint64_t hz);
   void listen(ClockListener& listener) { listeners_.push_back(&listener); }
 
   std::string_view name() const override { return "CLOCKS"; }
@@ -57,7 +68,12 @@ class Clocks final : public Peripheral, private Timed {
   };
 
   void run(Cycle to) override;
+  void pins_changed(Cycle at) override;
   void refresh();
+  void set_system_clock();
+  void write_resus(std::uint32_t value);
+  std::uint64_t input_hz(unsigned input) const;
+  std::uint64_t divisor(Clock clock) const;
   std::uint64_t generated(Clock clock) const;
   std::uint64_t source_hz(Clock clock) const;
   std::uint64_t auxiliary_hz(Clock clock) const;
@@ -78,12 +94,18 @@ class Clocks final : public Peripheral, private Timed {
   Pll& pll_sys_;
   Pll& pll_usb_;
   IrqLines& irqs_;
+  FunctionPins& pins_;
+  Held held_;
   NotModelled not_modelled_;
+  ClockOutputs outputs_;
   std::vector<ClockListener*> listeners_;
 
   std::array<Generator, clock_count> generators_{};
   std::array<std::uint64_t, clock_count> hz_{};
+  std::array<std::uint64_t, 2> input_hz_{};
   bool refreshing_ = false;
+  bool stopped_ = false;   ///< clk_sys, until the resuscitation has counted its time
+  bool resussed_ = false;  ///< clk_sys is forced to clk_ref
   std::uint32_t resus_control_ = 0;
   std::array<std::uint32_t, 6> counter_{};  ///< FC0: REF_KHZ, MIN, MAX, DELAY, INTERVAL, SRC
   std::uint64_t counted_hz_ = 0;            ///< of the clock that is or was counted

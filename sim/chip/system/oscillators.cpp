@@ -1,6 +1,7 @@
 #include "sim/chip/system/oscillators.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "sim/chip/wide.hpp"
@@ -32,6 +33,8 @@ constexpr std::uint32_t xosc_startup_x4 = 1u << 20;
 constexpr std::uint32_t password_strength = 0x9696;
 constexpr std::uint32_t strength_mask = 0xffff7777;
 constexpr std::uint32_t rosc_range_reset = 0xaa0;
+constexpr std::uint32_t range_low = 0xfa4, range_medium = 0xfa5, range_too_high = 0xfa6,
+                        range_high = 0xfa7;
 constexpr std::uint32_t div_pass = 0xaa0;
 constexpr std::uint32_t rosc_div_reset = div_pass + 16;
 constexpr std::uint32_t rosc_phase_reset = 0x8;
@@ -173,6 +176,33 @@ std::uint32_t Rosc::divisor() const {
   return divisor == 0 ? 32 : divisor;
 }
 
+/// Delays in twelfths of that of a stage with the weakest drive.
+std::uint64_t Rosc::ring_frequency() const {
+  constexpr unsigned stages = 8, unit = 12;
+  unsigned first = 0;  // stage in use
+  switch (control_ & 0xfffu) {
+    case range_medium:
+      first = 2;
+      break;
+    case range_high:
+      first = 4;
+      break;
+    case range_too_high:
+      first = 6;
+      break;
+    default:
+      break;
+  }
+  unsigned delay = 0;
+  for (unsigned stage = first; stage < stages; ++stage) {
+    const std::uint32_t word = stage < 4 ? frequency_a_ : frequency_b_;
+    const bool valid = word >> 16 == password_strength;
+    const std::uint32_t bits = valid ? word >> (4 * (stage % 4)) & 7u : 0;
+    delay += unit / (1u + static_cast<unsigned>(std::popcount(bits)));
+  }
+  return ring_hz_ * stages * unit / delay;
+}
+
 std::uint32_t Rosc::read(std::uint32_t offset) {
   if (offset > 0x20) not_modelled_("ROSC: no register at this offset");
   if (offset == 0x1c) {  // a Galois register of 32 bits stands in for noise: runs are repeatable
@@ -212,13 +242,9 @@ void Rosc::write_control(std::uint32_t value) {
   control_ = value & control_mask;
   const std::uint32_t code = control_ >> 12;
   const std::uint32_t range = control_ & 0xfffu;
-  const bool known_range = (range >= 0xfa4 && range <= 0xfa7) || range == rosc_range_reset;
+  const bool known_range = (range >= range_low && range <= range_high) || range == rosc_range_reset;
   if ((code != enable_code && code != disable_code) || !known_range) bad_write_ = true;
-  if (range == 0xfa5 || range == 0xfa6 || range == 0xfa7)
-    not_modelled_("ROSC FREQ_RANGE: does not change the frequency");
-  const bool enable = code != disable_code;
-  if (enable == enabled_) return;
-  enabled_ = enable;
+  enabled_ = code != disable_code;
   if (changed_) changed_();
 }
 
@@ -230,10 +256,8 @@ void Rosc::write(std::uint32_t offset, std::uint32_t value) {
     case 0x04:
     case 0x08:
       (offset == 0x04 ? frequency_a_ : frequency_b_) = value & strength_mask;
-      if (value >> 16 != password_strength)
-        bad_write_ = true;
-      else if ((value & 0x7777u) != 0)
-        not_modelled_("ROSC FREQA, FREQB: drive strengths do not change the frequency");
+      if (value >> 16 != password_strength) bad_write_ = true;
+      if (changed_) changed_();
       break;
     case 0x0c:
       if (value == dormant_code) not_modelled_("ROSC DORMANT: the oscillator is not paused");

@@ -97,15 +97,17 @@ class Xosc final : public Peripheral {
   PauseCounter counter_;
 };
 
-/// The ring oscillator. Its frequency varies from chip to chip and with temperature; drive
-/// strengths and ranges are kept but do not change the modelled frequency.
+/// The ring oscillator. Its frequency varies from chip to chip and with temperature; the nominal
+/// one is taken for the eight stages with the weakest drive. FREQ_RANGE takes stages out of the
+/// ring (2.17.3), a stage's bits of FREQA, FREQB multiply its drive (2.17.4). That the delay of a
+/// stage is the inverse of its drive, and the same for all stages, is assumed.
 class Rosc final : public Peripheral {
  public:
   /// 6.5 MHz nominally behind the reset divider of 16 (2.17.1: 1.8 to 12 MHz).
   static constexpr std::uint64_t nominal_ring_hz = 104'000'000;
   Rosc(TimeWheel& wheel, NotModelled not_modelled, std::uint64_t ring_hz = nominal_ring_hz);
 
-  std::uint64_t hz() const { return enabled_ ? ring_hz_ / divisor() : 0; }
+  std::uint64_t hz() const { return enabled_ ? ring_frequency() / divisor() : 0; }
   void on_change(SourceChanged changed) { changed_ = std::move(changed); }
 
   std::string_view name() const override { return "ROSC"; }
@@ -116,6 +118,7 @@ class Rosc final : public Peripheral {
 
  private:
   std::uint32_t divisor() const;
+  std::uint64_t ring_frequency() const;
   void write_control(std::uint32_t value);
 
   NotModelled not_modelled_;

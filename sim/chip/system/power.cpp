@@ -20,6 +20,15 @@ constexpr std::uint32_t had_run = 1u << 16;
 constexpr std::uint32_t had_psm_restart = 1u << 20;
 constexpr std::uint32_t psm_restart_flag = 1u << 24;
 
+/// The stages and those after them.
+constexpr std::uint32_t with_followers(std::uint32_t stages) {
+  constexpr auto processors = 1u << static_cast<unsigned>(PsmBit::proc0);
+  const std::uint32_t sequence = stages & (processors - 1);
+  if (sequence == 0) return stages;
+  const std::uint32_t first = sequence & ~(sequence - 1);
+  return all_stages & ~(first - 1);
+}
+
 }  // namespace
 
 Psm::Psm(NotModelled not_modelled) : not_modelled_(std::move(not_modelled)) {}
@@ -34,9 +43,11 @@ void Psm::put(std::uint32_t stages, bool held) {
       for (const Stage& stage : stages_[bit]) stage(held);
 }
 
-void Psm::watchdog_hold() { put(watchdog_select_, true); }
+std::uint32_t Psm::held_off() const { return with_followers(force_off_); }
 
-void Psm::watchdog_release() { put(watchdog_select_ & ~force_off_, false); }
+void Psm::watchdog_hold() { put(with_followers(watchdog_select_), true); }
+
+void Psm::watchdog_release() { put(with_followers(watchdog_select_) & ~held_off(), false); }
 
 void Psm::restart() {
   put(all_stages, true);
@@ -44,7 +55,7 @@ void Psm::restart() {
 }
 
 void Psm::reset() {
-  const std::uint32_t released = force_off_;
+  const std::uint32_t released = held_off();
   force_on_ = force_off_ = watchdog_select_ = 0;
   put(released, false);
 }
@@ -63,7 +74,7 @@ std::uint32_t Psm::peek(std::uint32_t offset) const {
     case 0x8:
       return watchdog_select_;
     case 0xc:
-      return ~force_off_ & all_stages;
+      return ~held_off() & all_stages;
     default:
       return 0;
   }
@@ -76,9 +87,11 @@ void Psm::write(std::uint32_t offset, std::uint32_t value) {
       force_on_ = value;
       break;  // all stages are on unless FRCE_OFF holds them
     case 0x4: {
-      const std::uint32_t before = std::exchange(force_off_, value);
-      put(value & ~before, true);
-      put(before & ~value, false);
+      const std::uint32_t before = held_off();
+      force_off_ = value;
+      const std::uint32_t after = held_off();
+      put(after & ~before, true);
+      put(before & ~after, false);
       break;
     }
     case 0x8:

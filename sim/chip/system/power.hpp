@@ -39,7 +39,9 @@ enum class PsmBit : std::uint8_t {
 };
 inline constexpr std::size_t psm_stage_count = 17;
 
-/// The power-on state machine.
+/// The power-on state machine. Each stage's reset is released by the stage before it being done
+/// (2.13.1): so a stage that is put into reset takes all that come after it along, and the sequence
+/// is run from there. The processors are both at its end, beside each other.
 class Psm final : public Peripheral {
  public:
   /// Called with true when a stage is put into reset, with false when it is released.
@@ -47,7 +49,7 @@ class Psm final : public Peripheral {
   explicit Psm(NotModelled not_modelled);
 
   void attach(PsmBit bit, Stage stage);
-  /// The watchdog has fired: the stages that WDSEL selects are held, then released in order.
+  /// The watchdog has fired: the sequence runs again from the first stage that WDSEL selects.
   void watchdog_hold();
   void watchdog_release();
   /// Power-up: all stages are held, then released in order.
@@ -61,6 +63,7 @@ class Psm final : public Peripheral {
 
  private:
   void put(std::uint32_t stages, bool held);
+  std::uint32_t held_off() const;
 
   NotModelled not_modelled_;
   std::array<std::vector<Stage>, psm_stage_count> stages_{};

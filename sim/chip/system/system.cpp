@@ -10,7 +10,10 @@ System::System(TimeWheel& wheel, Gpio& gpio, Sio& sio, IrqLines& irqs, Callbacks
       rosc(wheel, not_modelled),
       pll_sys("PLL_SYS", wheel, xosc, not_modelled),
       pll_usb("PLL_USB", wheel, xosc, not_modelled),
-      clocks(wheel, xosc, rosc, pll_sys, pll_usb, irqs, not_modelled),
+      clock_pins(gpio, PinFunction::clock, clock_signal),
+      clocks(
+          wheel, xosc, rosc, pll_sys, pll_usb, clock_pins, irqs,
+          [this](ResetBit bit) { return resets.held(bit); }, not_modelled),
       ticks(wheel, clocks),
       timer(wheel, ticks, irqs, not_modelled),
       resets(not_modelled),

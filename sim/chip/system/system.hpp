@@ -56,6 +56,7 @@ class System {
   Xosc xosc;
   Rosc rosc;
   Pll pll_sys, pll_usb;
+  FunctionPins clock_pins;
   Clocks clocks;
   TickGenerator ticks;
   Timer timer;

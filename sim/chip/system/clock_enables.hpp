@@ -1,0 +1,77 @@
+// WAKE_EN0 and WAKE_EN1 of CLOCKS: which clock each bit lets through, and which block it is of
+// (RP2040 datasheet, 2.15.7).
+//
+// In:  nothing; out: a table. Who: Clocks, to say which clock is not stopped although it should be.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+#include "sim/chip/system/resets.hpp"
+
+namespace lamplock::sim::chip {
+
+/// One bit. Blocks that RESETS does not hold are always in use.
+struct ClockEnable {
+  std::string_view clock;
+  bool has_reset = false;
+  ResetBit reset = ResetBit::adc;
+
+  constexpr ClockEnable(std::string_view name) : clock(name) {}
+  constexpr ClockEnable(std::string_view name, ResetBit bit)
+      : clock(name), has_reset(true), reset(bit) {}
+};
+
+/// Bit n of WAKE_EN0, then of WAKE_EN1.
+inline constexpr std::array<ClockEnable, 47> clock_enables{{
+    {"clk_sys_clocks"},
+    {"clk_adc_adc", ResetBit::adc},
+    {"clk_sys_adc", ResetBit::adc},
+    {"clk_sys_busctrl", ResetBit::busctrl},
+    {"clk_sys_busfabric"},
+    {"clk_sys_dma", ResetBit::dma},
+    {"clk_sys_i2c0", ResetBit::i2c0},
+    {"clk_sys_i2c1", ResetBit::i2c1},
+    {"clk_sys_io", ResetBit::io_bank0},
+    {"clk_sys_jtag", ResetBit::jtag},
+    {"clk_sys_vreg_and_chip_reset"},
+    {"clk_sys_pads", ResetBit::pads_bank0},
+    {"clk_sys_pio0", ResetBit::pio0},
+    {"clk_sys_pio1", ResetBit::pio1},
+    {"clk_sys_pll_sys", ResetBit::pll_sys},
+    {"clk_sys_pll_usb", ResetBit::pll_usb},
+    {"clk_sys_psm"},
+    {"clk_sys_pwm", ResetBit::pwm},
+    {"clk_sys_resets"},
+    {"clk_sys_rom"},
+    {"clk_sys_rosc"},
+    {"clk_rtc_rtc", ResetBit::rtc},
+    {"clk_sys_rtc", ResetBit::rtc},
+    {"clk_sys_sio"},
+    {"clk_peri_spi0", ResetBit::spi0},
+    {"clk_sys_spi0", ResetBit::spi0},
+    {"clk_peri_spi1", ResetBit::spi1},
+    {"clk_sys_spi1", ResetBit::spi1},
+    {"clk_sys_sram0"},
+    {"clk_sys_sram1"},
+    {"clk_sys_sram2"},
+    {"clk_sys_sram3"},
+    {"clk_sys_sram4"},
+    {"clk_sys_sram5"},
+    {"clk_sys_syscfg", ResetBit::syscfg},
+    {"clk_sys_sysinfo", ResetBit::sysinfo},
+    {"clk_sys_tbman", ResetBit::tbman},
+    {"clk_sys_timer", ResetBit::timer},
+    {"clk_peri_uart0", ResetBit::uart0},
+    {"clk_sys_uart0", ResetBit::uart0},
+    {"clk_peri_uart1", ResetBit::uart1},
+    {"clk_sys_uart1", ResetBit::uart1},
+    {"clk_sys_usbctrl", ResetBit::usbctrl},
+    {"clk_usb_usbctrl", ResetBit::usbctrl},
+    {"clk_sys_watchdog"},
+    {"clk_sys_xip"},
+    {"clk_sys_xosc"},
+}};
+
+}  // namespace lamplock::sim::chip
