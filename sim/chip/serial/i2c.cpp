@@ -109,13 +109,14 @@ constexpr std::uint32_t status_master = 1u << 5;
 constexpr std::uint32_t dma_rx = 1u << 0;
 constexpr std::uint32_t dma_tx = 1u << 1;
 
+constexpr std::uint32_t hold_transmit = 0xffff;  // IC_SDA_HOLD
 constexpr std::uint32_t shortest_high = 6, shortest_low = 8, shortest_spike = 1;
 constexpr std::uint32_t high_overhead = 7, low_overhead = 1;  // 4.3.14.1
 constexpr Cycle bits_of_byte = 9;
 
 }  // namespace
 
-I2c::I2c(int number, TimeWheel& wheel, IrqLines& irqs, NotModelled not_modelled)
+I2c::I2c(int number, TimeWheel& wheel, FunctionPins& pins, IrqLines& irqs, NotModelled not_modelled)
     : wheel_(wheel),
       slot_(wheel.add(*this)),
       irqs_(irqs),
@@ -123,13 +124,17 @@ I2c::I2c(int number, TimeWheel& wheel, IrqLines& irqs, NotModelled not_modelled)
       name_("I2C" + std::to_string(number)),
       irq_(number == 0 ? Irq::i2c0 : Irq::i2c1),
       dreq_tx_(number == 0 ? Dreq::i2c0_tx : Dreq::i2c1_tx),
-      dreq_rx_(number == 0 ? Dreq::i2c0_rx : Dreq::i2c1_rx) {
+      dreq_rx_(number == 0 ? Dreq::i2c0_rx : Dreq::i2c1_rx),
+      pins_(pins),
+      first_signal_(number == 0 ? 0 : 2) {
+  pins_.listen(*this);
+  pins_.sense(scl());
+  pins_.sense(sda());
   reset();
 }
 
 void I2c::reset() {
-  phase_ = Phase::idle;
-  due_ = never_cycle;
+  enter(Phase::idle, wheel_.now());
   addressed_ = nullptr;
   transmit_.clear();
   receive_.clear();
@@ -188,11 +193,130 @@ void I2c::enter(Phase phase, Cycle at) {
   phase_ = phase;
   const bool waits = phase == Phase::idle || phase == Phase::held || phase == Phase::rx_held;
   due_ = waits ? never_cycle : at + length(phase);
+  shape_wires(phase, at);
 }
 
 void I2c::run(Cycle) {
+  if (std::min(edge_at_, due_) <= wheel_.now()) step_wires(wheel_.now());
   if (due_ <= wheel_.now()) phase_ended(due_);
   settle();
+}
+
+// --- pins
+
+/// Devices are behind the pins and nowhere else.
+bool I2c::wired() const {
+  return devices_.empty() && pins_.connected(scl()) && pins_.connected(sda());
+}
+
+bool I2c::lines_are_high() const { return pins_.input(scl()) && pins_.input(sda()); }
+
+/// The nine bits that the master puts on SDA.
+std::uint32_t I2c::bits_of(Phase phase) const {
+  const bool general = (target_ & (tar_special | tar_start_byte)) == tar_special;
+  const bool ten_bits = on(con_ten_bits) && !general;
+  const std::uint32_t ten_first = 0xf0u | (target_ >> 7 & 6u);  // 11110, bits 9 and 8
+  const auto byte = [](std::uint32_t value, bool ninth = true) {
+    return (value & 0xffu) << 1 | (ninth ? 1u : 0u);
+  };
+  switch (phase) {
+    case Phase::address:
+      if (ten_bits) return byte(ten_first);
+      return byte((general ? general_call : target_ & 0x7fu) << 1 | (reads_ ? 1u : 0u));
+    case Phase::address_low:
+      return byte(target_);
+    case Phase::address_again:
+      return byte(ten_first | 1u);
+    default:
+      break;
+  }
+  if ((command_ & command_read) == 0) return byte(command_);
+  // The last byte before a STOP, a RESTART or another direction is not acknowledged.
+  const bool turns = !transmit_.empty() && ((transmit_.front() & command_restart) != 0 ||
+                                            (transmit_.front() & command_read) == 0);
+  return byte(0xff, (command_ & command_stop) != 0 || turns);
+}
+
+void I2c::shape_wires(Phase phase, Cycle at) {
+  const bool before = sda_;
+  wires_ = {};
+  switch (phase) {
+    case Phase::start:
+      wires_.kind = I2cWires::Kind::start;
+      break;
+    case Phase::address:
+    case Phase::address_low:
+    case Phase::address_again:
+    case Phase::data:
+      wires_.kind = I2cWires::Kind::byte;
+      wires_.bits = bits_of(phase);
+      sampled_ = 0;
+      break;
+    case Phase::restart:
+    case Phase::restart_inside:
+      wires_.kind = I2cWires::Kind::restart;
+      break;
+    case Phase::stop:
+      wires_.kind = I2cWires::Kind::stop;
+      break;
+    case Phase::held:
+    case Phase::rx_held:
+      wires_.kind = I2cWires::Kind::held;
+      break;
+    default:
+      break;
+  }
+  wires_.high = high_cycles();
+  wires_.low = low_cycles();
+  wires_.hold = std::min<Cycle>(hold_ & hold_transmit, wires_.low - 1);
+  wires_.before = before;
+  wires_since_ = at;
+  stretched_since_ = never_cycle;
+  put_wires(at);
+}
+
+/// Open drain: a low is driven, a high is let go.
+void I2c::put_wires(Cycle at) {
+  const Cycle elapsed = std::max(at, wires_since_) - wires_since_;
+  const I2cWires::Levels levels = wires_.at(elapsed);
+  sda_ = levels.sda;
+  pins_.put(sda(), false, !levels.sda, at);
+  pins_.put(scl(), false, !levels.scl, at);
+  const Cycle next = wires_.next_change(elapsed);
+  const bool seen = pins_.connected(scl()) || pins_.connected(sda());
+  edge_at_ = seen && next != never_cycle ? wires_since_ + next : never_cycle;
+}
+
+/// An edge, or the end of a byte. SDA is taken before SCL falls.
+void I2c::step_wires(Cycle at) {
+  const Cycle elapsed = at - wires_since_;
+  if (wires_.takes_bit(elapsed)) {
+    pins_.bring_sources_up_to(at);
+    sampled_ = sampled_ << 1 | (pins_.input(sda()) ? 1u : 0u);
+  }
+  if (due_ <= at) return;  // what comes next puts its own levels
+  put_wires(at);
+  if (!wired() || !wires_.releases_clock(elapsed) || pins_.input(scl())) return;
+  stretched_since_ = at;
+  edge_at_ = due_ = never_cycle;
+}
+
+/// A device lets SCL go: the high time begins then. Or the bus is free at last.
+void I2c::pins_changed(Cycle at) {
+  if (stretched_since_ != never_cycle) {
+    if (!pins_.input(scl())) return;
+    const Cycle late = at - std::exchange(stretched_since_, never_cycle);
+    wires_since_ += late;
+    due_ = wires_since_ + length(phase_);
+  }
+  put_wires(at);
+  begin(at);
+  settle();
+}
+
+void I2c::pins_looked_at(Cycle at) {
+  const bool seen = pins_.connected(scl()) || pins_.connected(sda());
+  if (!seen && active()) put_wires(at);
 }
 
 void I2c::phase_ended(Cycle at) {
@@ -224,6 +348,7 @@ void I2c::phase_ended(Cycle at) {
 void I2c::begin(Cycle at) {
   if (phase_ != Phase::idle || !enabled() || transmit_.empty() || (enable_ & enable_blocked) != 0)
     return;
+  if (wired() && !lines_are_high()) return;
   if (refused(transmit_.front())) return;
   reads_ = (transmit_.front() & command_read) != 0;
   raised_ |= irq_start | irq_activity;
@@ -257,6 +382,7 @@ bool I2c::refused(std::uint32_t command) {
 
 /// Some device has the two high bits of a 10-bit address.
 bool I2c::first_address_acknowledged() const {
+  if (wired()) return wired_device_.acknowledged();
   return std::any_of(devices_.begin(), devices_.end(), [this](const Slave& slave) {
     return slave.ten_bits && slave.address >> 8 == (target_ >> 8 & 3u);
   });
@@ -273,6 +399,7 @@ bool I2c::address_device(Cycle at) {
     if (slave.device->addressed(reads_, at)) addressed_ = slave.device;
     break;
   }
+  if (wired() && wired_device_.acknowledged()) addressed_ = &wired_device_;
   if (before != nullptr && before != addressed_) before->stopped(at);
   return addressed_ != nullptr;
 }
@@ -289,7 +416,7 @@ void I2c::address_ended(Cycle at) {
     const bool known = std::any_of(devices_.begin(), devices_.end(), [this](const Slave& slave) {
       return slave.ten_bits && slave.address == (target_ & 0x3ffu);
     });
-    if (known) {
+    if (known || (wired() && wired_device_.acknowledged())) {
       raised_ |= irq_start;
       return enter(Phase::restart_inside, at);
     }
@@ -420,7 +547,7 @@ void I2c::update_lines() {
 
 void I2c::settle() {
   update_lines();
-  wheel_.set(slot_, due_);
+  wheel_.set(slot_, std::min(due_, edge_at_));
 }
 
 std::uint32_t I2c::peek(std::uint32_t offset) const {

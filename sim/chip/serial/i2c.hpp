@@ -1,8 +1,13 @@
 // I2C0 and I2C1: the DW_apb_i2c of the RP2040 as a master (RP2040 datasheet, 4.3).
 //
-// In:  registers; acknowledges and bytes of the devices on the bus.
-// Out: conditions and bytes for the devices, each at its end; the interrupt line; the DREQs.
-// Who: the bus; the wheel at the ends of conditions and bytes. The pins are not driven bit by bit.
+// In:  registers; acknowledges and bytes of the devices on the bus, whole or by the level of SDA.
+// Out: conditions and bytes for the devices, each at its end; SCL and SDA, pulled low or released;
+//      the interrupt line; the DREQs.
+// Who: the bus; the wheel at the ends of conditions and bytes, and at each edge that a pin shows.
+//
+// With devices of whole bytes the bus is taken to have its pull-ups, and what they answer is not
+// seen on SDA. Without any, the levels of the pins count: an address or byte is acknowledged by a
+// low SDA, a low SCL stretches the clock, and a transfer waits until both lines are high.
 //
 // All times are cycles of clk_sys, which is ic_clk (4.3): SCL is high for HCNT + SPKLEN + 7 and low
 // for LCNT + 1 of them (4.3.14.1, edges without rise and fall time). START holds SDA for the high
@@ -11,8 +16,7 @@
 // as set-up, and the bus stays free for a low time. With nothing in the transmit FIFO and no STOP
 // asked for, SCL is held low.
 //
-// Not modelled: slave mode, other masters (no arbitration is lost), devices that stretch the
-// clock, START bytes.
+// Not modelled: slave mode, other masters (no arbitration is lost), START bytes.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +26,10 @@
 #include <vector>
 
 #include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
+#include "sim/chip/serial/i2c_wires.hpp"
 #include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
@@ -45,12 +51,12 @@ class I2cDevice {
 };
 
 /// One of the two.
-class I2c final : public Peripheral, private Timed {
+class I2c final : public Peripheral, private Timed, private FunctionPins::User {
  public:
   /// The address of devices that listen to general calls.
   static constexpr unsigned general_call = 0;
 
-  I2c(int number, TimeWheel& wheel, IrqLines& irqs, NotModelled not_modelled);
+  I2c(int number, TimeWheel& wheel, FunctionPins& pins, IrqLines& irqs, NotModelled not_modelled);
   I2c(const I2c&) = delete;
   I2c& operator=(const I2c&) = delete;
 
@@ -93,8 +99,33 @@ class I2c final : public Peripheral, private Timed {
     bus_free
   };
 
-  void run(Cycle to) override;
+  /// The devices behind the pins, as one of whole bytes: what was sampled in the byte under way.
+  class WiredDevice final : public I2cDevice {
+   public:
+    explicit WiredDevice(const std::uint32_t& sampled) : sampled_(sampled) {}
+    bool addressed(bool /*for_reading*/, Cycle /*at*/) override { return acknowledged(); }
+    bool byte_written(std::uint8_t /*byte*/, Cycle /*at*/) override { return acknowledged(); }
+    std::uint8_t byte_read(Cycle /*at*/) override {
+      return static_cast<std::uint8_t>(sampled_ >> 1);
+    }
+    bool acknowledged() const { return (sampled_ & 1u) == 0; }
 
+   private:
+    const std::uint32_t& sampled_;
+  };
+
+  void run(Cycle to) override;
+  void pins_changed(Cycle at) override;
+  void pins_looked_at(Cycle at) override;
+
+  unsigned scl() const { return first_signal_ + 1; }
+  unsigned sda() const { return first_signal_; }
+  bool wired() const;
+  bool lines_are_high() const;
+  std::uint32_t bits_of(Phase phase) const;
+  void shape_wires(Phase phase, Cycle at);
+  void step_wires(Cycle at);
+  void put_wires(Cycle at);
   bool enabled() const { return (enable_ & 1u) != 0; }
   bool active() const { return phase_ != Phase::idle && phase_ != Phase::bus_free; }
   bool on(std::uint32_t control_bit) const { return (control_ & control_bit) != 0; }
@@ -135,6 +166,15 @@ class I2c final : public Peripheral, private Timed {
   Irq irq_;
   Dreq dreq_tx_, dreq_rx_;
   std::vector<Slave> devices_;
+  FunctionPins& pins_;
+  unsigned first_signal_;
+  std::uint32_t sampled_ = 0;  ///< levels of SDA in this byte, the ninth lowest
+  WiredDevice wired_device_{sampled_};
+  I2cWires wires_;
+  Cycle wires_since_ = 0;
+  Cycle edge_at_ = never_cycle;          ///< the next of SCL or SDA, if they are seen
+  Cycle stretched_since_ = never_cycle;  ///< a device holds SCL low
+  bool sda_ = true;
 
   Phase phase_ = Phase::idle;
   Cycle due_ = never_cycle;

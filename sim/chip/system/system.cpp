@@ -39,8 +39,9 @@ System::System(TimeWheel& wheel, Gpio& gpio, Sio& sio, IrqLines& irqs, Callbacks
       spi_pins(gpio, PinFunction::spi, spi_signal),
       spi0(0, wheel, clocks, spi_pins, irqs, not_modelled),
       spi1(1, wheel, clocks, spi_pins, irqs, not_modelled),
-      i2c0(0, wheel, irqs, not_modelled),
-      i2c1(1, wheel, irqs, not_modelled),
+      i2c_pins(gpio, PinFunction::i2c, i2c_signal),
+      i2c0(0, wheel, i2c_pins, irqs, not_modelled),
+      i2c1(1, wheel, i2c_pins, irqs, not_modelled),
       adc(wheel, clocks, irqs, not_modelled),
       rtc(wheel, clocks, irqs, not_modelled) {
   attach_stages(sio);

@@ -73,6 +73,7 @@ class System {
   Pwm pwm;
   FunctionPins spi_pins;
   Spi spi0, spi1;
+  FunctionPins i2c_pins;
   I2c i2c0, i2c1;
   Adc adc;
   Rtc rtc;
