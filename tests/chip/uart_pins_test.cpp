@@ -1,6 +1,7 @@
 // UART on its pins (RP2040 datasheet, 4.2 and 2.19.2).
 #include <gtest/gtest.h>
 
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -332,6 +333,45 @@ TEST_F(UartPinsTest, Dma) {
   for (std::uint32_t n = 0; n < 100; ++n)
     EXPECT_EQ(rig_.bus.sram()[0x1000 + n], static_cast<std::uint8_t>(n * 7));
   EXPECT_TRUE(rig_.reports.empty());
+}
+
+// A state machine sends 8N1 with 8 of its clocks a bit; they run at clk_sys / 125.
+TEST_F(UartPinsTest, HearsAPioProgram) {
+  PioBlock& pio = rig_.fabric.pio0();
+  const std::array<std::uint32_t, 6> program{
+      0x80a0,  // pull block
+      0xe027,  // set x, 7
+      0xe700,  // set pins, 0 [7]
+      0x6601,  // out pins, 1 [6]
+      0x0043,  // jmp x--, 3
+      0xe701,  // set pins, 1 [7]
+  };
+  for (std::uint32_t n = 0; n < program.size(); ++n) pio.write(0x48 + 4 * n, program[n]);
+  constexpr std::uint32_t pin = 10;
+  pio.write(0xc8, 125u << 16);                            // CLKDIV
+  pio.write(0xcc, 5u << 12);                              // EXECCTRL: wrap after 5
+  pio.write(0xd0, 1u << 19);                              // SHIFTCTRL: lowest bit first
+  pio.write(0xdc, 1u << 26 | 1u << 20 | pin << 5 | pin);  // PINCTRL
+  pio.write(0xd8, 0xe001);                                // set pins, 1
+  pio.write(0xd8, 0xe081);                                // set pindirs, 1
+  rig_.pass(10);
+  rig_.gpio.io_bank().write(8 * pin + 4, 6);
+  Wire wire(rig_.gpio, pin, 1);
+  connect(1);
+  one_.write(ibrd, 62);  // 62.5: 1000 cycles a bit
+  one_.write(fbrd, 32);
+  one_.write(lcr_h, 0x70);
+  pio.write(0x00, 1);
+  for (const std::uint32_t byte : {0x55u, 0x00u, 0xc3u}) pio.write(0x10, byte);
+  edges_.by_pin[pin].clear();
+  rig_.pass(40 * 1000);
+  EXPECT_EQ(one_.read(dr), 0x55u);
+  EXPECT_EQ(one_.read(dr), 0x00u);
+  EXPECT_EQ(one_.read(dr), 0xc3u);
+  EXPECT_TRUE(empty(one_));
+  EXPECT_EQ(one_.read(ris) & 0x780u, 0u);
+  ASSERT_GE(edges_.by_pin[pin].size(), 2u);
+  EXPECT_EQ(edges_.by_pin[pin][1].second - edges_.by_pin[pin][0].second, 1000u);
 }
 
 // DMAONERR: no requests of the receiver while an error interrupts.

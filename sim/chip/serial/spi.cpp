@@ -172,7 +172,8 @@ void Spi::shift_wires(Cycle at) {
     ++half_;
     if (!shape_.captures(half_) || !sampling_) continue;
     pins_.bring_sources_up_to(at);
-    sampled_ = static_cast<std::uint16_t>(sampled_ << 1 | (pins_.input(signal(signal_rx)) ? 1 : 0));
+    sampled_ =
+        static_cast<std::uint16_t>(sampled_ * 2u + (pins_.input(signal(signal_rx)) ? 1u : 0u));
   }
   if (half_ != before) put_wires(at);
 }

@@ -69,7 +69,7 @@ class SpiSlaveShifter {
       ++shifted_;
       return std::nullopt;
     }
-    received_ = static_cast<std::uint16_t>(received_ << 1 | (rx ? 1u : 0u));
+    received_ = static_cast<std::uint16_t>(received_ * 2u + (rx ? 1u : 0u));
     if (++captured_ < shape_.bits) return std::nullopt;
     const std::uint16_t word = received_;
     captured_ = shifted_ = 0;
