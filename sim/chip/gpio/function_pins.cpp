@@ -6,7 +6,7 @@ FunctionPins::FunctionPins(Gpio& gpio, PinFunction function, SignalOf signal_of)
     : gpio_(gpio), function_(function) {
   for (unsigned pin = 0; pin < gpio_count; ++pin)
     if (const unsigned signal = signal_of(pin); signal < signal_count) pins_[signal] |= 1u << pin;
-  gpio_.listen(static_cast<InputListener&>(*this));
+  gpio_.listen(static_cast<FunctionListener&>(*this), function);
 }
 
 void FunctionPins::put(unsigned signal, bool level, bool enable, Cycle at) {
@@ -27,8 +27,8 @@ void FunctionPins::connections_changed(Cycle at) {
   if (selected() != connections_seen_) tell(at);
 }
 
-void FunctionPins::catch_up(Cycle at) {
-  for (User* user : users_) user->pins_looked_at(at);
+void FunctionPins::connections_changing(Cycle at) {
+  for (User* user : users_) user->pins_connecting(at);
 }
 
 void FunctionPins::tell(Cycle at) {

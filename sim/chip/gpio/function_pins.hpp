@@ -47,7 +47,7 @@ constexpr unsigned clock_signal(unsigned gpio) {
 constexpr unsigned usb_signal(unsigned gpio) { return gpio % 3; }
 
 /// All signals of a function.
-class FunctionPins final : private InputListener {
+class FunctionPins final : private FunctionListener {
  public:
   /// Calls of a block that has signals here.
   class User {
@@ -55,8 +55,8 @@ class FunctionPins final : private InputListener {
     virtual ~User() = default;
     /// An input that somebody senses, or what is connected, has changed.
     virtual void pins_changed(Cycle at) = 0;
-    /// Somebody is about to look: outputs that nobody could see so far must be right at `at`.
-    virtual void pins_looked_at(Cycle at) { static_cast<void>(at); }
+    /// A pin may become connected: outputs that nobody could see so far must be right at `at`.
+    virtual void pins_connecting(Cycle at) { static_cast<void>(at); }
   };
   using SignalOf = unsigned (*)(unsigned gpio);
 
@@ -81,7 +81,7 @@ class FunctionPins final : private InputListener {
   static constexpr std::size_t signal_count = 8;
 
   void inputs_changed(Cycle at) override;
-  void catch_up(Cycle at) override;
+  void connections_changing(Cycle at) override;
   void connections_changed(Cycle at) override;
   void tell(Cycle at);
   std::uint32_t selected() const { return gpio_.selected(function_); }

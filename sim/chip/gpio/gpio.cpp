@@ -129,12 +129,15 @@ void Gpio::tell(Cycle at) {
     for (PadListener* listener : pad_listeners_) listener->pad_changed(gpio, level, at);
   }
   if (inputs_told_ == inputs_) return;
-  inputs_told_ = inputs_;
+  const std::uint32_t changed = std::exchange(inputs_told_, inputs_) ^ inputs_;
   for (InputListener* listener : input_listeners_) listener->inputs_changed(at);
+  for (const OfFunction& each : function_listeners_)
+    if ((changed & selected(each.function)) != 0) each.listener->inputs_changed(at);
 }
 
 void Gpio::tell_connections(Cycle at) {
   for (InputListener* listener : input_listeners_) listener->connections_changed(at);
+  for (const OfFunction& each : function_listeners_) each.listener->connections_changed(at);
 }
 
 // Notes a change for the synchronisers. A source that runs behind may be earlier than the newest
@@ -260,6 +263,8 @@ void Gpio::IoBank::write(std::uint32_t offset, std::uint32_t value) {
   if (offset < 8 * gpio_count) {
     if ((offset & 4u) == 0) return;  // STATUS
     const bool reconnects = ((gpio_.control_[offset / 8] ^ value) & function_mask) != 0;
+    if (reconnects)
+      for (const OfFunction& each : gpio_.function_listeners_) each.listener->connections_changing(now);
     gpio_.write_control(offset / 8, value & control_mask);
     gpio_.update(now);
     if (reconnects) gpio_.tell_connections(now);

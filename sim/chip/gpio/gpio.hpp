@@ -56,6 +56,19 @@ class InputListener {
   virtual void connections_changed(Cycle at) { static_cast<void>(at); }
 };
 
+/// Told what happens to the pins of one function alone.
+class FunctionListener {
+ public:
+  virtual ~FunctionListener() = default;
+  /// The level that the function sees at one of its pins has changed.
+  virtual void inputs_changed(Cycle at) = 0;
+  /// Some pin is about to be connected to another function: outputs that nobody could see so far
+  /// must be right.
+  virtual void connections_changing(Cycle at) = 0;
+  /// It has been connected.
+  virtual void connections_changed(Cycle at) = 0;
+};
+
 /// Cycles from a pin to a register of SIO (SYSCFG PROC_IN_SYNC_BYPASS saves "two cycles of input
 /// latency", 2.21.2) and, assumed the same, to the interrupt logic of IO_BANK0.
 inline constexpr Cycle pin_synchroniser = 2;
@@ -101,6 +114,9 @@ class Gpio : private Timed {
 
   void listen(PadListener& listener) { pad_listeners_.push_back(&listener); }
   void listen(InputListener& listener) { input_listeners_.push_back(&listener); }
+  void listen(FunctionListener& listener, PinFunction to) {
+    function_listeners_.push_back({&listener, to});
+  }
 
  private:
   /// What one function puts on the pins, and the pins that are connected to it.
@@ -186,6 +202,11 @@ class Gpio : private Timed {
   PadsBank pads_bank_{*this};
   std::vector<PadListener*> pad_listeners_;
   std::vector<InputListener*> input_listeners_;
+  struct OfFunction {
+    FunctionListener* listener;
+    PinFunction function;
+  };
+  std::vector<OfFunction> function_listeners_;
 
   std::array<Source, source_count> sources_{};
   std::array<std::uint32_t, gpio_count> control_{};

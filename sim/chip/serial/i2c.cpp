@@ -314,7 +314,7 @@ void I2c::pins_changed(Cycle at) {
   settle();
 }
 
-void I2c::pins_looked_at(Cycle at) {
+void I2c::pins_connecting(Cycle at) {
   const bool seen = pins_.connected(scl()) || pins_.connected(sda());
   if (!seen && active()) put_wires(at);
 }

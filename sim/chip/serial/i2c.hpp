@@ -116,7 +116,7 @@ class I2c final : public Peripheral, private Timed, private FunctionPins::User {
 
   void run(Cycle to) override;
   void pins_changed(Cycle at) override;
-  void pins_looked_at(Cycle at) override;
+  void pins_connecting(Cycle at) override;
 
   unsigned scl() const { return first_signal_ + 1; }
   unsigned sda() const { return first_signal_; }

@@ -203,7 +203,7 @@ void Spi::pins_changed(Cycle at) {
   schedule();
 }
 
-void Spi::pins_looked_at(Cycle at) {
+void Spi::pins_connecting(Cycle at) {
   if (!wires_are_seen()) shift_wires(at);
 }
 

@@ -76,7 +76,7 @@ class Spi final : public Peripheral,
   void clock_changed() override { schedule(); }
   void clocks_changed() override;
   void pins_changed(Cycle at) override;
-  void pins_looked_at(Cycle at) override;
+  void pins_connecting(Cycle at) override;
 
   /// Signals of each of the two (spi_signal).
   enum Signal : unsigned { signal_rx, signal_select, signal_clock, signal_tx };

@@ -78,7 +78,7 @@ void ClockOutputs::pins_changed(Cycle at) {
 }
 
 // Levels are right even of outputs that are about to be connected.
-void ClockOutputs::pins_looked_at(Cycle at) {
+void ClockOutputs::pins_connecting(Cycle at) {
   for (std::size_t index = 0; index < output_count; ++index) {
     Output& output = outputs_[index];
     if (output.source_hz == 0 || pins_.connected(static_cast<unsigned>(index))) continue;

@@ -44,7 +44,7 @@ class ClockOutputs final : private Timed, private FunctionPins::User {
   void run(Cycle to) override;
   void clock_changed() override { schedule(); }
   void pins_changed(Cycle at) override;
-  void pins_looked_at(Cycle at) override;
+  void pins_connecting(Cycle at) override;
   bool shown(std::size_t output) const;
   std::uint64_t edges_until(const Output& output, Picoseconds time) const;
   Picoseconds time_of_edge(const Output& output, std::uint64_t edge) const;

@@ -205,7 +205,7 @@ void Uart::pins_changed(Cycle at) {
   schedule();
 }
 
-void Uart::pins_looked_at(Cycle at) {
+void Uart::pins_connecting(Cycle at) {
   if (sending_ && !tx_is_seen()) drive_tx(at);
 }
 

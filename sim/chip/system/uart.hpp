@@ -63,7 +63,7 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   void run(Cycle to) override;
   void clock_changed() override { schedule(); }
   void pins_changed(Cycle at) override;
-  void pins_looked_at(Cycle at) override;
+  void pins_connecting(Cycle at) override;
 
   /// Signals of each of the two (uart_signal).
   enum Signal : unsigned { signal_tx, signal_rx, signal_cts, signal_rts };
