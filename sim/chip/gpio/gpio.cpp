@@ -264,7 +264,8 @@ void Gpio::IoBank::write(std::uint32_t offset, std::uint32_t value) {
     if ((offset & 4u) == 0) return;  // STATUS
     const bool reconnects = ((gpio_.control_[offset / 8] ^ value) & function_mask) != 0;
     if (reconnects)
-      for (const OfFunction& each : gpio_.function_listeners_) each.listener->connections_changing(now);
+      for (const OfFunction& each : gpio_.function_listeners_)
+        each.listener->connections_changing(now);
     gpio_.write_control(offset / 8, value & control_mask);
     gpio_.update(now);
     if (reconnects) gpio_.tell_connections(now);
