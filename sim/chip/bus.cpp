@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/chip/flash/xip_memory.hpp"
 #include "sim/chip/hex.hpp"
 
 namespace lamplock::sim::chip {
@@ -23,6 +24,7 @@ constexpr std::uint32_t sio_base = 0xd000'0000;
 constexpr unsigned xip_alias_count = 4;
 constexpr std::uint32_t block_size = 0x4000;
 constexpr std::uint32_t register_mask = 0xffc;
+constexpr std::uint32_t xip_flush = 0x04;  // XIP_CTRL FLUSH (2.6.3.6)
 
 // The blocks on APB, one each 16 KiB (datasheet, 2.2.4).
 constexpr std::array<std::string_view, 28> apb_names = {"SYSINFO",   "SYSCFG",
@@ -177,6 +179,7 @@ std::span<std::uint8_t> Bus::memory_at(std::uint32_t address) {
   const Window& window = windows_[address >> 24];
   const std::uint32_t offset = address & window.mask;
   if (offset < window.size) return {window.bytes + offset, window.size - offset};
+  if (is_xip(address)) return xip_->flash_at(address);
   std::uint32_t inside = 0;
   const Slot* slot = slot_at(address, Master::core0, inside);
   if (slot == nullptr || inside >= slot->memory.size()) return {};
@@ -242,6 +245,7 @@ void Bus::report(const Slot& slot, std::uint32_t address, std::string_view what)
 }
 
 Access Bus::read_block(std::uint32_t address, Width width, Master master, Cycle at) {
+  if (is_xip(address)) return xip_->read(address, width, master, at);
   if (const std::uint8_t* byte = bank_byte(address)) return {load(byte, width), 0, false};
   std::uint32_t offset = 0;
   const Slot* slot = slot_at(address, master, offset);
@@ -258,11 +262,16 @@ Access Bus::read_block(std::uint32_t address, Width width, Master master, Cycle 
   }
   if (offset > register_mask + 3 && !slot->aliases) return {0, 0, true};
   if (master != Master::dma) wheel_.advance_to(at);
-  return {lane(slot->block->read(offset & register_mask), address, width), slot->read_wait, false};
+  std::uint32_t wait = slot->read_wait;
+  // A read of FLUSH holds the bus until the flush is done (2.6.3.6).
+  if (slot == &xip_control_ && xip_ != nullptr && (offset & register_mask) == xip_flush)
+    wait += xip_->flush_wait(at);
+  return {lane(slot->block->read(offset & register_mask), address, width), wait, false};
 }
 
 Access Bus::write_block(std::uint32_t address, std::uint32_t value, Width width, Master master,
                         Cycle at) {
+  if (is_xip(address)) return xip_->write(address, master, at);
   if (std::uint8_t* byte = bank_byte(address)) {
     store(byte, value, width);
     return {};

@@ -24,6 +24,8 @@
 
 namespace lamplock::sim::chip {
 
+class XipMemory;
+
 enum class Master : std::uint8_t { core0, core1, dma };
 
 /// Width of an access in bytes.
@@ -55,7 +57,9 @@ class Bus {
   /// replaces. Memory at 0x10000000 (a power of two) shows at its four aliases, repeated through
   /// each of them, as a flash chip does that ignores high address bits.
   void map_memory(std::uint32_t base, std::span<std::uint8_t> memory, bool writable);
-  /// Nobody answers there any more (flash in command mode): accesses fault and are reported.
+  /// The flash behind its cache instead, at all four aliases.
+  void map_xip(XipMemory& memory) { xip_ = &memory; }
+  /// Nobody answers there any more: accesses fault.
   void unmap_memory(std::uint32_t base);
   /// Calls `stored` after each store to the memory mapped at `base` on APB or AHB-Lite (the DPRAM
   /// of USB), with the word's offset and its values before and after.
@@ -91,7 +95,7 @@ class Bus {
   std::optional<std::uint32_t> peek(std::uint32_t address, Master master);
 
   /// Memory that instructions may be fetched from directly, around an address; size 0: none, fetch
-  /// through read(). The bus empties the windows it gave to cores when the map changes.
+  /// word by word through read() (flash behind its cache). The bus empties the windows it gave to cores when the map changes.
   struct CodeWindow {
     const std::uint8_t* bytes = nullptr;
     std::uint32_t first = 0;
@@ -150,6 +154,9 @@ class Bus {
   Access store_in_slot(Slot& slot, std::uint32_t offset, std::uint32_t value, Width width);
   /// Where an address in the register space is answered, and its offset there; null: nobody.
   Slot* slot_at(std::uint32_t address, Master master, std::uint32_t& offset);
+  bool is_xip(std::uint32_t address) const {
+    return xip_ != nullptr && (address >> 26) == (0x1000'0000u >> 26);
+  }
   /// The byte of the striped SRAM behind an address in the windows of single banks.
   std::uint8_t* bank_byte(std::uint32_t address);
   void report(const Slot& slot, std::uint32_t address, std::string_view what);
@@ -161,6 +168,7 @@ class Bus {
   std::array<Slot, 32> apb_{};    ///< 0x40000000, 16 KiB each
   std::array<Slot, 0x41> ahb_{};  ///< 0x50000000, by bits 23..16
   Slot xip_control_, ssi_;
+  XipMemory* xip_ = nullptr;
   std::array<Slot, 2> sio_{};
   std::vector<std::uint8_t> sram_, rom_;
   std::vector<CodeWindow*> code_windows_;

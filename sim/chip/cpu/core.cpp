@@ -2,6 +2,7 @@
 // the Cortex-M0+ Technical Reference Manual, table 3-1.
 #include "sim/chip/cpu/core.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <string>
@@ -135,8 +136,7 @@ void Core::add_native(std::uint32_t first, std::uint32_t last, NativeFunction fu
 // False: something else than the instruction happened.
 bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
   const auto above = native_above(pc);
-  const bool below = above != natives_.begin();
-  if (below && pc <= std::prev(above)->last) {
+  if (above != natives_.begin() && pc <= std::prev(above)->last) {
     call_native(std::prev(above)->function);
     return false;
   }
@@ -144,15 +144,9 @@ bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
     hard_fault();
     return false;
   }
-  Bus::CodeWindow window = bus_.code_at(pc);
-  // The part of the window around pc that has no native function in it.
-  if (below && std::prev(above)->last + 2 > window.first) {
-    const std::uint32_t cut = std::prev(above)->last + 2 - window.first;
-    window = {window.bytes + cut, window.first + cut, window.size - cut};
-  }
-  if (above != natives_.end() && above->first - window.first < window.size)
-    window.size = above->first - window.first;
-  window_ = window;
+  window_ = bus_.code_at(pc);
+  if (window_.size == 0) return fetch_word(pc, instruction);
+  cut_natives(pc, window_);
   const Access access = bus_.read(pc, Width::half, master_, cycle_);
   if (access.fault) {
     hard_fault();
@@ -163,7 +157,42 @@ bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
   return true;
 }
 
+// Leaves the part of the window around pc that has no native function in it.
+void Core::cut_natives(std::uint32_t pc, Bus::CodeWindow& window) const {
+  const auto above = native_above(pc);
+  if (above != natives_.begin() && std::prev(above)->last + 2 > window.first) {
+    const std::uint32_t cut = std::prev(above)->last + 2 - window.first;
+    window = {window.bytes + cut, window.first + cut, window.size - cut};
+  }
+  if (above != natives_.end() && above->first - window.first < window.size)
+    window.size = above->first - window.first;
+}
+
+// Code that is not plain memory is fetched as the core does it: a word at a time, with two
+// instructions in it. The core waits for it when it comes to that word; that it asks up to two
+// cycles earlier, while an instruction runs, is not modelled.
+bool Core::fetch_word(std::uint32_t pc, std::uint16_t& instruction) {
+  const Access access = bus_.read(pc & ~3u, Width::word, master_, cycle_);
+  if (access.fault) {
+    window_.size = 0;
+    hard_fault();
+    return false;
+  }
+  cycle_ += access.wait;
+  std::memcpy(fetched_.data(), &access.value, fetched_.size());
+  window_ = {fetched_.data(), pc & ~3u, 4};
+  cut_natives(pc, window_);
+  instruction = static_cast<std::uint16_t>(access.value >> (8 * (pc & 2)));
+  return true;
+}
+
 bool Core::fetch_second(std::uint32_t pc, std::uint16_t& instruction) {
+  const std::uint32_t place = pc - window_.first;
+  if (place < window_.size) {
+    std::memcpy(&instruction, window_.bytes + place, sizeof instruction);
+    return true;
+  }
+  if (executable(pc) && bus_.code_at(pc).size == 0) return fetch_word(pc, instruction);
   const Access access =
       executable(pc) ? bus_.read(pc, Width::half, master_, cycle_) : Access{0, 0, true};
   if (access.fault) {

@@ -152,6 +152,8 @@ class Core {
   // Those that are rare or keep lists of words are not inlined: the loop of run_until() is small.
   [[gnu::always_inline]] void execute();
   [[gnu::noinline]] bool fetch_outside(std::uint32_t pc, std::uint16_t& instruction);
+  bool fetch_word(std::uint32_t pc, std::uint16_t& instruction);
+  [[gnu::noinline]] void cut_natives(std::uint32_t pc, Bus::CodeWindow& window) const;
   bool fetch_second(std::uint32_t pc, std::uint16_t& instruction);
   void call_native(const NativeFunction& function);
   [[gnu::noinline]] bool execute_wide(std::uint16_t first, std::uint32_t& next,
@@ -277,6 +279,8 @@ class Core {
   };
   std::vector<NativeRange> natives_;  ///< in the order of their addresses
   std::vector<NativeRange>::const_iterator native_above(std::uint32_t address) const;
+  /// The word fetched last, where code is fetched word by word; window_ shows it.
+  std::array<std::uint8_t, 4> fetched_{};
 };
 
 }  // namespace lamplock::sim::chip

@@ -6,7 +6,6 @@ namespace lamplock::sim::chip {
 
 namespace {
 
-constexpr std::uint32_t flash_window = 0x1000'0000;
 constexpr std::uint32_t cache_memory = 0x1500'0000;
 // Offsets of XIP_CTRL (2.6.3.6).
 enum Offset : std::uint32_t {
@@ -24,25 +23,16 @@ constexpr std::uint32_t stat_ready = 1, stat_stream_empty = 2;
 
 }  // namespace
 
-void XipCache::invalidate(std::uint32_t offset) {
-  const std::uint32_t line = (offset & 0xff'ffffu) >> 3;
-  for (std::uint32_t& tag : sets_[line % set_count].tags)
-    if (tag == line / set_count + 1) tag = 0;
-}
-
 Xip::Xip(TimeWheel& wheel, Bus& bus, FlashChip& flash, NotModelled not_modelled)
-    : bus_(bus),
-      flash_(flash),
+    : wheel_(wheel),
+      bus_(bus),
       not_modelled_(std::move(not_modelled)),
       pins_(not_modelled_),
-      ssi_(wheel, flash, pins_, not_modelled_,
-           [this](bool on) {
-             if (on)
-               bus_.map_memory(flash_window, flash_.storage(), false);
-             else
-               bus_.unmap_memory(flash_window);
-           }),
+      memory_(
+          flash.storage(), [this] { return ssi_.line_fill_cycles(); }, not_modelled_),
+      ssi_(wheel, flash, pins_, not_modelled_, [this](bool on) { memory_.set_readable(on); }),
       control_(*this) {
+  bus.map_xip(memory_);
   bus.map(0x1400'0000, control_);
   bus.map(0x1800'0000, ssi_, false);
   bus.map(0x4001'8000, pins_.io());
@@ -62,34 +52,40 @@ void Xip::power_cut() {
 }
 
 std::uint32_t Xip::Control::peek(std::uint32_t offset) const {
-  if (offset == ctrl) return setting;
-  return offset == stat ? stat_ready | stat_stream_empty : 0;
+  const XipCache& cache = owner.memory_.cache();
+  switch (offset) {
+    case ctrl:
+      return setting;
+    case stat:
+      return stat_stream_empty | (owner.memory_.flushing(owner.wheel_.now()) ? 0 : stat_ready);
+    case ctr_hit:
+      return cache.hits();
+    case ctr_acc:
+      return cache.accesses();
+    default:
+      return 0;
+  }
 }
 
 std::uint32_t Xip::Control::read(std::uint32_t offset) {
-  if (offset >= ctr_hit && owner.not_modelled_)
-    owner.not_modelled_(offset <= ctr_acc       ? "XIP_CTRL CTR_HIT, CTR_ACC read"
-                        : offset <= stream_fifo ? "XIP_CTRL stream read"
-                                                : "XIP_CTRL: no register at this offset");
-  // A read of FLUSH waits until the flush is done; here it is done at once and reads 0.
+  if (offset > ctr_acc && owner.not_modelled_)
+    owner.not_modelled_(offset <= stream_fifo ? "XIP_CTRL stream read"
+                                              : "XIP_CTRL: no register at this offset");
+  // A read of FLUSH waits until the flush is done, which the bus adds, and is 0.
   return peek(offset);
 }
 
 void Xip::Control::write(std::uint32_t offset, std::uint32_t value) {
   switch (offset) {
-    case ctrl: {
-      const std::uint32_t old =
-          std::exchange(setting, value & (ctrl_enable | ctrl_error_on_write | ctrl_power_down));
-      if ((value & ctrl_error_on_write) == 0 && owner.not_modelled_)
-        owner.not_modelled_("XIP_CTRL ERR_BADWRITE off");
-      // The cache's memory shows as SRAM while it does not serve as a cache (2.6.3.1).
-      if (((old ^ setting) & ctrl_enable) == 0) return;
-      if ((setting & ctrl_enable) != 0)
-        owner.bus_.unmap_memory(cache_memory);
-      else
-        owner.bus_.map_memory(cache_memory, owner.cache_as_memory_, true);
+    case ctrl:
+      return set(value);
+    case flush:
+      if ((value & 1u) != 0) owner.memory_.flush(owner.wheel_.now());
       return;
-    }
+    case ctr_hit:
+      return owner.memory_.cache().clear_hits();
+    case ctr_acc:
+      return owner.memory_.cache().clear_accesses();
     case stream_addr:
     case stream_ctr:
       if (value != 0 && owner.not_modelled_) owner.not_modelled_("XIP_CTRL stream written");
@@ -99,6 +95,25 @@ void Xip::Control::write(std::uint32_t offset, std::uint32_t value) {
   }
 }
 
-void Xip::Control::reset() { write(ctrl, ctrl_enable | ctrl_error_on_write); }
+// CTRL. Without power the cache cannot be on, and its memory is not there; with power it shows as
+// SRAM while it does not serve as a cache (2.6.3.1).
+void Xip::Control::set(std::uint32_t value) {
+  setting = value & (ctrl_enable | ctrl_error_on_write | ctrl_power_down);
+  if ((setting & ctrl_power_down) != 0) setting &= ~ctrl_enable;
+  owner.memory_.set_enabled((setting & ctrl_enable) != 0);
+  owner.memory_.set_bad_write_fault((setting & ctrl_error_on_write) != 0);
+  if ((setting & (ctrl_enable | ctrl_power_down)) == 0)
+    owner.bus_.map_memory(cache_memory, owner.memory_.cache().memory(), true);
+  else
+    owner.bus_.unmap_memory(cache_memory);
+}
+
+// Ends with a flush (2.6.3.6, STAT).
+void Xip::Control::reset() {
+  set(ctrl_enable | ctrl_error_on_write);
+  owner.memory_.flush(owner.wheel_.now());
+  owner.memory_.cache().clear_hits();
+  owner.memory_.cache().clear_accesses();
+}
 
 }  // namespace lamplock::sim::chip

@@ -1,0 +1,313 @@
+// Flash through the cache of execution in place (RP2040 datasheet, 2.6.3), by the accesses that
+// masters make and by code that runs there. The SSI reads with the settings of the usual
+// second-stage boot: quad, continuous, so that a line takes 8 clocks of address and mode, 4 of
+// wait, 16 of data (W25Q16JV, fast read quad I/O), each `divider` cycles of clk_sys (4.10.4).
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <initializer_list>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "sim/chip/cpu/core.hpp"
+#include "sim/chip/flash/flash_chip.hpp"
+#include "sim/chip/flash/xip.hpp"
+#include "sim/chip/irq_lines.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using namespace sim::chip;  // NOLINT(google-build-using-namespace)
+
+constexpr std::uint32_t ssi = 0x1800'0000, control = 0x1400'0000, cache_sram = 0x1500'0000;
+constexpr std::uint32_t flush = control + 4, stat = control + 8, ctr_hit = control + 0xc,
+                        ctr_acc = control + 0x10;
+constexpr std::uint32_t cached = 0x1000'0000, no_allocate = 0x1100'0000, no_cache = 0x1200'0000,
+                        bypass = 0x1300'0000;
+constexpr std::uint32_t line_clocks = 8 + 4 + 16;
+
+class XipTest : public testing::Test {
+ protected:
+  XipTest() {
+    wheel_.set_frequency(125'000'000);
+    for (std::size_t i = 0; i < flash_.storage().size(); ++i)
+      flash_.storage()[i] = static_cast<std::uint8_t>(i * 7 + (i >> 8));
+    at_ = 2000;  // the flush that a reset begins is over
+    set_divider(2);
+  }
+  void put(std::uint32_t address, std::uint32_t value) {
+    ASSERT_FALSE(bus_.write(address, value, Width::word, Master::core0, at_).fault);
+    at_ += 10;
+  }
+  std::uint32_t get(std::uint32_t address) {
+    const Access access = bus_.read(address, Width::word, Master::core0, at_);
+    EXPECT_FALSE(access.fault);
+    at_ += 10 + access.wait;
+    return access.value;
+  }
+  void setup(std::uint32_t divider, std::uint32_t spi_control) {
+    put(ssi + 0x08, 0);
+    put(ssi + 0x14, divider);
+    put(ssi, 2u << 21 | 31u << 16 | 3u << 8);
+    put(ssi + 0x04, 0);
+    put(ssi + 0xf4, spi_control);
+    put(ssi + 0x10, 1);
+    put(ssi + 0x08, 1);
+  }
+  void set_divider(std::uint32_t divider) {
+    constexpr std::uint32_t quad_address = 8u << 2 | 4u << 11;
+    if (!flash_.continuous_read()) {
+      flash_.select(0);
+      flash_.transfer(0x06, 0);
+      flash_.deselect(0);
+      flash_.select(0);
+      for (const unsigned byte : {0x01u, 0x00u, 0x02u})
+        flash_.transfer(static_cast<std::uint8_t>(byte), 0);  // QE
+      flash_.deselect(0);
+      at_ += 20 * 125'000;
+      setup(divider, quad_address | 2u << 8 | 1u);
+      put(ssi + 0x60, 0xeb);
+      put(ssi + 0x60, 0xa0);
+      while ((get(ssi + 0x28) & 5) != 4) {
+      }
+      get(ssi + 0x60);
+    }
+    setup(divider, 0xa0u << 24 | quad_address | 2u);
+  }
+  /// Wait states of a read; the access is over when the next one begins.
+  std::uint32_t wait(std::uint32_t address, Master master = Master::core0) {
+    const Access access = bus_.read(address, Width::word, master, at_);
+    EXPECT_FALSE(access.fault) << std::hex << address;
+    EXPECT_EQ(access.value, flash_word(address));
+    at_ += 10 + access.wait;
+    return access.wait;
+  }
+  std::uint32_t flash_word(std::uint32_t address) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, &flash_.storage()[address & (flash_.storage().size() - 1)], sizeof word);
+    return word;
+  }
+
+  std::set<std::string> reports_;
+  NotModelled note_ = [this](const std::string& what) { reports_.insert(what); };
+  TimeWheel wheel_;
+  Timing timing_;
+  Bus bus_{wheel_, timing_, note_};
+  FlashChip flash_{FlashChip::default_size, {}, note_};
+  Xip xip_{wheel_, bus_, flash_, note_};
+  Cycle at_ = 0;
+};
+
+TEST_F(XipTest, AMissTakesTheTransferOfALineAndAHitNothing) {
+  for (const std::uint32_t divider : {2u, 4u, 6u}) {
+    set_divider(divider);
+    const std::uint32_t line = cached + 0x1000 * divider;
+    EXPECT_EQ(wait(line), line_clocks * divider);
+    EXPECT_EQ(wait(line + 4), 0u) << "lines of eight bytes";
+    EXPECT_EQ(wait(line + 8), line_clocks * divider);
+    EXPECT_EQ(wait(line), 0u);
+  }
+}
+
+TEST_F(XipTest, NarrowReadsTakeTheirBytes) {
+  wait(cached + 0x100);
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const Access byte = bus_.read(cached + 0x100 + i, Width::byte, Master::core0, at_++);
+    EXPECT_EQ(byte.value, flash_.storage()[0x100 + i]);
+    EXPECT_EQ(byte.wait, 0u);
+  }
+  const Access half = bus_.read(cached + 0x106, Width::half, Master::core0, at_);
+  EXPECT_EQ(half.value, flash_word(cached + 0x104) >> 16);
+}
+
+// 2.6.3.1: what the four aliases do.
+TEST_F(XipTest, AliasesLookUpAndAllocateAsTheyAreNamed) {
+  constexpr std::uint32_t miss = 2 * line_clocks;
+  EXPECT_EQ(wait(no_allocate), miss);
+  EXPECT_EQ(wait(no_allocate), miss) << "not put into the cache";
+  EXPECT_EQ(wait(cached), miss);
+  EXPECT_EQ(wait(no_allocate), 0u) << "but found there";
+  EXPECT_EQ(wait(bypass), miss);
+  EXPECT_EQ(wait(no_cache), miss);
+  EXPECT_EQ(wait(no_cache + 0x40), miss);
+  EXPECT_EQ(wait(no_cache + 0x40), miss);
+  EXPECT_EQ(wait(cached + 0x40), 0u) << "put into the cache";
+  EXPECT_EQ(wait(bypass + 0x80), miss);
+  EXPECT_EQ(wait(cached + 0x80), miss);
+}
+
+TEST_F(XipTest, HoldsTwoLinesOfASetAndSixteenKilobytesInAll) {
+  constexpr std::uint32_t miss = 2 * line_clocks;
+  EXPECT_EQ(wait(cached), miss);
+  EXPECT_EQ(wait(cached + 0x2000), miss);
+  EXPECT_EQ(wait(cached), 0u);
+  EXPECT_EQ(wait(cached + 0x4000), miss);
+  EXPECT_EQ(wait(cached), 0u);
+  EXPECT_EQ(wait(cached + 0x2000), miss);
+  for (int round = 0; round < 2; ++round)
+    for (std::uint32_t at = 0x8000; at < 0xc000; at += 8)
+      ASSERT_EQ(wait(cached + at), round == 0 ? miss : 0);
+}
+
+TEST_F(XipTest, AWriteDropsItsLineOrIsRefused) {
+  wait(cached);
+  wait(cached + 8);
+  put(cached + 4, 0);
+  EXPECT_EQ(wait(cached), 2 * line_clocks);
+  EXPECT_EQ(wait(cached + 8), 0u);
+  for (const std::uint32_t alias : {no_allocate, no_cache, bypass})
+    EXPECT_TRUE(bus_.write(alias, 0, Width::word, Master::core0, at_).fault);
+  put(control + 0x3000, 2);  // ERR_BADWRITE off
+  for (const std::uint32_t alias : {no_allocate, no_cache, bypass})
+    EXPECT_FALSE(bus_.write(alias, 0, Width::word, Master::core0, at_).fault);
+  EXPECT_EQ(wait(cached), 0u) << "ignored";
+}
+
+TEST_F(XipTest, CountersCountAccessesAndHits) {
+  reports_.clear();
+  put(ctr_acc, 1);
+  put(ctr_hit, 1);
+  wait(cached);
+  EXPECT_EQ(get(ctr_acc), 1u);
+  EXPECT_EQ(get(ctr_hit), 0u);
+  wait(cached);
+  wait(bypass);
+  EXPECT_EQ(get(ctr_acc), 3u);
+  EXPECT_EQ(get(ctr_hit), 1u);
+  put(ctr_hit, 7);
+  EXPECT_EQ(get(ctr_hit), 0u);
+  EXPECT_EQ(get(ctr_acc), 3u);
+  EXPECT_TRUE(reports_.empty());
+}
+
+// 2.6.3.2: the tags are cleared one set after the other, 1024 of them, and who reads the flash
+// waits.
+TEST_F(XipTest, AFlushTakesACycleForEachSet) {
+  wait(cached);
+  put(flush, 1);
+  const Cycle begun = at_ - 10;
+  EXPECT_EQ(get(stat) & 1u, 0u);
+  at_ = begun + 1000;
+  Access access = bus_.read(flush, Width::word, Master::core0, at_);
+  EXPECT_EQ(access.wait, 24u);
+  access = bus_.read(cached, Width::word, Master::core1, begun + 1010);
+  EXPECT_EQ(access.wait, 14 + 2 * line_clocks);
+  at_ = begun + 1100;
+  EXPECT_EQ(get(stat) & 1u, 1u);
+  EXPECT_EQ(bus_.read(flush, Width::word, Master::core0, at_).wait, 0u);
+}
+
+// 2.6.3.1 and CTRL: SRAM while it is not a cache; without power there is neither.
+TEST_F(XipTest, TheCachesMemoryIsSramWhileTheCacheIsOff) {
+  const auto sram_faults = [&] {
+    return bus_.read(cache_sram, Width::word, Master::core0, at_).fault;
+  };
+  wait(cached);
+  EXPECT_TRUE(sram_faults());
+  put(control + 0x3000, 1);
+  EXPECT_FALSE(sram_faults());
+  EXPECT_EQ(wait(cached), 2 * line_clocks) << "straight to the flash";
+  put(control + 0x2000, 8);
+  EXPECT_TRUE(sram_faults());
+  put(control + 0x2000, 1);
+  EXPECT_EQ(get(control) & 1u, 0u) << "cannot be enabled without power";
+  put(control + 0x3000, 8);
+  EXPECT_FALSE(sram_faults());
+  // Lines that a flush has dropped are still in the memory.
+  const std::uint32_t first = get(cache_sram);
+  put(flush, 1);
+  EXPECT_EQ(get(cache_sram), first);
+}
+
+TEST_F(XipTest, TheSecondMasterWaitsForTheFirst) {
+  constexpr std::uint32_t miss = 2 * line_clocks;
+  const auto read = [&](std::uint32_t address, Master master, Cycle at) {
+    return bus_.read(address, Width::word, master, at).wait;
+  };
+  wait(cached + 0x100);
+  const Cycle at = at_;
+  EXPECT_EQ(read(cached, Master::core0, at), miss);  // through at + miss
+  EXPECT_EQ(read(cached + 0x100, Master::core1, at + 6), miss + 1 - 6) << "even for a hit";
+  EXPECT_EQ(read(cached + 0x200, Master::dma, at + miss), 2 + miss);
+  EXPECT_EQ(read(cached + 0x100, Master::core0, at + 1000), 0u);
+}
+
+/// A core that runs code in the flash.
+class CodeInFlash : public XipTest {
+ protected:
+  void code(std::uint32_t offset, std::initializer_list<unsigned> halfwords) {
+    for (const unsigned value : halfwords) {
+      const auto half = static_cast<std::uint16_t>(value);
+      std::memcpy(&flash_.storage()[offset], &half, sizeof half);
+      offset += 2;
+    }
+  }
+  void start(std::uint32_t pc) {
+    wheel_.advance_to(at_);
+    core_.reset(0);
+    core_.set_reg(15, pc);
+    core_.set_reg(13, 0x2004'1000);
+    core_.set_xpsr(1u << 24);
+  }
+  IrqLines irqs_;
+  Core core_{0, bus_, wheel_, irqs_, timing_, note_};
+};
+
+TEST_F(CodeInFlash, WaitsForEachLineOnce) {
+  code(0x1000, {0xbf00, 0xbf00, 0xbf00, 0xbf00,    // four NOPs: a line
+                0xbf00, 0xbf00, 0xbf00, 0xe7f7});  // and three, B to the start
+  start(cached + 0x1000);
+  const auto line = [&](int instructions) {
+    const Cycle from = core_.cycle();
+    for (int i = 0; i < instructions; ++i) core_.step();
+    return core_.cycle() - from;
+  };
+  EXPECT_EQ(line(4), 4 + 2 * line_clocks);
+  EXPECT_EQ(line(4), 3 + 2 + 2 * line_clocks);
+  for (int round = 0; round < 3; ++round) EXPECT_EQ(line(8), 7u + 2u) << "as from SRAM";
+}
+
+TEST_F(CodeInFlash, IsFetchedAWordAtATime) {
+  code(0x1000, {0xbf00, 0xbf00, 0xbf00, 0xbf00, 0xbf00, 0xbf00});
+  start(cached + 0x1000);
+  put(ctr_acc, 0);
+  put(ctr_hit, 0);
+  for (int i = 0; i < 6; ++i) core_.step();
+  EXPECT_EQ(get(ctr_acc), 3u);
+  EXPECT_EQ(get(ctr_hit), 1u);
+}
+
+TEST_F(CodeInFlash, AnInstructionOverTwoLinesWaitsForBoth) {
+  code(0x1006, {0xf000, 0xf801});  // BL to 0x100c
+  start(cached + 0x1006);
+  EXPECT_EQ(core_.step(), 3u + 2u * 2u * line_clocks);
+  EXPECT_EQ(core_.reg(15), cached + 0x100c);
+}
+
+TEST_F(CodeInFlash, PastTheCacheEveryWordIsATransfer) {
+  code(0x1000, {0xbf00, 0xbf00, 0xbf00, 0xe7fb});  // B to the start
+  start(bypass + 0x1000);
+  for (int round = 0; round < 2; ++round) {
+    const Cycle from = core_.cycle();
+    for (int i = 0; i < 4; ++i) core_.step();
+    EXPECT_EQ(core_.cycle() - from, 3u + 2u + 2u * 2u * line_clocks);
+  }
+}
+
+TEST_F(CodeInFlash, ALiteralOfTheSameLineIsAHit) {
+  code(0x1000, {0x4800, 0xbf00, 0x5678, 0x1234});  // LDR r0, [pc, #0]
+  start(cached + 0x1000);
+  EXPECT_EQ(core_.step(), 2u + 2u * line_clocks);
+  EXPECT_EQ(core_.reg(0), 0x1234'5678u);
+}
+
+TEST_F(CodeInFlash, FaultsWhereNothingCanBeRead) {
+  start(cached + 0x1000);
+  put(ssi + 8, 0);
+  core_.step();
+  EXPECT_EQ(core_.exception(), 3u);
+}
+
+}  // namespace
+}  // namespace lamplock::test
