@@ -97,6 +97,9 @@ void Chip::attach_core(int id) {
     other.idle_to(wheel_.now());
     if (!other.idle()) cores_[i].request_stop();
   };
+  core.on_woken = [this, i] {
+    if (!held_[i] && runs_alone_ == &cores_[1 - i]) cores_[1 - i].request_stop();
+  };
 }
 
 void Chip::load(const Image& image, const std::string& where) {
@@ -162,14 +165,20 @@ void Chip::run_both(Cycle until) {
   const bool only0 = held_[1] || core1.idle();
   const bool only1 = held_[0] || core0.idle();
   if (only0 && !held_[0]) {
-    core0.run_until(until);
+    run_alone(core0, until);
     bring_along(1);
   } else if (only1 && !held_[1]) {
-    core1.run_until(until);
+    run_alone(core1, until);
     bring_along(0);
   } else {
     (core0.cycle() <= core1.cycle() ? core0 : core1).step();
   }
+}
+
+void Chip::run_alone(Core& core, Cycle until) {
+  runs_alone_ = &core;
+  core.run_until(until);
+  runs_alone_ = nullptr;
 }
 
 // The core that sleeps is where the other one is, who first takes note of what is due.

@@ -102,6 +102,7 @@ class Chip final : private ClockListener {
   void lose_memory();
   void restart_cores();
   void run_both(Cycle until);
+  void run_alone(Core& core, Cycle until);
   bool watched_step(Cycle until);
   void bring_along(std::size_t sleeper);
 
@@ -124,6 +125,7 @@ class Chip final : private ClockListener {
   std::array<Core, 2> cores_;
   std::array<bool, 2> held_{true, true};       ///< in reset
   std::array<bool, 2> restart_{false, false};  ///< released, has not started yet
+  Core* runs_alone_ = nullptr;                 ///< while the other one is idle
   std::uint32_t watchdog_resets_ = 0;
   std::uint64_t seed_;
   StepWatcher* watcher_ = nullptr;

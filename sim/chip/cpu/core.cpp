@@ -47,10 +47,7 @@ Core::Core(int id, Bus& bus, TimeWheel& wheel, IrqLines& irqs, const Timing& tim
       master_(id == 0 ? Master::core0 : Master::core1),
       timing_(timing),
       not_modelled_(std::move(not_modelled)),
-      systick_(wheel, [this] {
-        nvic_.pend(number_of(Exception::systick));
-        refresh(wheel_.now());
-      }) {
+      systick_(wheel, [this] { systick_expired(); }) {
   bus_.share_code_window(window_);
 }
 

@@ -137,6 +137,9 @@ class Core {
   std::function<void()> on_event;
   /// This core has noticed that interrupt lines have changed; not called from inside an event.
   std::function<void()> on_lines_changed;
+  /// This core slept and its SysTick has just ended that; called from inside an event, perhaps of
+  /// the other core's time.
+  std::function<void()> on_woken;
   /// AIRCR.SYSRESETREQ was written; see reset().
   std::function<void()> on_reset_request;
   /// The lines that raise NMI (SYSCFG PROC0_NMI_MASK, PROC1_NMI_MASK).
@@ -202,6 +205,7 @@ class Core {
 
   // exceptions.cpp
   bool attend();
+  void systick_expired();
   bool attention_needed() const {
     return attention_ || wheel_.next() <= cycle_ || irqs_.changes() != seen_changes_;
   }

@@ -94,6 +94,16 @@ void Core::sleep(Sleep kind) {
   if (listener_ != nullptr) listener_->slept(id_, cycle_);
 }
 
+void Core::systick_expired() {
+  const bool slept = sleeping();
+  nvic_.pend(number_of(Exception::systick));
+  refresh(wheel_.now());
+  if (!slept || sleeping()) return;
+  // It has slept until now, whatever its cycle() says.
+  cycle_ = std::max(cycle_, wheel_.now());
+  if (on_woken) on_woken();
+}
+
 // Whatever comes before the next instruction; true if the step is used up.
 bool Core::attend() {
   run_events(cycle_);
