@@ -171,7 +171,7 @@ void Chip::run_both(Cycle until) {
     run_alone(core1, until);
     bring_along(0);
   } else {
-    (core0.cycle() <= core1.cycle() ? core0 : core1).step();
+    Core::run_two(core0, core1, until);
   }
 }
 
@@ -201,7 +201,7 @@ bool Chip::watched_step(Cycle until) {
     const Cycle before = core.cycle();
     core.idle_to(until);
     if (core.cycle() == before && core.idle()) core.step();  // takes note of request_stop()
-  } else {
+  } else if (core.cycle() < until) {
     if (!watcher_->before_step(core)) return false;
     core.step();
   }

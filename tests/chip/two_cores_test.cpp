@@ -96,5 +96,74 @@ TEST(TwoCores, OnesOwnSysTickWakesItInItsCycle) {
   }
 }
 
+/// Looks at nothing and lets everything pass: the chip goes step by step.
+class Onlooker final : public StepWatcher {
+ public:
+  bool before_step(Core& /*core*/) override { return true; }
+};
+
+// A core may run on without the other one only where nobody can tell: random programs that share
+// words, wake each other and sleep give the same run step by step, and however time is cut.
+TEST(TwoCores, RunAsTheyDoStepByStep) {
+  std::mt19937_64 random(1);
+  const std::vector<unsigned> instructions = {
+      0x3401,  // adds r4, #1
+      0x6801,  // ldr r1, [r0]
+      0x6041,  // str r1, [r0, #4]
+      0x6042,  // str r2, [r0, #4]
+      0x6803,  // ldr r3, [r0]
+      0x18d2,  // adds r2, r2, r3
+      0x4363,  // muls r3, r4
+      0xbf40,  // sev
+      0xbf20,  // wfe
+      0xc87e,  // ldm r0!, {r1-r6}
+      0x3818,  // subs r0, #24
+      0x6839,  // ldr r1, [r7], SIO CPUID
+      0x6d79,  // ldr r1, [r7, #84], FIFO_WR: write only
+      0x6579,  // str r1, [r7, #84], FIFO_WR
+      0x6dbc,  // ldr r4, [r7, #88], FIFO_RD
+      0xb407,  // push {r0-r2}
+      0xbc07,  // pop {r0-r2}
+  };
+  for (int round = 0; round < scaled(60); ++round) {
+    std::vector<std::vector<unsigned>> code(2);
+    for (auto& each : code) {
+      for (int i = 0; i < 30; ++i) each.push_back(instructions[random() % instructions.size()]);
+      each.push_back(0xe7df);  // B to the start
+    }
+    const std::uint64_t cuts = random();
+    std::vector<std::vector<std::uint64_t>> results;
+    for (const int way : {0, 1, 2}) {
+      Chip chip;
+      Onlooker onlooker;
+      if (way == 1) chip.watch_steps(&onlooker);
+      Start start(chip);
+      for (unsigned id = 0; id < 2; ++id) {
+        for (unsigned i = 0; i < code[id].size(); ++i)
+          put(chip, loop_code + 0x400 * id + 2 * i, {code[id][i]});
+        start.core(static_cast<int>(id), loop_code + 0x400 * id,
+                   {marks, 1 + id, 2, 3, 4, 5, 6, 0xd000'0000});
+      }
+      std::mt19937_64 lengths(cuts);
+      const Cycle end = chip.now() + 4000;
+      while (way == 2 && chip.now() + 200 < end) chip.run_until(chip.now() + lengths() % 100);
+      chip.run_until(end);
+      std::vector<std::uint64_t> state;
+      for (const int id : {0, 1}) {
+        state.push_back(chip.core(id).cycle());
+        for (unsigned i = 0; i < 16; ++i) state.push_back(chip.core(id).reg(i));
+      }
+      for (std::uint32_t at = 0; at < 0x100; ++at)
+        state.push_back(chip.bus().memory_at(marks - 0x80 + at)[0]);
+      results.push_back(state);
+    }
+    ASSERT_EQ(results[0], results[1]) << round;
+    // Where time is cut a sleeping core may stand elsewhere; what the cores have done is the same.
+    results[0][0] = results[2][0] = 0;
+    results[0][17] = results[2][17] = 0;
+    ASSERT_EQ(results[0], results[2]) << round;
+  }
+}
+
 }  // namespace
 }  // namespace lamplock::test

@@ -910,4 +910,22 @@ void Core::run_until(Cycle limit) {
   update_attention();
 }
 
+// The same steps as step() makes, one core's after the other's.
+void Core::run_two(Core& first, Core& second, Cycle limit) {
+  for (;;) {
+    Core& core = first.cycle_ <= second.cycle_ ? first : second;
+    if (core.cycle_ >= limit) return;
+    if (core.attention_needed()) [[unlikely]] {
+      core.step();
+    } else {
+      core.execute();
+      core.notice_access();
+    }
+    // Who stops or falls asleep, or wakes the other in a way that needs to be looked at, wants
+    // attention.
+    if (core.attention_ && (core.stop_ || core.idle())) [[unlikely]]
+      return;
+  }
+}
+
 }  // namespace lamplock::sim::chip

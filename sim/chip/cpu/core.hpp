@@ -78,6 +78,9 @@ class Core {
   Cycle step();
   /// Steps and sleeps until cycle() is `limit` or a little more, or until request_stop().
   void run_until(Cycle limit);
+  /// Two cores that are both awake: the one that is behind (the first of equals) makes the next
+  /// step, until both have reached `limit`, one is idle, or there was a request_stop().
+  static void run_two(Core& first, Core& second, Cycle limit);
   /// A core that sleeps or has locked up lets time pass, events included, until it can go on or
   /// its cycle() is `to`.
   void idle_to(Cycle to);
