@@ -591,9 +591,9 @@ TEST_F(CoreExceptions, SystemRegisters) {
   rig_.poke(aircr, 0x05fa'0004);
   EXPECT_EQ(resets, 1);
   EXPECT_TRUE(rig_.reports.empty());
-  rig_.poke(0xe000'ed94, 1);
+  rig_.poke(0xe000'eda4, 1);
   ASSERT_EQ(rig_.reports.size(), 1u);
-  EXPECT_EQ(rig_.reports[0], "PPB register at 0xe000ed94");
+  EXPECT_EQ(rig_.reports[0], "PPB register at 0xe000eda4");
 }
 
 TEST_F(CoreExceptions, NativeFunctionRunsAndReturnsToLr) {

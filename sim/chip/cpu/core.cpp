@@ -16,7 +16,6 @@ namespace lamplock::sim::chip {
 namespace {
 
 constexpr std::uint32_t sio_nibble = 0xd;  // the single-cycle I/O port: 0xd0000000
-constexpr std::uint32_t ppb_base = 0xe000'0000;
 // Code is fetched from code, SRAM and external RAM space; the rest is execute-never (B3.1).
 constexpr bool executable(std::uint32_t address) {
   return address < 0x4000'0000 || (address >= 0x6000'0000 && address < 0xa000'0000);
@@ -61,7 +60,8 @@ void Core::reset(std::uint32_t vector_table) {
   sleep_ = Sleep::awake;
   ipsr_ = 0;
   control_ = other_sp_ = vtor_ = scr_ = 0;
-  mpu_ = {};
+  mpu_.reset();
+  unchecked_end_ = ppb_base;
   nvic_.reset();
   cycle_ = std::max(cycle_, wheel_.now());
   systick_.reset(cycle_);
@@ -137,10 +137,13 @@ bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
     call_native(std::prev(above)->function);
     return false;
   }
-  if (!executable(pc)) {
+  if (!executable(pc) || (mpu_.enabled() && !permits(pc, MpuAccess::fetch))) {
+    window_.size = 0;
     hard_fault();
     return false;
   }
+  // Regions of the MPU are larger than a word, which is fetched, and permitted, as one.
+  if (mpu_.enabled()) return fetch_word(pc, instruction);
   window_ = bus_.code_at(pc);
   if (window_.size == 0) return fetch_word(pc, instruction);
   cut_natives(pc, window_);
@@ -189,7 +192,12 @@ bool Core::fetch_second(std::uint32_t pc, std::uint16_t& instruction) {
     std::memcpy(&instruction, window_.bytes + place, sizeof instruction);
     return true;
   }
-  if (executable(pc) && bus_.code_at(pc).size == 0) return fetch_word(pc, instruction);
+  if (mpu_.enabled() && !permits(pc, MpuAccess::fetch)) {
+    hard_fault();
+    return false;
+  }
+  if (executable(pc) && (mpu_.enabled() || bus_.code_at(pc).size == 0))
+    return fetch_word(pc, instruction);
   const Access access =
       executable(pc) ? bus_.read(pc, Width::half, master_, cycle_) : Access{0, 0, true};
   if (access.fault) {
@@ -210,8 +218,16 @@ void Core::call_native(const NativeFunction& function) {
 // --- Access --------------------------------------------------------------------------------------
 
 Access Core::read_bus(std::uint32_t address, Width width) {
-  if (address < ppb_base) [[likely]]
+  if (address < unchecked_end_) [[likely]]
     return bus_.read(address, width, master_, cycle_);
+  return read_checked(address, width);
+}
+
+Access Core::read_checked(std::uint32_t address, Width width) {
+  if (address < ppb_base) {
+    if (!permits(address, MpuAccess::read)) return {0, 0, true};
+    return bus_.read(address, width, master_, cycle_);
+  }
   // The registers in the core are words only.
   Access access;
   access.fault = width != Width::word || !read_system(address, access.value);
@@ -219,11 +235,23 @@ Access Core::read_bus(std::uint32_t address, Width width) {
 }
 
 Access Core::write_bus(std::uint32_t address, Width width, std::uint32_t value) {
-  if (address < ppb_base) [[likely]]
+  if (address < unchecked_end_) [[likely]]
     return bus_.write(address, value, width, master_, cycle_);
+  return write_checked(address, width, value);
+}
+
+Access Core::write_checked(std::uint32_t address, Width width, std::uint32_t value) {
+  if (address < ppb_base) {
+    if (!permits(address, MpuAccess::write)) return {0, 0, true};
+    return bus_.write(address, value, width, master_, cycle_);
+  }
   Access access;
   access.fault = width != Width::word || !write_system(address, value);
   return access;
+}
+
+bool Core::permits(std::uint32_t address, MpuAccess access) const {
+  return mpu_.permits(address, access, privileged(), execution_priority() < 0);
 }
 
 // A load or store adds here what it costs beyond one cycle: 1, but nothing on the I/O port. False:

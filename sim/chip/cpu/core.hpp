@@ -35,6 +35,7 @@
 #include <vector>
 
 #include "sim/chip/bus.hpp"
+#include "sim/chip/cpu/mpu.hpp"
 #include "sim/chip/cpu/nvic.hpp"
 #include "sim/chip/cpu/systick.hpp"
 #include "sim/chip/irq_lines.hpp"
@@ -186,6 +187,9 @@ class Core {
   bool load(std::uint32_t address, Width width, std::uint32_t& value);
   bool store(std::uint32_t address, Width width, std::uint32_t value);
   Access read_bus(std::uint32_t address, Width width);
+  [[gnu::noinline]] Access read_checked(std::uint32_t address, Width width);
+  [[gnu::noinline]] Access write_checked(std::uint32_t address, Width width, std::uint32_t value);
+  bool permits(std::uint32_t address, MpuAccess access) const;
   Access write_bus(std::uint32_t address, Width width, std::uint32_t value);
   void branch_exchange(std::uint32_t target);
   bool undefined();
@@ -238,8 +242,10 @@ class Core {
   std::uint32_t read_icsr() const;
   void write_icsr(std::uint32_t value);
   bool write_nvic(std::uint32_t offset, std::uint32_t value);
+  void write_mpu(std::uint32_t offset, std::uint32_t value);
   void report(std::uint32_t address);
 
+  static constexpr std::uint32_t ppb_base = 0xe000'0000;
   static constexpr std::uint32_t control_npriv = 1, control_spsel = 2;
 
   // What every instruction touches, together.
@@ -252,6 +258,8 @@ class Core {
   Cycle cycle_ = 0;
   Bus::CodeWindow window_;
   std::uint32_t seen_changes_ = 0;
+  /// Below, data is reached through the bus and nobody asked: the PPB, or 0 while the MPU is on.
+  std::uint32_t unchecked_end_ = ppb_base;
   TimeWheel& wheel_;
   IrqLines& irqs_;
   Bus& bus_;
@@ -272,7 +280,7 @@ class Core {
   std::uint32_t vtor_ = 0;
   std::uint32_t scr_ = 0;
   std::uint32_t nmi_mask_ = 0;
-  std::array<std::uint32_t, 4> mpu_{};  ///< CTRL, RNR, RBAR, RASR as written
+  Mpu mpu_;
 
   int id_;
   Master master_;

@@ -224,10 +224,11 @@ void Core::start_handler(unsigned number, Cycle since, Cycle end) {
     end = std::max(end, when + timing_.tail_chain);
   }
   std::uint32_t vector = 0;
-  Access access = read_bus(vtor_ + 4 * number, Width::word);
+  // Vectors are read past the MPU (ARMv6-M ARM, B3.5.1).
+  Access access = bus_.read(vtor_ + 4 * number, Width::word, master_, cycle_);
   if (access.fault && number != hard_fault_number && execution_priority() > -1) {
     number = hard_fault_number;
-    access = read_bus(vtor_ + 4 * number, Width::word);
+    access = bus_.read(vtor_ + 4 * number, Width::word, master_, cycle_);
   }
   vector = access.value;
   cycle_ = end + access.wait;

@@ -123,8 +123,10 @@ bool Core::read_system_register(std::uint32_t address, std::uint32_t& value) {
       value = mpu_type_value;
       break;
     default:
-      report(address);
-      if (offset >= mpu_ctrl && offset < mpu_end) value = mpu_[(offset - mpu_ctrl) / 4];
+      if (offset >= mpu_ctrl && offset < mpu_end)
+        value = mpu_.read(offset - mpu_ctrl);
+      else
+        report(address);
       break;
   }
   return true;
@@ -182,12 +184,21 @@ bool Core::write_system(std::uint32_t address, std::uint32_t value) {
       (value & shcsr_svcall_pended) != 0 ? nvic_.pend(svcall) : nvic_.unpend(svcall);
       break;
     default:
-      report(address);
-      if (offset >= mpu_ctrl && offset < mpu_end) mpu_[(offset - mpu_ctrl) / 4] = value;
+      if (offset >= mpu_ctrl && offset < mpu_end)
+        write_mpu(offset - mpu_ctrl, value);
+      else
+        report(address);
       break;
   }
   refresh(never_cycle);
   return true;
+}
+
+// With the MPU on nothing is reached without asking it.
+void Core::write_mpu(std::uint32_t offset, std::uint32_t value) {
+  mpu_.write(offset, value);
+  unchecked_end_ = mpu_.enabled() ? 0 : ppb_base;
+  window_.size = 0;
 }
 
 // True if the offset is one of the NVIC.
