@@ -113,8 +113,10 @@
   // 4: a low one, and SysTick while its registers are being saved.
   ldr r1, =NVIC_ISPR
   ldr r6, =1 << 26
-  systick_in 8
+  systick_in 10
+  movs r0, #0
   str r3, [r2]                   // 2
+  str r0, [r2, #SYST_RVR]        // 2: once only, a reload value of 0 stops it
   str r5, [r4, #GPIO_SET]        // 1
   str r6, [r1]                   // 2
   str r5, [r4, #GPIO_CLEAR]
