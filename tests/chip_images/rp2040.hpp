@@ -16,6 +16,7 @@ using Register = volatile Word;
 inline Register& reg(Word address) {
   return *reinterpret_cast<Register*>(static_cast<std::uintptr_t>(address));
 }
+inline Word read(Word address) { return reg(address); }
 /// Atomic aliases (2.1.2).
 inline void set_bits(Word address, Word bits) { reg(address + 0x2000) = bits; }
 inline void clear_bits(Word address, Word bits) { reg(address + 0x3000) = bits; }
@@ -92,6 +93,11 @@ inline void put(char byte) {
 }
 inline void print(const char* text) {
   while (*text != '\0') put(*text++);
+}
+/// Until the line has it all.
+inline void flush() {
+  while ((read(uart0_base + 0x18) & 1u << 3) != 0) {  // FR: BUSY
+  }
 }
 /// " 0123abcd"
 inline void print_hex(Word value) {
