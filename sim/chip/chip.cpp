@@ -41,6 +41,7 @@ Chip::Chip(const ChipOptions& options)
       seed_(options.seed) {
   map();
   system_.clocks.listen(*this);
+  system_.ticks.listen(*this);
   clocks_changed();
   for (int id = 0; id < 2; ++id) attach_core(id);
 }
@@ -100,6 +101,22 @@ void Chip::attach_core(int id) {
   core.on_woken = [this, i] {
     if (!held_[i] && runs_alone_ == &cores_[1 - i]) cores_[1 - i].request_stop();
   };
+}
+
+void Chip::clocks_changed() {
+  usb_.set_usb_clock(system_.clocks.hz(Clock::usb));
+  ticks_moved();
+}
+
+// The reference of SysTick (RP2040 datasheet, 2.4.8). Where a tick is no whole number of cycles of
+// clk_sys, SysTick counts the nearest.
+void Chip::ticks_moved() {
+  constexpr std::uint64_t many = 1000;
+  const TickGenerator& ticks = system_.ticks;
+  const Cycle next = ticks.cycle_of(ticks.ticks() + 1);
+  const Cycle last = ticks.cycle_of(ticks.ticks() + 1 + many);
+  const Cycle period = last == never_cycle ? 0 : (last - next + many / 2) / many;
+  for (Core& core : cores_) core.systick().set_reference(period, next, wheel_.now());
 }
 
 void Chip::load(const Image& image, const std::string& where) {

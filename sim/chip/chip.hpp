@@ -51,7 +51,7 @@ class StepWatcher {
 };
 
 /// One chip with its flash.
-class Chip final : private ClockListener {
+class Chip final : private ClockListener, private TickListener {
  public:
   explicit Chip(const ChipOptions& options = {});
   Chip(const Chip&) = delete;
@@ -98,7 +98,8 @@ class Chip final : private ClockListener {
   NotModelled reporter();
   void map();
   void attach_core(int id);
-  void clocks_changed() override { usb_.set_usb_clock(system_.clocks.hz(Clock::usb)); }
+  void clocks_changed() override;
+  void ticks_moved() override;
   void lose_memory();
   void restart_cores();
   void run_both(Cycle until);

@@ -19,6 +19,12 @@ Cycle SysTick::period() const {
   return uses_reference() ? reference_ : 1;
 }
 
+Cycle SysTick::begin(Cycle now) const {
+  if (!uses_reference() || reference_ == 0) return now;
+  if (now < reference_tick_) return reference_tick_ - reference_;
+  return now - (now - reference_tick_) % reference_;
+}
+
 void SysTick::sync(Cycle now) {
   const Cycle length = period();
   if (length == 0 || now <= base_) {
@@ -65,7 +71,7 @@ std::uint32_t SysTick::read_control(Cycle now) {
 void SysTick::write_control(std::uint32_t value, Cycle now) {
   sync(now);
   control_ = value & (enable | interrupt | clock_source);
-  base_ = now;
+  base_ = begin(now);
   schedule();
 }
 
@@ -87,10 +93,11 @@ void SysTick::clear_current(Cycle now) {
   schedule();
 }
 
-void SysTick::set_reference_period(Cycle cycles, Cycle now) {
+void SysTick::set_reference(Cycle cycles, Cycle tick, Cycle now) {
   sync(now);
   reference_ = cycles;
-  base_ = now;
+  reference_tick_ = tick;
+  base_ = begin(now);
   schedule();
 }
 

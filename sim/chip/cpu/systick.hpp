@@ -28,8 +28,9 @@ class SysTick final : public Timed {
   /// Any write clears the count and COUNTFLAG.
   void clear_current(Cycle now);
 
-  /// Cycles of clk_sys in a period of the reference (1 us tick of WATCHDOG), 0 if it stands.
-  void set_reference_period(Cycle cycles, Cycle now);
+  /// Cycles of clk_sys in a period of the reference (1 us tick of WATCHDOG), 0 if it stands, and
+  /// the cycle of one of its ticks, a period from now at most.
+  void set_reference(Cycle cycles, Cycle tick, Cycle now);
   bool uses_reference() const { return (control_ & clock_source) == 0; }
   bool reference_runs() const { return reference_ != 0; }
 
@@ -41,13 +42,15 @@ class SysTick final : public Timed {
 
   /// Clocks of the counter's source in one count; 0: it stands.
   Cycle period() const;
+  /// Where counting begins: now, or at the reference's last tick.
+  Cycle begin(Cycle now) const;
   void sync(Cycle now);
   void schedule();
 
   TimeWheel& wheel_;
   std::function<void()> pend_;
   TimeWheel::Slot slot_;
-  Cycle reference_ = 0;
+  Cycle reference_ = 0, reference_tick_ = 0;
   Cycle base_ = 0;  ///< the count was `current_` at this cycle
   std::uint32_t control_ = 0;
   std::uint32_t reload_ = 0;
