@@ -6,8 +6,8 @@ using namespace image;
 
 namespace {
 // RP2040 datasheet, 4.9.6.
-constexpr Word cs = adc_base, result = adc_base + 0x04, fcs = adc_base + 0x08,
-               fifo = adc_base + 0x0c, div = adc_base + 0x10, inte = adc_base + 0x18;
+constexpr Word cs = adc_base, fcs = adc_base + 0x08, fifo = adc_base + 0x0c, div = adc_base + 0x10,
+               inte = adc_base + 0x18;
 constexpr Word enable = 1, once = 4, many = 8, ready = 1u << 8;
 constexpr unsigned irq_adc = 22;
 volatile Word pin = 1u << 2;

@@ -5,10 +5,10 @@ using namespace image;
 
 namespace {
 
-constexpr Word udividend = sio_base + 0x60, udivisor = sio_base + 0x64, sdividend = sio_base + 0x68,
-               sdivisor = sio_base + 0x6c, quotient = sio_base + 0x70, remainder = sio_base + 0x74,
-               csr = sio_base + 0x78;
+constexpr Word udividend = sio_base + 0x60, sdividend = sio_base + 0x68, quotient = sio_base + 0x70,
+               remainder = sio_base + 0x74, csr = sio_base + 0x78;
 
+/// The divisor's register is behind the dividend's.
 void divide(Word dividend_register, Word dividend, Word divisor) {
   reg(dividend_register) = dividend;
   reg(dividend_register + 4) = divisor;

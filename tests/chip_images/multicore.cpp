@@ -11,7 +11,7 @@ namespace {
 constexpr Word fifo_status = sio_base + 0x50, fifo_write = sio_base + 0x54,
                fifo_read = sio_base + 0x58, locks = sio_base + 0x5c, lock0 = sio_base + 0x100,
                lock1 = sio_base + 0x104;
-constexpr Word valid = 1, ready = 2, overflow = 4, underflow = 8;
+constexpr Word valid = 1, ready = 2;
 constexpr Word rounds = 5000;
 constexpr unsigned irq_proc1 = 16;
 

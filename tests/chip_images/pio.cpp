@@ -115,7 +115,7 @@ int main() {
   shifts.drive(10, Function::pio1);
 
   for (Word i = 0; i < 8; ++i) sent[i] = 0x0123'4567 + i * 0x1111'1111;
-  for (Word& word : pattern) word = 0x5555'5555;
+  for (Word& each : pattern) each = 0x5555'5555;
   // Requests: PIO1 TX2 10, RX2 14, TX3 11 (2.5.3.1).
   using namespace channel;
   start_dma(0, address(sent), pio1_base + 0x18, 8,
@@ -131,7 +131,7 @@ int main() {
   while (dma_busy(1)) {
   }
   print("words");
-  for (const Word word : received) print_hex(word);
+  for (const Word each : received) print_hex(each);
   print("\n");
   for (;;) {
   }

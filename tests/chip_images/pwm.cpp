@@ -9,8 +9,7 @@ using namespace image;
 namespace {
 
 // RP2040 datasheet, 4.5.3.
-constexpr Word enable = 1, phase_correct = 2, invert_b = 8, gate_by_level = 1 << 4,
-               count_rises = 2 << 4;
+constexpr Word phase_correct = 2, invert_b = 8, gate_by_level = 1 << 4, count_rises = 2 << 4;
 constexpr Word pwm_enable = pwm_base + 0xa0, pwm_intr = pwm_base + 0xa4, pwm_inte = pwm_base + 0xa8;
 constexpr unsigned irq_pwm = 4;
 

@@ -14,6 +14,7 @@ using Word = std::uint32_t;
 using Register = volatile Word;
 
 inline Register& reg(Word address) {
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): an address is what there is.
   return *reinterpret_cast<Register*>(static_cast<std::uintptr_t>(address));
 }
 inline Word read(Word address) { return reg(address); }
