@@ -189,7 +189,9 @@ void RealTime::stop_dead(machine::Controller& core) {
   estop_.cut();
   const std::uint64_t filled = expander_.end_tick();
   const StepPosition steps = expander_.steps_at(lattice_.ticks_begun(feed_));
-  fire_.stopped(core, now());
+  // Edges that have come since belong to no shot.
+  const std::uint64_t cut_us = widen(estop_.cut_us(), microseconds());
+  fire_.stopped(core, (cut_us - start_us_) * clocks_per_us);
   core.stopped_at(steps);
   pads_released_ = false;
   estop_.in_order();  // before: an e-stop that comes meanwhile must not be forgotten

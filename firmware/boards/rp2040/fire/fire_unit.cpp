@@ -155,11 +155,11 @@ bool FireUnit::next_clock(std::uint64_t& clock) const {
   return keeper_.next_tick(tick) && feed_.clock_of(tick, clock);
 }
 
-void FireUnit::stopped(machine::Controller& core, std::uint64_t now) {
+void FireUnit::stopped(machine::Controller& core, std::uint64_t cut) {
   force_low(arm_gpio);
   std::uint32_t count = 0;
   read_fifo(count);
-  if (count != 0) report(core, count, now);
+  if (count != 0) report(core, count, cut);
   if (!keeper_.is_out()) return;
   if (!keeper_.is_loaded() || fire_machine.tx_level() != 0) {
     keeper_.withdrawn();
@@ -170,7 +170,7 @@ void FireUnit::stopped(machine::Controller& core, std::uint64_t now) {
   const unsigned place = fire_machine.place(fire_offset);
   const bool fired = place >= fire_program.pulse && place < fire_program.after;
   results_[0] = fired ? fired_result : 1;
-  report(core, 1, now);
+  report(core, 1, cut);
 }
 
 }  // namespace lamplock::rp2040

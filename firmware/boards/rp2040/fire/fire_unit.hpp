@@ -50,8 +50,8 @@ class FireUnit {
     clear_bits(pio0().ctrl, pio_ctrl::enable(1u << 3));
     force_low(boards::gpio(boards::Role::q_switch));
   }
-  /// After cut_off(): tells the core what became of its token.
-  void stopped(machine::Controller& core, std::uint64_t now);
+  /// After cut_off(): tells the core what became of its token. `cut` is the clock of the cut.
+  void stopped(machine::Controller& core, std::uint64_t cut);
   /// FIRE from its beginning, last of all state machines; the Q-switch pad stays as it is.
   void restart() const;
 

@@ -3,7 +3,8 @@
 // In:  rising edge of the e-stop pin (normally closed contact: high = pressed or wire broken).
 // Out: FIRE and TICK stand still; Q-switch, trigger, gate, ARM and PWM low at their pads; a flag
 // for
-//      the main loop, which tells the core and starts the lattice again without motion.
+//      the main loop, which tells the core and starts the lattice again without motion; when that
+//      was, since lamp edges go on while the main loop is still away.
 // Who: interrupt() from IO_IRQ_BANK0, alone at priority 0, nothing masks it longer than 1 us.
 //      Budget: 60 cycles (0.5 us) and the entry; 9 stores.
 //
@@ -15,6 +16,7 @@
 #include "firmware/boards/rp2040/fire/fire_unit.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
+#include "firmware/boards/rp2040/registers/timer.hpp"
 #include "shared/boards/pico_pins.hpp"
 
 namespace lamplock::rp2040 {
@@ -36,6 +38,7 @@ class Estop {
     force_low(boards::gpio(boards::Role::laser_gate));
     force_low(boards::gpio(boards::Role::shot_enable));
     force_low(boards::gpio(boards::Role::laser_pwm));
+    if (!cut_) cut_us_ = timer().timerawl;
     cut_ = true;
   }
   void interrupt() {
@@ -48,6 +51,8 @@ class Estop {
   /// Something was cut off and the main loop has not yet put it in order, or a press has come since
   /// of which the core knows nothing.
   bool is_cut() const { return cut_ || seen_; }
+  /// Lower half of the microsecond in which everything was cut off.
+  std::uint32_t cut_us() const { return cut_us_; }
   bool seen() const { return seen_; }
   void in_order() { cut_ = false; }
   void told() { seen_ = false; }
@@ -65,6 +70,7 @@ class Estop {
   static constexpr unsigned gpio = boards::gpio(boards::Role::estop);
   const FireUnit& fire_;
   volatile bool cut_ = false;
+  volatile std::uint32_t cut_us_ = 0;
   volatile bool seen_ = false;
 };
 
