@@ -65,6 +65,7 @@ struct FireTiming {
 struct JobMark {
   std::uint32_t session = 0;  ///< 0 = no job
   std::uint32_t first_unfired = 0;
+  bool shot_out = false;  ///< the board may have fired that point by now
 };
 
 /// Clocks from the edge to the decision whether to fire: runt filter (2 us) and latency of the
@@ -118,7 +119,7 @@ class Controller {
   /// Exact as of the last lamp_edge(). Beat interrupt, or main loop with it masked.
   JobMark job_mark() const {
     if (!job_) return {};
-    return {link_.session(), runner_.queue().begin() + shots_.done_untaken()};
+    return {link_.session(), runner_.queue().begin() + shots_.done_untaken(), shots_.token_out()};
   }
   bool next_token(lamp::FireToken& token) { return shots_.next_token(token, clock_); }
   void token_expired() { shots_.token_expired(); }

@@ -15,7 +15,7 @@ TEST(Budgets, OverAJobWithABusyLink) {
   const job::Job job =
       job::make_job(chip_points(static_cast<std::size_t>(scaled(250)), 2), profile, {});
   RunningJob running(rig, job, 1);
-  const Picoseconds end = rig.now() + RunningJob::limit;
+  const Picoseconds end = rig.now() + running.limit();
   for (bool more = true; more && rig.now() < end;) {
     if (rig.board.usb_host().unsent() < 64) rig.type("?");
     more = running.sender.step();

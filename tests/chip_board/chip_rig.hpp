@@ -284,19 +284,21 @@ struct RunningJob {
     options.status_interval = std::chrono::milliseconds(20);
     return options;
   }
-  /// More than any job here takes.
-  static constexpr Picoseconds limit = 3 * ps_per_s;
+  /// More than a job here takes: its points at several beats of the slowest lamp.
+  Picoseconds limit() const {
+    return 3 * ps_per_s + static_cast<Picoseconds>(job.targets.size()) * 60 * ps_per_ms;
+  }
   /// Until `shots` more were fired; false if the job has ended before, or does not get on.
   bool run_until_fired(std::size_t shots) {
     const std::size_t wanted = rig.shots().size() + shots;
-    const Picoseconds end = rig.now() + limit;
+    const Picoseconds end = rig.now() + limit();
     while (rig.shots().size() < wanted)
       if (rig.now() > end || !sender.step()) return false;
     return true;
   }
   /// To its end; fails the test if there is none.
   link::JobEnd finish() {
-    const Picoseconds end = rig.now() + limit;
+    const Picoseconds end = rig.now() + limit();
     while (sender.step())
       if (rig.now() > end) {
         ADD_FAILURE() << "the job does not end; " << rig.shots().size() << " shots";

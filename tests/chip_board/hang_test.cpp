@@ -89,8 +89,14 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
     EXPECT_EQ(rig.board.chip().watchdog_resets(), 1u);
     EXPECT_THAT(rig.heard, HasSubstr(is_fault(end) ? "[MSG:Started by fault, pc 0x"
                                                    : "[MSG:Started by watchdog"));
-    EXPECT_THAT(rig.heard, HasSubstr("job " + std::to_string(session) + " first point not fired " +
-                                     std::to_string(shots) + "]"));
+    // A shot that was given out the hardware may fire after the processor has gone: then it is said
+    // that nobody knows.
+    const std::string told = "job " + std::to_string(session) + " first point not fired ";
+    EXPECT_THAT(
+        rig.heard,
+        testing::AnyOf(HasSubstr(told + std::to_string(shots) + "]"),
+                       HasSubstr(told + std::to_string(shots) + ", which may have been]"),
+                       HasSubstr(told + std::to_string(shots - 1) + ", which may have been]")));
     EXPECT_THAT(rig.heard, HasSubstr("ALARM:3"));
     EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
     EXPECT_EQ(rig.board.world().drives().position(), steps_at_loss);

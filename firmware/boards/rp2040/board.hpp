@@ -39,9 +39,13 @@ class Board {
   }
   void beat_interrupt() {
     real_time_.beat_interrupt(core_);
-    // A shot that was fired must not be fired again, however this run ends.
-    if (const std::uint32_t shots = core_.shots().ledger().shots(); shots != noted_shots_) {
+    // A shot that was fired must not be fired again, however this run ends; one that is given out
+    // the hardware fires by itself.
+    const std::uint32_t shots = core_.shots().ledger().shots();
+    const bool shot_out = core_.shots().token_out();
+    if (shots != noted_shots_ || shot_out != noted_shot_out_) {
       noted_shots_ = shots;
+      noted_shot_out_ = shot_out;
       note_job();
     }
     watchdog_.sign(Signer::beat);
@@ -70,7 +74,7 @@ class Board {
   /// Beat interrupt, or main loop with it masked.
   void note_job() {
     const machine::JobMark mark = core_.job_mark();
-    note_progress(mark.session, mark.first_unfired);
+    note_progress(mark.session, mark.first_unfired, mark.shot_out);
   }
   [[noreturn]] void enter_loader();
 
@@ -84,6 +88,7 @@ class Board {
   Ports ports_;
   Watchdog watchdog_;
   std::uint32_t noted_shots_ = 0;
+  bool noted_shot_out_ = false;
 };
 
 }  // namespace lamplock::rp2040

@@ -11,6 +11,8 @@ constexpr std::uint32_t magic_mask = 0xffffff00;
 enum Kind : std::uint32_t { running = 0, faulted = 1 };
 /// So that registers that are all zero or all one are no record.
 constexpr std::uint32_t progress_check = 0x5bd1e995;
+/// In the check: a shot was out.
+constexpr std::uint32_t shot_out_mark = 1;
 
 constexpr std::uint32_t check_of(std::uint32_t session, std::uint32_t first_unfired) {
   return session ^ (first_unfired << 16 | first_unfired >> 16) ^ progress_check;
@@ -46,26 +48,28 @@ LastRun take_last_run() {
   if (run.reason == Restart::fault) run.fault = {w.scratch[1], w.scratch[2], w.scratch[3]};
   const std::uint32_t session = w.scratch[5], first_unfired = w.scratch[6];
   if (run.reason == Restart::fault || run.reason == Restart::watchdog) {
-    const bool whole = w.scratch[7] == check_of(session, first_unfired);
+    const std::uint32_t mark = w.scratch[7] ^ check_of(session, first_unfired);
+    const bool whole = mark == 0 || mark == shot_out_mark;
     if (whole) {
       run.session = session;
       run.first_unfired = first_unfired;
+      run.shot_out = mark == shot_out_mark;
     }
     run.in_job = !whole || session != 0;
   }
   w.scratch[0] = magic | running;
   w.scratch[4] = 0;
-  note_progress(0, 0);
+  note_progress(0, 0, false);
   return run;
 }
 
 void forget_run() { watchdog_registers().scratch[0] = 0; }
 
-void note_progress(std::uint32_t session, std::uint32_t first_unfired) {
+void note_progress(std::uint32_t session, std::uint32_t first_unfired, bool shot_out) {
   WatchdogRegisters& w = watchdog_registers();
   w.scratch[5] = session;
   w.scratch[6] = first_unfired;
-  w.scratch[7] = check_of(session, first_unfired);
+  w.scratch[7] = check_of(session, first_unfired) ^ (shot_out ? shot_out_mark : 0);
 }
 
 void restart_after(const FaultRecord& fault) {
@@ -93,6 +97,7 @@ void describe(const LastRun& run, machine::TextLine& line) {
   if (run.session == 0) return;
   line.add(", job ").add(std::int64_t{run.session});
   line.add(" first point not fired ").add(std::int64_t{run.first_unfired});
+  if (run.shot_out) line.add(", which may have been");
 }
 
 }  // namespace lamplock::rp2040

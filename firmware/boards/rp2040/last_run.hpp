@@ -9,7 +9,7 @@
 //   0  magic, kind of end      4  unused: the ROM would take 0xb007c0d3 for an order
 //   1  pc                      5  session of the job, 0 = none
 //   2  lr                      6  first point not fired
-//   3  xpsr                    7  check of 5 and 6
+//   3  xpsr                    7  check of 5 and 6, and whether a shot was out
 #pragma once
 
 #include <cstdint>
@@ -42,6 +42,8 @@ struct LastRun {
   bool in_job = false;
   std::uint32_t session = 0;  ///< 0 = no job, or nothing is known of it
   std::uint32_t first_unfired = 0;
+  /// A shot at that point was given out: the hardware may have fired it after the end.
+  bool shot_out = false;
 };
 
 /// Reads the record and begins a new one. Once, before the watchdog starts.
@@ -51,7 +53,7 @@ LastRun take_last_run();
 void forget_run();
 
 /// How far the job is; session 0 = no job. Any level, one level at a time.
-void note_progress(std::uint32_t session, std::uint32_t first_unfired);
+void note_progress(std::uint32_t session, std::uint32_t first_unfired, bool shot_out);
 
 /// Keeps the registers of a fault and restarts the chip.
 [[noreturn]] void restart_after(const FaultRecord& fault);
