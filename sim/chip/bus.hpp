@@ -95,7 +95,8 @@ class Bus {
   std::optional<std::uint32_t> peek(std::uint32_t address, Master master);
 
   /// Memory that instructions may be fetched from directly, around an address; size 0: none, fetch
-  /// word by word through read() (flash behind its cache). The bus empties the windows it gave to cores when the map changes.
+  /// word by word through read() (flash behind its cache). The bus empties the windows it gave to
+  /// cores when the map changes.
   struct CodeWindow {
     const std::uint8_t* bytes = nullptr;
     std::uint32_t first = 0;

@@ -22,8 +22,8 @@ constexpr const char* busy_script =
 
 /// Without USB, whose host takes its time, for runs that are slow: boot, the lamp, steps of time.
 constexpr const char* short_script =
-    "at 40ms pulse gpio8 10us every 1ms times 10\n"
-    "at 50ms\n"
+    "at 140ms pulse gpio8 10us every 1ms times 10\n"
+    "at 150ms\n"
     "expect gpio25 frequency 1MHz +-0.1% in 1ms\n"
     "end\n";
 
