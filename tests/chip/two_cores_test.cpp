@@ -18,7 +18,7 @@ using namespace sim::chip;  // NOLINT(google-build-using-namespace)
 
 constexpr std::uint32_t sleep_code = 0x2004'0000, handler = 0x2004'0100, vectors = 0x2004'1000,
                         loop_code = 0x2000'0000, marks = 0x2004'0800, other_stack = 0x2004'2000;
-constexpr std::uint32_t syst_csr = 0xe000'e010, syst_rvr = 0xe000'e014, syst_cvr = 0xe000'e018;
+constexpr std::uint32_t syst_csr = 0xe000'e010;
 
 void put(Chip& chip, std::uint32_t address, std::initializer_list<unsigned> code) {
   for (const unsigned value : code) {
