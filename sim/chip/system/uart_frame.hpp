@@ -20,7 +20,7 @@ namespace lamplock::sim::chip {
 
 /// Form of the frames, from LCR_H, and the time of a bit (0: the rate is not set).
 struct UartFormat {
-  unsigned data_bits = 8;
+  unsigned data_bits = 8;  ///< 5 to 8
   bool parity = false, even = false, stick = false, two_stops = false;
   Picoseconds bit = 0;
 
@@ -31,7 +31,7 @@ struct UartFormat {
   /// Bits from the start bit to the last before the stop bits.
   unsigned bits_before_stop() const { return 1 + data_bits + (parity ? 1u : 0u); }
   unsigned bits() const { return bits_before_stop() + (two_stops ? 2u : 1u); }
-  std::uint32_t data_mask() const { return (1u << data_bits) - 1; }
+  std::uint32_t data_mask() const { return (1u << (data_bits & 15u)) - 1; }
   Picoseconds length() const { return bit * static_cast<Picoseconds>(bits()); }
   /// From the beginning of a frame to where the receiver takes its stop bit.
   Picoseconds to_stop_sample() const {
