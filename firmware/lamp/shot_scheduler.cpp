@@ -113,6 +113,8 @@ bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock) {
     const std::uint64_t tick = clock.tick_of_beat(p.last_beat);
     // Too late to be loaded in time: the beat passes, edge() reports the miss.
     if (tick + p.half_window_ticks <= clock.next_tick() && clock.next_tick() > tick) return false;
+    // Its way may not have begun yet and still be planned anew: a token that is out cannot follow.
+    if (tick >= clock.next_tick() + clock.beat_ticks()) return false;
     p.issued = true;
     token_out_ = true;
     token_beat_ = p.last_beat;

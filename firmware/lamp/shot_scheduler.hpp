@@ -12,8 +12,10 @@
 // blocks every later shot until the main loop has planned the way back to it, so that points are
 // fired in order.
 //
-//  life of a token:   half a beat before its lattice tick        arm window closes
-//                      | may be loaded ......................... | withdrawn
+// The board asks for a token after each edge and at least every 250 us.
+//
+//  life of a token:   a beat       half a beat before its lattice tick     arm window closes
+//                      | may be taken | may be loaded .................... | withdrawn
 #pragma once
 
 #include <array>
@@ -89,7 +91,7 @@ class ShotScheduler {
   std::uint32_t stray_shots() const { return stray_shots_; }
 
   // Beat interrupt.
-  /// The next right to fire; false if there is none now.
+  /// The next right to fire, at most a beat ahead of what has a time; false if there is none now.
   bool next_token(FireToken& token, const BeatClock& clock);
   /// The token was withdrawn without an edge.
   void token_expired();

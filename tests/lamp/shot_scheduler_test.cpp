@@ -326,6 +326,12 @@ class ByHand : public testing::Test {
     scheduler_.permit(true, BeatReason::no_point_due);
   }
   bool token(FireToken& out) { return scheduler_.next_token(out, clock_); }
+  /// Ticks have their lengths up to the one of this beat.
+  void time_up_to(std::uint64_t beat) {
+    const std::uint64_t tick = clock_.tick_of_beat(beat);
+    while (clock_.next_tick() < tick)
+      clock_.next_span(static_cast<std::uint32_t>(tick - clock_.next_tick()));
+  }
   std::vector<PointOutcome> outcomes() {
     std::vector<PointOutcome> all;
     PointOutcome o;
@@ -340,6 +346,9 @@ TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
   scheduler_.commit(shot_segment(0, 50), 3, 4);
   scheduler_.commit(shot_segment(1, 50), 5, 5);
   FireToken first, second;
+  time_up_to(3);
+  EXPECT_FALSE(token(first)) << "its way may still be planned anew";
+  time_up_to(4);
   ASSERT_TRUE(token(first));
   EXPECT_EQ(first.beat, 4u);
   EXPECT_EQ(first.expires_tick, clock_.tick_of_beat(4) + 50);
@@ -348,6 +357,7 @@ TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
   scheduler_.edge({true, 3, 0}, false, false);
   EXPECT_FALSE(token(second)) << "the beat before the shot does not spend its token";
   scheduler_.edge({true, 4, 0}, true, true);
+  time_up_to(5);
   ASSERT_TRUE(token(second));
   EXPECT_EQ(second.beat, 5u);
   const auto done = outcomes();
@@ -358,6 +368,7 @@ TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
 TEST_F(ByHand, AMissBlocksUntilTheRestart) {
   for (std::uint32_t i = 0; i < 4; ++i) scheduler_.commit(shot_segment(i, 50), 3 + i, 3 + i);
   FireToken t;
+  time_up_to(3);
   ASSERT_TRUE(token(t));
   scheduler_.edge({true, 3, 0}, false, true);  // outside the window
   EXPECT_FALSE(token(t));
@@ -366,14 +377,17 @@ TEST_F(ByHand, AMissBlocksUntilTheRestart) {
   ASSERT_FALSE(outcomes().empty());
   scheduler_.restart(BeatReason::returning);
   scheduler_.cancel_after(5);
+  time_up_to(5);
   EXPECT_FALSE(token(t)) << "what was planned before the restart never fires";
   scheduler_.commit(shot_segment(0, 50), 6, 8);
+  time_up_to(8);
   ASSERT_TRUE(token(t));
   EXPECT_EQ(t.beat, 8u);
 }
 
 TEST_F(ByHand, NothingFiresWithoutPermission) {
   scheduler_.commit(shot_segment(0, 50), 3, 3);
+  time_up_to(3);
   scheduler_.permit(false, BeatReason::door);
   FireToken t;
   EXPECT_FALSE(token(t));
@@ -386,6 +400,7 @@ TEST_F(ByHand, NothingFiresWithoutPermission) {
 
 TEST_F(ByHand, ANewJobForgetsTheOldOne) {
   scheduler_.commit(shot_segment(7, 50), 3, 3);
+  time_up_to(3);
   scheduler_.begin_job();
   FireToken t;
   EXPECT_FALSE(token(t));
@@ -395,6 +410,7 @@ TEST_F(ByHand, ANewJobForgetsTheOldOne) {
 
 TEST_F(ByHand, ATokenSpentOnAStrayEdgeComesBack) {
   scheduler_.commit(shot_segment(0, 50), 3, 3);
+  time_up_to(3);
   FireToken t;
   ASSERT_TRUE(token(t));
   scheduler_.edge({}, false, true);  // a stray edge before the window took it
@@ -409,6 +425,7 @@ TEST_F(ByHand, ATokenSpentOnAStrayEdgeComesBack) {
 TEST_F(ByHand, EveryBeatHasItsReason) {
   Segment s = shot_segment(0, 50);
   scheduler_.commit(s, 3, 4);
+  time_up_to(4);
   FireToken t;
   ASSERT_TRUE(token(t));
   scheduler_.edge({true, 2, 0}, false, false);  // before the job's first shot: kept apart
@@ -417,6 +434,7 @@ TEST_F(ByHand, EveryBeatHasItsReason) {
   EXPECT_EQ(scheduler_.ledger().beats_before(), 2u);
   scheduler_.commit(shot_segment(1, 50, false), 5, 6);  // a pass
   scheduler_.commit(shot_segment(2, 50), 7, 9);
+  time_up_to(9);
   ASSERT_TRUE(token(t));
   scheduler_.edge({true, 6, 1}, false, false);  // no edge on beat 5
   scheduler_.permit(false, BeatReason::hold);
