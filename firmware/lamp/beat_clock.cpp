@@ -23,6 +23,10 @@ std::int64_t difference(std::uint64_t later_q16, std::uint64_t earlier_q16) {
   return static_cast<std::int64_t>(later_q16 - earlier_q16);
 }
 
+std::int64_t clamped(std::int64_t x, std::int64_t low, std::int64_t high) {
+  return x < low ? low : x > high ? high : x;
+}
+
 /// A setting in us (kept in thousandths) to clocks, Q16.
 std::int64_t us_to_clocks_q16(std::int32_t milli_us) {
   return mul_div(std::int64_t{milli_us} << 16, clocks_per_us, 1000);
@@ -193,7 +197,9 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
     const std::int64_t slew = tick_ < motion_end_tick_ ? slew_q32_ : rest_slew_q32;
     const std::int64_t most = mul_q32(length, slew);
     const std::int64_t error = lattice_error_q16();
-    length += error > most ? most : error < -most ? -most : error;
+    // Never more than a quarter off nominal, however far the lamp is: boards rely on that.
+    const std::int64_t nominal = (nominal_tick_q32 * span.ticks) >> 16, quarter = nominal >> 2;
+    length = clamped(length + clamped(error, -most, most), nominal - quarter, nominal + quarter);
   }
   span.first_clock = clock_;
   span.clocks =

@@ -174,6 +174,28 @@ TEST(BeatClock, NumbersBeatsWithoutSkippingOrRepeating) {
   }
 }
 
+TEST(BeatClock, NeverPutsATickMoreThanAQuarterOffItsNominalLength) {
+  // The lamp as far from nominal as it may be, the lattice catching up with it at rest.
+  std::mt19937_64 random(78);
+  for (int i = 0; i < test::scaled(40); ++i) {
+    settings::Values values = lamp_settings(100);
+    values.set_milli(Id::lock_range, settings::row(Id::lock_range).max_milli);
+    BeatClock clock;
+    clock.configure(values);
+    ClockBench bench(clock);
+    const double hz = i % 2 == 0 ? 109.5 : 91.5;
+    const double start_s = std::uniform_real_distribution<double>(0.001, 0.02)(random);
+    bench.run(lamp_edges({hz, 0, 10, 0, 0, 0}, start_s, 1, random), clocks(1), {},
+              [&](const TickSpan& span) {
+                const std::uint32_t nominal = span.ticks * clocks_per_tick;
+                ASSERT_GE(span.clocks, nominal * 3 / 4) << hz << " Hz, " << span.ticks << " ticks";
+                ASSERT_LE(span.clocks, nominal * 5 / 4 + 1)
+                    << hz << " Hz, " << span.ticks << " ticks";
+              });
+    EXPECT_TRUE(clock.settled()) << hz << " Hz from " << start_s << " s";
+  }
+}
+
 TEST(BeatClock, LosesTheLockOutsideItsRangeAndFindsItAgainInside) {
   std::mt19937_64 random(74);
   BeatClock clock;
