@@ -10,10 +10,10 @@
 //   commit              main loop             after prepare     motion handed out, answers
 //   input_changed       main loop             on change         e-stop, door, limit switches; at
 //                                                               power-up for each active one
-//   take_settings       main loop             before transmit   settings to be stored
+//   take_settings       main loop             before prepare    settings to be stored
 //   loader_requested    main loop             1 ms              restart into the boot loader
 //   fill                fill interrupt        2 ms ahead        steps and lattice bits
-//   next_span           timing interrupt      0.1-0.5 ms ahead  lengths of ticks
+//   next_span           timing interrupt      up to 1 ms ahead  lengths of ticks
 //   lamp_edge           beat interrupt        on LAMP SYNC      edge and whether it fired
 //   next_token          beat interrupt        after each edge   the right to the next shot
 //   token_expired       beat interrupt        at its tick       the token was withdrawn
@@ -102,7 +102,7 @@ class Controller {
   void stopped_at(const StepPosition& steps);
 
   /// The user has changed settings: true once, with what has to be stored before the answer is
-  /// transmitted. The machine is at rest.
+  /// transmitted. Until the next prepare() the machine is at rest, even if a job has just begun.
   bool take_settings(settings::Values& values);
   /// The user wants the boot loader of the board; the machine is at rest and stays so.
   bool loader_requested() const { return loader_requested_; }

@@ -65,8 +65,8 @@ void Board::run() {
 
 void Board::pass() {
   receive();
+  store_settings();  // before a job that came behind them in the same bytes begins to move
   work();
-  store_settings();
   transmit();
   {
     const machine::Masked masked(mask_);

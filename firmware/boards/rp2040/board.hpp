@@ -3,10 +3,10 @@
 // In:  interrupts, by the handlers in board.cpp. Out: everything a machine does.
 // Who: main() makes one, in memory of its own, and calls run().
 //
-// One pass of the main loop takes bytes in, lets the core work on them, hands answers out, looks at
-// the switches, does what was asked for (settings to flash, boot loader) and signs for the
-// watchdog. Beat and fill interrupts are masked while the core's shared data is touched, a piece at
-// a time; planning runs with all interrupts open.
+// One pass of the main loop takes bytes in, writes changed settings to flash, lets the core work,
+// hands answers out, looks at the switches, enters the boot loader if that was asked for and signs
+// for the watchdog. Beat and fill interrupts are masked while the core's shared data is touched, a
+// piece at a time; planning runs with all interrupts open.
 #pragma once
 
 #include <cstdint>
@@ -58,7 +58,7 @@ class Board {
   void uart_interrupt() { ports_.uart().interrupt(); }
 
  private:
-  /// Bytes handed over in one piece: what beat and fill interrupts have to wait for.
+  /// Bytes handed over in one piece: a packet of USB. The core masks interrupts itself.
   static constexpr std::size_t piece = 64;
   static constexpr unsigned estop_word = io_interrupt::word(boards::gpio(boards::Role::estop));
   static constexpr std::uint32_t estop_edge =
