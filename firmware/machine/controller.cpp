@@ -157,10 +157,10 @@ void Controller::commit() {
     stop();
   }
   planning_ = false;
-  // A stop is over when the last shot that was decided has been counted.
+  // A stop is over when the machine stands and the last shot that was decided has been counted.
   const bool stopping = !job_ && (state_ == MachineState::run || state_ == MachineState::hold ||
                                   state_ == MachineState::door);
-  if (stopping && !shots_.token_out()) {
+  if (stopping && runner_.at_rest() && !shots_.token_out()) {
     // The edge may have come since prepare(): who sees idle shall see every shot.
     runner_.read_outcomes();
     state_ = MachineState::idle;

@@ -230,6 +230,26 @@ TEST_F(Disturbed, StopAndGoOnAtTheFirstPointNotFired) {
   EXPECT_GT(stopped, scaled(80) / 2);
 }
 
+/// Idle means at rest: who sees it may change settings, or leave.
+TEST_F(Disturbed, AStoppedMachineIsIdleOnceItStands) {
+  int braking = 0;
+  for (int seed = 0; seed < scaled(40); ++seed) {
+    set_up(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    run_sender_until(moment());
+    send_stop();
+    const sim::Picoseconds end = rig_->board.now() + to_rest;
+    while (rig_->board.now() < end) {
+      rig_->run(250 * ps_per_us);
+      const bool at_rest = rig_->board.controller().runner().at_rest();
+      if (!at_rest) ++braking;
+      ASSERT_TRUE(at_rest || rig_->state() != MachineState::idle) << rig_->board.now();
+    }
+    EXPECT_EQ(rig_->state(), MachineState::idle);
+  }
+  EXPECT_GT(braking, scaled(40));
+}
+
 /// Stopped between the decision to fire and the pulse, which counts nevertheless.
 TEST_F(Disturbed, StopWhileAShotIsDecidedButNotBegun) {
   int late = 0;
