@@ -235,6 +235,11 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
   }
 }
 
+/// The machine does nothing and we have not told it to: what it has said of the reason is lost.
+void JobSender::throw_ended() const {
+  refuse_job({0, {wire::FrameType::end, Result::no_job, status_.first_unfired}});
+}
+
 /// Notices a cut connection and tries to make a new one.
 void JobSender::keep_connected() {
   const Time now = transport_.now();
@@ -397,6 +402,8 @@ void JobSender::check_end() {
   const bool all_taken = end_built_ && frames_.empty();
   const bool all_done = all_taken && status_.first_unfired >= job_.targets.size();
   const bool stop_taken = stop_sent_ && status_.last_command >= command_number_;
+  const bool unfinished = status_.first_unfired < job_.targets.size();
+  if (state == MachineState::idle && unfinished && !stop_sent_) throw_ended();
   if (!all_done && !stop_sent_) return;
   if (!finish_by_) finish_by_ = transport_.now() + rest_timeout;
   const bool rested = stop_sent_ ? stop_taken && state == MachineState::idle : !moving;

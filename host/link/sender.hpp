@@ -66,7 +66,7 @@ class JobSender {
   JobSender(Transport& transport, const job::Job& job, SenderOptions options = {});
 
   /// Runs the job to its end. Throws Error: no_device (no answer, other version), bad_input (the
-  /// machine refuses the job or a point), job_failed (busy, locked, door open).
+  /// machine refuses the job or a point), job_failed (busy, locked, door open, ended by itself).
   JobResult run();
 
   /// One round: read, answer, send, wait a little. False once the job has ended. Throws as run().
@@ -111,6 +111,7 @@ class JobSender {
   void handle(const RefusedFrame& frame);
   void handle(const std::string& text);
   void refuse_job(const RefusedFrame& frame) const;
+  void throw_ended() const;
   bool take_barrier(const wire::Status& status);
   void acknowledge(const wire::Status& status);
 

@@ -327,6 +327,27 @@ TEST(Sender, APassingRefusalDoesNotHangTheJob) {
   EXPECT_EQ(failure.exit, Exit::job_failed);
 }
 
+TEST(Sender, AJobThatTheMachineHasEndedDoesNotHangTheProgram) {
+  // A point that cannot be reached ends the job too; the one frame that says so may be lost.
+  auto board = cable();
+  const job::Job job = random_job(500, 16);
+  JobSender sender(*board, job, fixed_session());
+  while (board->machine.received.size() < job.targets.size()) ASSERT_TRUE(sender.step());
+  board->machine.hold(wire::HoldReason::host);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(sender.step());
+  ASSERT_LT(board->machine.fired.size(), job.targets.size());
+  board->machine.state = wire::MachineState::idle;
+  std::string text;
+  try {
+    for (int i = 0; i < 1000 && text.empty(); ++i) sender.step();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit(), Exit::job_failed);
+    text = error.what();
+  }
+  EXPECT_THAT(text, HasSubstr("ended by the machine"));
+  EXPECT_THAT(text, HasSubstr("--from " + std::to_string(board->machine.fired.size())));
+}
+
 TEST(Sender, TakesOverFromAHostThatHasGone) {
   auto board = cable();
   const job::Job first = random_job(5000, 14);
