@@ -17,6 +17,9 @@ Controller* construct(void* memory) { return new (memory) Controller; }
     &Controller::next_token, &Controller::token_expired, &Controller::outputs,
     &Controller::plan,       &Controller::commit,        &Controller::take_settings,
     &Controller::values,     &Controller::fire_timing,   &Controller::input_changed,
+    &Controller::job_mark,   &Controller::stopped_at,    &Controller::lattice_stopped,
+    &Controller::say,        &Controller::clock,         &Controller::start_in_alarm,
+    &Controller::shots,      &Controller::state,         &Controller::loader_requested,
 };
 
 }  // namespace lamplock::machine
