@@ -18,8 +18,7 @@ constexpr int error_not_idle = 8;
 constexpr int error_locked = 9;
 constexpr int error_line_too_long = 11;
 constexpr int error_unsupported = 20;
-constexpr int error_estop = 50;          // of grblHAL
-constexpr int error_setting_range = 52;  // of grblHAL
+constexpr int error_estop = 50;  // of grblHAL
 // Real-time bytes of grbl 1.1.
 constexpr std::uint8_t byte_reset = 0x18;
 constexpr std::uint8_t byte_door = 0x84;

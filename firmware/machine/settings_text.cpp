@@ -7,7 +7,6 @@ namespace {
 
 constexpr int error_number = 2;
 constexpr int error_statement = 3;
-constexpr int error_range = 52;
 constexpr int decimals = 3;
 
 /// Takes decimal digits off the front; false if there is none or the number does not fit.
@@ -70,7 +69,7 @@ SettingLine read_setting(std::string_view line) {
   } else {
     const settings::Row& row = settings::row(result.id);
     if (milli < row.min_milli || milli > row.max_milli || (row.whole && milli % 1000 != 0))
-      result.error = error_range;
+      result.error = error_setting_range;
     else
       result.milli = static_cast<std::int32_t>(milli);
   }

@@ -13,8 +13,11 @@
 
 namespace lamplock::machine {
 
-/// What a line asks for. `error` is a number of grbl 1.1 (3 no such setting, 2 no number) or of
-/// grblHAL (52 out of its range); 0 = well.
+/// Error number of grblHAL: a setting is outside of its range.
+inline constexpr int error_setting_range = 52;
+
+/// What a line asks for. `error` is a number of grbl 1.1 (3 no such setting, 2 no number) or
+/// error_setting_range; 0 = well.
 struct SettingLine {
   int error = 0;
   settings::Id id = settings::Id::count;

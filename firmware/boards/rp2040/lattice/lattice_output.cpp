@@ -111,7 +111,7 @@ void LatticeOutput::start_pins() const {
 
 void LatticeOutput::start(boards::PinMap map) {
   static_assert(tick_machine.block == 1 && tick_machine.number == tick_number);
-  axes_ = boards::find_gpio(map, Role::step_a).has_value() ? max_axes : max_axes - 1;
+  axes_ = boards::axes(map);
   pio0().ctrl = 0;
   pio1().ctrl = 0;
   load(pio0(), axis_program, axis_offset);
