@@ -2,9 +2,9 @@
 //
 // Firmware, host, documentation and tests read this table and nothing else. Numbers are those of
 // grbl 1.1 where grbl has the setting, our own ones start at 900, in blocks: 900 beat, 920 laser
-// protection, 940 work space, 960 axes, 980 link, 990 board. Values are kept in thousandths of the
-// unit
-// (`milli`) as 32-bit integers: exact, printable with three decimals, no floating point.
+// protection, 940 work space, 960 axes, 980 link, 990 board.
+// Values are kept in thousandths of the unit (`milli`) as 32-bit integers: exact, printable with
+// three decimals, no floating point.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // The beat clock: where the lamp is, and how long the next ticks have to be.
 //
 // In:  accepted LAMP SYNC edges with their time in system clocks (beat interrupt).
-// Out: spans of ticks with their length in clocks (timing interrupt, 0.1-0.5 ms ahead), such that
+// Out: spans of ticks with their length in clocks (timing interrupt, up to 1 ms ahead), such that
 //      the lattice tick of beat k falls on edge k + delay; the beat number of every edge.
 // Budget: no division outside configure(); a handful of 64-bit products per edge or span.
 //

@@ -2,9 +2,9 @@
 //
 // In:  the payload of one DATA frame at a time, in order (the link sees to that).
 // Out: targets in the point queue: all of a frame, or none.
-// Who: the controller's on_data, at main-loop level; an estimated 100 cycles a target, twice,
-// because
-//      every frame is checked to its end before its first target is pushed.
+// Who: the controller's on_data, at main-loop level; an estimated 100 cycles a target.
+//      Each target is looked at twice, because every frame is checked to its end before its first
+//      target is pushed.
 #pragma once
 
 #include <cstdint>

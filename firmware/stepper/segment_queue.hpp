@@ -1,8 +1,8 @@
 // The ring of segments between planner and tick generator.
 //
-// One writer (main loop) and one reader (fill interrupt); indices only ever grow, but for clear(),
-// and are single words, so neither side needs a lock. The writer may take back what the reader has
-// not begun; it must do so with the fill interrupt masked (a few instructions).
+// One writer (main loop) and one reader (fill interrupt); indices are single words and only ever
+// grow, so neither side needs a lock. But the writer may take back what the reader has not begun;
+// it must do so with the fill interrupt masked (a few instructions).
 #pragma once
 
 #include <array>

@@ -1,11 +1,9 @@
-// Who has which state machine, DMA channel, interrupt: one place, so that nothing is used twice.
+// Who has which state machine, DMA channel, alarm: one place, so that nothing is used twice.
+// Interrupts and their priorities: interrupts.hpp.
 //
 //   state machines   PIO0: AXIS X, Y, Z, FIRE         PIO1: AXIS A, BITS, TICK, STAMP
 //   DMA channels     0-3 AXIS, 4 BITS, 5 TICK, 6 STAMP, 7 starts any of them again
-//   interrupts       IO_IRQ_BANK0 priority 0: e-stop
-//                    PIO0_IRQ_0   priority 1: result of FIRE
-//                    TIMER_IRQ_1  priority 1: lengths of ticks, tokens (alarm 1)
-//                    26 (spare)   priority 3: fill, pended by software
+//   alarms           1: lengths of ticks, tokens
 #pragma once
 
 #include "firmware/boards/rp2040/pio/state_machine.hpp"

@@ -26,6 +26,7 @@ struct InterruptEntry {
   void (*handler)();
 };
 
+/// Switch; result of FIRE; lengths of ticks and tokens; links; fill, pended by software.
 inline constexpr std::array interrupt_entries{
     InterruptEntry{Irq::io_bank0, Level::estop, estop_irq},
     InterruptEntry{Irq::pio0_0, Level::beat, beat_irq},

@@ -4,8 +4,7 @@
 // Who: main loop.
 //
 // Whoever speaks is listened to. While a job runs the other one is not: two hosts at once would
-// break each other's frames. What it says is thrown away, except that nothing of a job depends on
-// a link that is not being listened to.
+// break each other's frames. What it says is thrown away, real-time bytes too.
 #pragma once
 
 #include <cstddef>

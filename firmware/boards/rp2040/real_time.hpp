@@ -4,11 +4,12 @@
 // Out: steps, shots, edges for the core.
 //
 //   function           called from                              budget
-//   start              main loop, once, interrupts masked       1 ms
+//   start              main loop, once, interrupts masked       3 ms
 //   estop_interrupt    IO_IRQ_BANK0, priority 0                 0.5 us
 //   beat_interrupt     PIO0_IRQ_0, TIMER_IRQ_1, priority 1      60 us
 //   fill_interrupt     interrupt 26, priority 3                 25 % of the time in motion
-//   poll               main loop, every 1 ms, beat and fill masked at the NVIC
+//   poll               main loop, every 1 ms, beat and fill masked at the NVIC; 3 ms when it
+//                      starts the lattice again (e-stop, limit, ticks that ran out)
 //
 // Time: the core counts system clocks; clock 0 is start(). The microsecond timer runs from the
 // same crystal and gives the present clock within 1 us; edges and ticks are exact by TICK and
@@ -64,7 +65,7 @@ class RealTime {
   /// False if `most` spans were not enough.
   bool feed_spans(machine::Controller& core, std::uint32_t most);
   void begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled);
-  void go(std::uint64_t first_clock);
+  void go(std::uint64_t at_us);
   void stop_dead(machine::Controller& core);
   void input_changed(machine::Controller& core, machine::Input input, bool active);
   void apply_outputs(const machine::Controller& core);

@@ -2,8 +2,9 @@
 //
 // In:  words of the StepExpander.
 // Out: the same words, read by DMA round and round.
-// Size: 4096 ticks. Motion is filled 2 ms ahead of the ticks that have a length, which are at most
-// 0.6 ms ahead of time; what lies behind is still there when an e-stop asks for the steps put out.
+// Size: 4096 ticks. Motion is filled 2 ms ahead of the ticks that have a length, which are less
+// than 1 ms ahead of time; what lies behind is still there when an e-stop asks for the steps put
+// out.
 #pragma once
 
 #include <array>

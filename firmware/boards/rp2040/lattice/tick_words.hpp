@@ -4,7 +4,7 @@
 // Out: words (ticks - 1 | low time << 16); tick i of a span begins at first_clock +
 //      floor(i * clocks / ticks), the very clock that the virtual board works out.
 // Who: TickFeed (beat interrupt, priority 1). Cost: some 20 cycles a word, no division; one word
-// for 16 ticks where all are alike, as many as ticks at worst.
+//      for 16 ticks where all are alike, as many as ticks at worst.
 //
 // TICK spends the low time before the rise that begins a tick: a word tells how long the ticks
 // before its rises were. So the words of span [a, b) begin ticks a+1 .. b.

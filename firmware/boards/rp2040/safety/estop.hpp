@@ -2,13 +2,13 @@
 //
 // In:  rising edge of the e-stop pin (normally closed contact: high = pressed or wire broken).
 // Out: FIRE and TICK stand still; Q-switch, trigger, gate, ARM and PWM low at their pads; a flag
-// for
-//      the main loop, which tells the core and starts the lattice again without motion; when that
-//      was, since lamp edges go on while the main loop is still away.
+//      for the main loop, which tells the core and starts the lattice again without motion; when
+//      that was, since lamp edges go on while the main loop is still away.
 // Who: interrupt() from IO_IRQ_BANK0, alone at priority 0, nothing masks it longer than 1 us.
 //      Budget: 60 cycles (0.5 us) and the entry; 9 stores.
 //
-// The pads stay low until release_pads(), when the core has left the e-stop state.
+// The pads stay low until release_pads(), when the core has left the e-stop state; the trigger's
+// until the lattice runs again.
 #pragma once
 
 #include <cstdint>
