@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/link/descriptor_transport.hpp"
+#include "shared/boards/pico_uart.hpp"
 
 namespace lamplock::link {
 
@@ -12,8 +13,8 @@ namespace lamplock::link {
 /// boards: neither opening nor closing it drops DTR.
 class SerialTransport : public DescriptorTransport {
  public:
-  /// Matters for adapters only; USB and pseudo-terminals ignore it.
-  static constexpr unsigned default_baud = 115200;
+  /// Matters for adapters at the board's UART only; USB and pseudo-terminals ignore it.
+  static constexpr unsigned default_baud = boards::uart_baud;
 
   /// Throws Error(no_device) if the port cannot be opened.
   explicit SerialTransport(std::string port, unsigned baud = default_baud);

@@ -1,5 +1,7 @@
 // Real ports: the sender's transports against the endpoints of the simulator.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <array>
@@ -107,6 +109,18 @@ TEST(SerialTransport, NoticesThatTheOtherEndIsGone) {
   EXPECT_FALSE(transport.connected());
   EXPECT_FALSE(transport.reconnect());
   EXPECT_EQ(transport.write(bytes), 0u);
+}
+
+TEST(SerialTransport, HasTheSpeedOfTheBoardsUart) {
+  const PtyEndpoint endpoint;
+  const SerialTransport transport(endpoint.address());
+  const int port = ::open(endpoint.address().c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(port, 0);
+  termios line{};
+  EXPECT_EQ(::tcgetattr(port, &line), 0);
+  ::close(port);
+  EXPECT_EQ(::cfgetospeed(&line), speed_t{B1000000});
+  static_assert(boards::uart_baud == 1'000'000);
 }
 
 TEST(SerialTransport, MissingPortIsAnError) {

@@ -16,6 +16,7 @@
 
 #include "firmware/boards/rp2040/registers/uart.hpp"
 #include "firmware/boards/rp2040/usb/byte_rings.hpp"
+#include "shared/boards/pico_uart.hpp"
 
 namespace lamplock::rp2040 {
 
@@ -32,9 +33,6 @@ struct BaudDivisor {
 };
 static_assert(BaudDivisor::of(125'000'000, 1'000'000).whole == 7);
 static_assert(BaudDivisor::of(125'000'000, 1'000'000).fraction == 52);
-
-/// 125 MHz, 1 Mbaud: exact.
-inline constexpr std::uint32_t uart_default_baud = 1'000'000;
 
 /// What has happened on the line.
 struct UartCounters {
@@ -57,7 +55,7 @@ class BasicUartSerial {
   BasicUartSerial& operator=(const BasicUartSerial&) = delete;
 
   /// 8N1. Main loop; divides.
-  void start(std::uint32_t clock_hz, std::uint32_t baud = uart_default_baud) {
+  void start(std::uint32_t clock_hz, std::uint32_t baud = boards::uart_baud) {
     hardware_.start(BaudDivisor::of(clock_hz, baud));
     hardware_.enable_interrupts(receive_interrupts);
   }

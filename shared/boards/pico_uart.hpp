@@ -1,0 +1,11 @@
+// The second link of a Raspberry Pi Pico, a UART: what both ends of the cable agree on.
+#pragma once
+
+#include <cstdint>
+
+namespace lamplock::boards {
+
+/// 8N1; exact at 125 MHz.
+inline constexpr std::uint32_t uart_baud = 1'000'000;
+
+}  // namespace lamplock::boards
