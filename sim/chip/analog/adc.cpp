@@ -15,8 +15,6 @@ constexpr std::uint32_t offset_fcs = 0x08;
 constexpr std::uint32_t offset_fifo = 0x0c;
 constexpr std::uint32_t offset_div = 0x10;
 constexpr std::uint32_t offset_intr = 0x14;
-constexpr std::uint32_t offset_inte = 0x18;
-constexpr std::uint32_t offset_intf = 0x1c;
 constexpr std::uint32_t offset_ints = 0x20;
 
 // CS.
@@ -41,6 +39,7 @@ constexpr std::uint32_t fcs_under = 1u << 10;
 constexpr std::uint32_t fcs_over = 1u << 11;
 constexpr std::uint32_t fcs_kept = 0x0f00000f;  // THRESH, DREQ_EN, ERR, SHIFT, EN
 constexpr std::uint32_t fifo_error = 1u << 15;
+constexpr std::uint32_t interrupt_fifo = 1u << 0;
 constexpr std::uint32_t divider_mask = 0xffffff;
 
 constexpr double largest_code = 4095;
@@ -55,7 +54,8 @@ Adc::Adc(TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_model
       slot_(wheel.add(*this)),
       clocks_(clocks),
       irqs_(irqs),
-      not_modelled_(std::move(not_modelled)) {
+      not_modelled_(std::move(not_modelled)),
+      interrupts_(offset_intr, interrupt_fifo) {
   clocks_.listen(*this);
   counter_.set_frequency(clocks_.hz(Clock::adc), now());
   set_temperature(27);
@@ -64,7 +64,7 @@ Adc::Adc(TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_model
 
 void Adc::reset() {
   control_ = fifo_control_ = divider_ = 0;
-  interrupt_enable_ = interrupt_force_ = 0;
+  interrupts_.reset();
   converting_ = sample_failed_ = failed_ = ever_failed_ = false;
   result_ = 0;
   fifo_level_ = 0;
@@ -187,6 +187,8 @@ std::uint32_t Adc::pop() {
 
 bool Adc::fifo_triggers() const { return fifo_level_ >= (fifo_control_ >> 24 & 0xfu); }
 
+std::uint32_t Adc::raised() const { return fifo_triggers() ? interrupt_fifo : 0; }
+
 // --- time
 
 void Adc::run(Cycle) {
@@ -205,7 +207,7 @@ void Adc::clocks_changed() {
 
 void Adc::schedule() {
   const bool fifo_awaited = (fifo_control_ & fcs_enable) != 0 &&
-                            (interrupt_enable_ != 0 || (fifo_control_ & fcs_dreq) != 0);
+                            (interrupts_.enabled() != 0 || (fifo_control_ & fcs_dreq) != 0);
   // An alias writes AINSEL back as it was peeked, so round robins are kept up to date.
   const bool awaited = fifo_awaited || (control_ & cs_round_mask) != 0;
   Picoseconds end = ClockCounter::never;
@@ -217,7 +219,7 @@ void Adc::schedule() {
 }
 
 void Adc::update_lines() {
-  irqs_.set(Irq::adc_fifo, (fifo_triggers() && interrupt_enable_ != 0) || interrupt_force_ != 0);
+  irqs_.set(Irq::adc_fifo, interrupts_.status(raised()) != 0);
   const bool requests = (fifo_control_ & fcs_dreq) != 0 && fifo_triggers();
   if (dreqs_ != nullptr) dreqs_->set_level(Dreq::adc, requests ? fifo_level_ : 0);
 }
@@ -247,16 +249,8 @@ std::uint32_t Adc::peek(std::uint32_t offset) const {
       return fifo_level_ == 0 ? 0 : fifo_[0];
     case offset_div:
       return divider_;
-    case offset_intr:
-      return fifo_triggers() ? 1 : 0;
-    case offset_inte:
-      return interrupt_enable_;
-    case offset_intf:
-      return interrupt_force_;
-    case offset_ints:
-      return (fifo_triggers() ? interrupt_enable_ : 0u) | interrupt_force_;
     default:
-      return 0;
+      return interrupts_.read(offset, raised());
   }
 }
 
@@ -317,19 +311,11 @@ void Adc::write(std::uint32_t offset, std::uint32_t value) {
     case offset_div:
       write_divider(value);
       break;
-    case offset_inte:
-      interrupt_enable_ = value & 1u;
-      break;
-    case offset_intf:
-      interrupt_force_ = value & 1u;
-      break;
     case offset_result:
     case offset_fifo:
-    case offset_intr:
-    case offset_ints:
       break;
     default:
-      not_modelled_("ADC: no register at this offset");
+      if (!interrupts_.write(offset, value)) not_modelled_("ADC: no register at this offset");
   }
   advance();
   update_lines();

@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/system/clock_counter.hpp"
@@ -72,6 +73,7 @@ class Adc final : public Peripheral, private Timed, private ClockListener {
   std::uint32_t pop();
   std::uint32_t convert(std::uint32_t input);
   bool fifo_triggers() const;
+  std::uint32_t raised() const;
   std::uint32_t status() const;
   std::uint32_t fifo_status() const;
   void write_control(std::uint32_t value);
@@ -92,7 +94,7 @@ class Adc final : public Peripheral, private Timed, private ClockListener {
 
   std::uint32_t control_ = 0;  ///< CS without its read-only bits
   std::uint32_t fifo_control_ = 0, divider_ = 0;
-  std::uint32_t interrupt_enable_ = 0, interrupt_force_ = 0;
+  InterruptRegisters interrupts_;
   bool converting_ = false;
   std::uint64_t started_ = 0;                ///< cycle of the conversion under way
   std::uint64_t origin_ = 0, triggers_ = 0;  ///< START_MANY: cycle of trigger 0, how many were

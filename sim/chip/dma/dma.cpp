@@ -11,7 +11,7 @@ namespace lamplock::sim::chip {
 namespace {
 
 // Offsets (RP2040 datasheet, 2.5.7).
-constexpr std::uint32_t channel_stride = 0x40, intr = 0x400, inte0 = 0x404, ints0 = 0x40c,
+constexpr std::uint32_t channel_stride = 0x40, intr = 0x400, ints0 = 0x40c, intr1_reserved = 0x410,
                         ints1 = 0x41c, timer0 = 0x420, multi_chan_trigger = 0x430,
                         sniff_ctrl = 0x434, sniff_data = 0x438, fifo_levels = 0x440,
                         chan_abort = 0x444, n_channels = 0x448, debug = 0x800;
@@ -50,7 +50,9 @@ Dma::Dma(ClockOwner& clock, Bus& bus, DreqLines& dreqs, const std::array<PioBloc
       pio_(pio),
       irqs_(irqs),
       timing_(timing),
-      not_modelled_(std::move(not_modelled)) {}
+      not_modelled_(std::move(not_modelled)),
+      interrupts_{InterruptRegisters{intr, channel_bits},
+                  InterruptRegisters{intr1_reserved, channel_bits}} {}
 
 // ---------------------------------------------------------------------------------------------
 // Clocks
@@ -304,8 +306,8 @@ void Dma::raise(unsigned i) {
 }
 
 void Dma::update_lines() {
-  irqs_.set(Irq::dma_0, ((raised_ & interrupts_[0].enable) | interrupts_[0].force) != 0);
-  irqs_.set(Irq::dma_1, ((raised_ & interrupts_[1].enable) | interrupts_[1].force) != 0);
+  irqs_.set(Irq::dma_0, interrupts_[0].status(raised_) != 0);
+  irqs_.set(Irq::dma_1, interrupts_[1].status(raised_) != 0);
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -324,24 +326,13 @@ void Dma::set_control(Channel& channel, std::uint32_t value) {
 }
 
 std::uint32_t Dma::read_global(std::uint32_t offset) const {
-  if (offset >= inte0 && offset <= ints1 && offset != 0x410) {
-    const Interrupt& line = interrupts_[offset >= 0x414 ? 1 : 0];
-    switch (offset & 0xfu) {
-      case 0x4:
-        return line.enable;
-      case 0x8:
-        return line.force;
-      default:
-        return (raised_ & line.enable) | line.force;
-    }
-  }
+  if (offset >= intr && offset <= ints1 && offset != intr1_reserved)
+    return interrupts_[offset < intr1_reserved ? 0 : 1].read(offset, raised_);
   if (offset >= timer0 && offset < timer0 + 4 * dma_timer_count) {
     const Timer& timer = timers_[(offset - timer0) / 4];
     return timer.x << 16 | timer.y;
   }
   switch (offset) {
-    case intr:
-      return raised_;
     case multi_chan_trigger:
       return 0;
     case sniff_ctrl:
@@ -409,9 +400,7 @@ void Dma::write_channel(std::uint32_t offset, std::uint32_t value, Cycle clock) 
 
 void Dma::write_global(std::uint32_t offset, std::uint32_t value, Cycle clock) {
   if (offset >= intr && offset <= ints1) {
-    Interrupt& line = interrupts_[offset >= 0x414 ? 1 : 0];
-    if ((offset & 0xfu) == 0x4) line.enable = value & channel_bits;
-    if ((offset & 0xfu) == 0x8) line.force = value & channel_bits;
+    for (InterruptRegisters& line : interrupts_) line.write(offset, value);
     if ((offset & 0xfu) == 0xc || offset == intr) raised_ &= ~value;
     update_lines();
     return;
@@ -471,7 +460,7 @@ void Dma::reset() {
   const Cycle clock = owner_.bring_up_to_date() - 1;
   channels_ = {};
   timers_ = {};
-  interrupts_ = {};
+  for (InterruptRegisters& line : interrupts_) line.reset();
   sniffer_.reset();
   raised_ = busy_mask_ = high_served_ = 0;
   fifo_level_ = fifo_head_ = 0;

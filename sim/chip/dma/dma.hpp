@@ -19,6 +19,7 @@
 #include "sim/chip/bus.hpp"
 #include "sim/chip/dma/dreq_lines.hpp"
 #include "sim/chip/dma/sniffer.hpp"
+#include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/pio/pio_block.hpp"
@@ -81,9 +82,6 @@ class Dma final : public Peripheral {
     std::uint32_t data = 0;
     Cycle ready = 0;
   };
-  struct Interrupt {
-    std::uint32_t enable = 0, force = 0;
-  };
 
   void advance_to(Cycle clock);
   void write_phase(Cycle clock);
@@ -120,7 +118,7 @@ class Dma final : public Peripheral {
   std::array<Channel, dma_channel_count> channels_{};
   std::array<Timer, dma_timer_count> timers_{};
   Sniffer sniffer_;
-  std::array<Interrupt, 2> interrupts_{};
+  std::array<InterruptRegisters, 2> interrupts_;
   std::uint32_t raised_ = 0;  ///< INTR
   std::uint32_t busy_mask_ = 0;
 

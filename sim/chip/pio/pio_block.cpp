@@ -15,7 +15,7 @@ constexpr std::uint32_t ctrl = 0x000, fstat_offset = 0x004, fdebug_offset = 0x00
                         irq_force = 0x034, input_sync_bypass = 0x038, dbg_padout = 0x03c,
                         dbg_padoe = 0x040, dbg_cfginfo = 0x044, instr_mem0 = 0x048,
                         sm0_clkdiv = 0x0c8, sm_end = 0x128, intr_offset = 0x128, irq0_inte = 0x12c,
-                        irqs_end = 0x144;
+                        irq1_inte = 0x138, irqs_end = 0x144;
 constexpr std::uint32_t sm_stride = 0x18;
 constexpr std::uint32_t interrupt_bits = 0xfff;
 // DBG_CFGINFO: 32 words of instruction memory, 4 machines, FIFOs of 4 words.
@@ -33,7 +33,9 @@ PioBlock::PioBlock(ClockOwner& clock, unsigned number, IrqLines& irqs, NotModell
       irqs_(irqs),
       not_modelled_(std::move(not_modelled)),
       machines_{pio::StateMachine{shared_, 0}, pio::StateMachine{shared_, 1},
-                pio::StateMachine{shared_, 2}, pio::StateMachine{shared_, 3}} {
+                pio::StateMachine{shared_, 2}, pio::StateMachine{shared_, 3}},
+      interrupts_{InterruptRegisters{intr_offset, interrupt_bits},
+                  InterruptRegisters{irq1_inte - 4, interrupt_bits}} {
   for (pio::StateMachine& machine : machines_) machine.reset(0);
 }
 
@@ -100,8 +102,8 @@ void PioBlock::update_lines() {
   const std::uint32_t raw = intr();
   const Irq first = number_ == 0 ? Irq::pio0_0 : Irq::pio1_0;
   const Irq second = number_ == 0 ? Irq::pio0_1 : Irq::pio1_1;
-  irqs_.set(first, ((raw & interrupts_[0].enable) | interrupts_[0].force) != 0);
-  irqs_.set(second, ((raw & interrupts_[1].enable) | interrupts_[1].force) != 0);
+  irqs_.set(first, interrupts_[0].status(raw) != 0);
+  irqs_.set(second, interrupts_[1].status(raw) != 0);
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -185,15 +187,7 @@ std::uint32_t PioBlock::value_of(std::uint32_t offset) const {
       break;
   }
   if (offset >= irq0_inte && offset < irqs_end) {
-    const Interrupt& line = interrupts_[(offset - irq0_inte) / 12];
-    switch ((offset - irq0_inte) % 12) {
-      case 0:
-        return line.enable;
-      case 4:
-        return line.force;
-      default:
-        return (intr() & line.enable) | line.force;
-    }
+    return interrupts_[offset < irq1_inte ? 0 : 1].read(offset, intr());
   }
   report("read of offset " + std::to_string(offset));
   return 0;
@@ -289,9 +283,7 @@ void PioBlock::write(std::uint32_t offset, std::uint32_t value) {
     for (pio::StateMachine& machine : machines_)
       machine.set_instruction((offset - instr_mem0) / 4, static_cast<std::uint16_t>(value));
   } else if (offset >= irq0_inte && offset < irqs_end) {
-    Interrupt& line = interrupts_[(offset - irq0_inte) / 12];
-    if ((offset - irq0_inte) % 12 == 0) line.enable = value & interrupt_bits;
-    if ((offset - irq0_inte) % 12 == 4) line.force = value & interrupt_bits;
+    interrupts_[offset < irq1_inte ? 0 : 1].write(offset, value);
   } else if (offset == ctrl) {
     write_control(value, next);
   } else if (offset == fdebug_offset) {
@@ -326,7 +318,7 @@ void PioBlock::reset() {
     machine.reset(next);
     for (unsigned i = 0; i < 32; ++i) machine.set_instruction(i, 0);
   }
-  interrupts_ = {};
+  for (InterruptRegisters& line : interrupts_) line.reset();
   fifo_changed_ = true;
   update_lines();
   settle(next);

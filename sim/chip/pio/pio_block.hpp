@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/pio/state_machine.hpp"
@@ -92,10 +93,7 @@ class PioBlock final : public Peripheral {
   std::uint32_t driven_out_ = 0, driven_dirs_ = 0;
   bool fifo_changed_ = false;
   bool reserved_told_ = false;
-  struct Interrupt {
-    std::uint32_t enable = 0, force = 0;
-  };
-  std::array<Interrupt, 2> interrupts_{};
+  std::array<InterruptRegisters, 2> interrupts_;
 };
 
 }  // namespace lamplock::sim::chip

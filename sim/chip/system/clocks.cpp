@@ -23,8 +23,6 @@ constexpr std::uint32_t offset_wake = 0xa0;
 constexpr std::uint32_t offset_sleep = 0xa8;
 constexpr std::uint32_t offset_enabled = 0xb0;
 constexpr std::uint32_t offset_intr = 0xb8;
-constexpr std::uint32_t offset_inte = 0xbc;
-constexpr std::uint32_t offset_intf = 0xc0;
 constexpr std::uint32_t offset_ints = 0xc4;
 
 // Writable bits of CTRL and DIV of each generator; clk_peri has no divider.
@@ -67,7 +65,8 @@ Clocks::Clocks(TimeWheel& wheel, Xosc& xosc, Rosc& rosc, Pll& pll_sys, Pll& pll_
       pins_(pins),
       held_(std::move(held)),
       not_modelled_(std::move(not_modelled)),
-      outputs_(wheel, pins, not_modelled_) {
+      outputs_(wheel, pins, not_modelled_),
+      interrupts_(offset_intr, interrupt_resus) {
   pins_.listen(*this);
   xosc_.on_change([this] {
     pll_sys_.reference_changed();
@@ -88,16 +87,13 @@ void Clocks::reset() {
   counter_ = fc0_resets;
   counted_hz_ = 0;
   wake_enable_ = sleep_enable_ = enable_masks;
-  interrupt_enable_ = interrupt_force_ = 0;
+  interrupts_.reset();
   wheel_.set(slot_, never_cycle);
   refresh();
   update_irq();
 }
 
-void Clocks::update_irq() {
-  const std::uint32_t raised = resussed_ ? 1u : 0u;
-  irqs_.set(Irq::clocks, ((raised & interrupt_enable_) | interrupt_force_) != 0);
-}
+void Clocks::update_irq() { irqs_.set(Irq::clocks, interrupts_.status(raised()) != 0); }
 
 // --- frequencies
 
@@ -335,16 +331,8 @@ std::uint32_t Clocks::peek(std::uint32_t offset) const {
     case offset_enabled:
     case offset_enabled + 4:
       return wake_enable_[(offset - offset_enabled) / 4];
-    case offset_intr:
-      return resussed_ ? 1u : 0u;
-    case offset_inte:
-      return interrupt_enable_;
-    case offset_intf:
-      return interrupt_force_;
-    case offset_ints:
-      return (resussed_ ? interrupt_enable_ : 0u) | interrupt_force_;
     default:
-      return 0;
+      return interrupts_.read(offset, raised());
   }
 }
 
@@ -381,11 +369,7 @@ void Clocks::write(std::uint32_t offset, std::uint32_t value) {
     if (offset == offset_fc0_source) start_counter(counter_[index]);
   } else if (offset >= offset_wake && offset < offset_enabled) {
     write_enables(offset, value);
-  } else if (offset == offset_inte) {
-    interrupt_enable_ = value & 1u;
-    update_irq();
-  } else if (offset == offset_intf) {
-    interrupt_force_ = value & 1u;
+  } else if (interrupts_.write(offset, value)) {
     update_irq();
   } else if (offset > offset_ints) {
     not_modelled_("CLOCKS: no register at this offset");

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sim/chip/gpio/function_pins.hpp"
+#include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/system/clock_outputs.hpp"
@@ -85,6 +86,7 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
   std::uint32_t counter_result() const;
   std::uint32_t counter_status() const;
   void write_enables(std::uint32_t offset, std::uint32_t value);
+  std::uint32_t raised() const { return resussed_ ? interrupt_resus : 0; }
   void update_irq();
 
   TimeWheel& wheel_;
@@ -100,6 +102,8 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
   ClockOutputs outputs_;
   std::vector<ClockListener*> listeners_;
 
+  static constexpr std::uint32_t interrupt_resus = 1u << 0;  ///< CLK_SYS_RESUS
+
   std::array<Generator, clock_count> generators_{};
   std::array<std::uint64_t, clock_count> hz_{};
   std::array<std::uint64_t, 2> input_hz_{};
@@ -111,7 +115,7 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
   std::uint64_t counted_hz_ = 0;            ///< of the clock that is or was counted
   Picoseconds counter_end_ = 0;
   std::array<std::uint32_t, 2> wake_enable_{}, sleep_enable_{};
-  std::uint32_t interrupt_enable_ = 0, interrupt_force_ = 0;
+  InterruptRegisters interrupts_;
 };
 
 }  // namespace lamplock::sim::chip

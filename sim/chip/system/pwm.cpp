@@ -16,8 +16,6 @@ constexpr std::uint32_t offset_top = 0x10;
 constexpr std::uint32_t slice_bytes = 0x14;
 constexpr std::uint32_t offset_en = 0xa0;
 constexpr std::uint32_t offset_intr = 0xa4;
-constexpr std::uint32_t offset_inte = 0xa8;
-constexpr std::uint32_t offset_intf = 0xac;
 constexpr std::uint32_t offset_ints = 0xb0;
 
 // CSR: EN 0, PH_CORRECT 1, A_INV 2, B_INV 3, DIVMODE 5:4, PH_RET 6, PH_ADV 7 (both clear
@@ -176,7 +174,8 @@ Pwm::Pwm(TimeWheel& wheel, Gpio& gpio, IrqLines& irqs, NotModelled not_modelled)
       slot_(wheel.add(*this)),
       gpio_(gpio),
       irqs_(irqs),
-      not_modelled_(std::move(not_modelled)) {
+      not_modelled_(std::move(not_modelled)),
+      interrupts_(offset_intr, all_slices) {
   gpio_.listen(static_cast<InputListener&>(*this));
   reset();
 }
@@ -184,7 +183,8 @@ Pwm::Pwm(TimeWheel& wheel, Gpio& gpio, IrqLines& irqs, NotModelled not_modelled)
 void Pwm::reset() {
   advance(wheel_.now());
   slices_ = {};
-  raised_ = enabled_ = forced_ = 0;
+  raised_ = 0;
+  interrupts_.reset();
   settle(wheel_.now());
 }
 
@@ -246,13 +246,13 @@ void Pwm::schedule() {
     running_ = true;
     counts_inputs_ = counts_inputs_ || part.mode() != PwmSlice::Mode::free_running;
     const bool seen = connected(slice);
-    const bool awaited = ((enabled_ & ~raised_) | awaited_) >> slice & 1u;
+    const bool awaited = ((interrupts_.enabled() & ~raised_) | awaited_) >> slice & 1u;
     if (seen || awaited) first = std::min(first, part.until_event(!seen));
   }
   wheel_.set(slot_, first == never_cycle ? never_cycle : time_ + first);
 }
 
-void Pwm::update_irq() { irqs_.set(Irq::pwm_wrap, ((raised_ & enabled_) | forced_) != 0); }
+void Pwm::update_irq() { irqs_.set(Irq::pwm_wrap, interrupts_.status(raised_) != 0); }
 
 /// After anything that may have changed outputs, interrupts or what comes next.
 void Pwm::settle(Cycle at) {
@@ -299,16 +299,8 @@ std::uint32_t Pwm::peek(std::uint32_t offset) const {
   switch (offset) {
     case offset_en:
       return enabled_slices;
-    case offset_intr:
-      return raised_;
-    case offset_inte:
-      return enabled_;
-    case offset_intf:
-      return forced_;
-    case offset_ints:
-      return (raised_ & enabled_) | forced_;
     default:
-      return 0;
+      return interrupts_.read(offset, raised_);
   }
 }
 
@@ -333,11 +325,7 @@ void Pwm::write(std::uint32_t offset, std::uint32_t value) {
       slices_[slice].enable((value >> slice & 1u) != 0);
   } else if (offset == offset_intr) {
     raised_ &= ~value;
-  } else if (offset == offset_inte) {
-    enabled_ = value & all_slices;
-  } else if (offset == offset_intf) {
-    forced_ = value & all_slices;
-  } else if (offset > offset_ints) {
+  } else if (!interrupts_.write(offset, value)) {
     not_modelled_("PWM: no register at this offset");
   }
   collect_wraps();

@@ -13,6 +13,7 @@
 
 #include "sim/chip/dma/dreq_lines.hpp"
 #include "sim/chip/gpio/gpio.hpp"
+#include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/time_wheel.hpp"
@@ -113,7 +114,8 @@ class Pwm final : public Peripheral, private Timed, private InputListener, priva
   Cycle time_ = 0;              ///< up to which the slices have run
   bool running_ = false;        ///< some slice is enabled
   bool counts_inputs_ = false;  ///< some slice counts or is gated by its pin
-  std::uint32_t raised_ = 0, enabled_ = 0, forced_ = 0;
+  std::uint32_t raised_ = 0;    ///< INTR
+  InterruptRegisters interrupts_;
   DreqLines* dreqs_ = nullptr;
   std::uint32_t awaited_ = 0;  ///< slices whose wraps a DMA channel waits for
 };

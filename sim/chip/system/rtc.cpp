@@ -18,8 +18,6 @@ constexpr std::uint32_t offset_irq_setup_1 = 0x14;
 constexpr std::uint32_t offset_rtc_1 = 0x18;
 constexpr std::uint32_t offset_rtc_0 = 0x1c;
 constexpr std::uint32_t offset_intr = 0x20;
-constexpr std::uint32_t offset_inte = 0x24;
-constexpr std::uint32_t offset_intf = 0x28;
 constexpr std::uint32_t offset_ints = 0x2c;
 
 // Fields of SETUP_0, IRQ_SETUP_0 and RTC_1: YEAR 23:12, MONTH 11:8, DAY 4:0; of SETUP_1,
@@ -42,6 +40,8 @@ constexpr std::uint32_t match_weekday = 1u << 31, match_hour = 1u << 30, match_m
                         match_second = 1u << 28;
 constexpr std::uint32_t match_time_bits =
     time_fields | match_weekday | match_hour | match_minute | match_second;
+
+constexpr std::uint32_t interrupt_alarm = 1u << 0;
 
 constexpr std::uint64_t crossing_edges = 2;  // 4.8.2: two periods of clk_rtc
 
@@ -69,7 +69,8 @@ Rtc::Rtc(TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_model
       slot_(wheel.add(*this)),
       clocks_(clocks),
       irqs_(irqs),
-      not_modelled_(std::move(not_modelled)) {
+      not_modelled_(std::move(not_modelled)),
+      interrupts_(offset_intr, interrupt_alarm) {
   clocks_.listen(*this);
   counter_.set_frequency(clocks_.hz(Clock::rtc), now());
   reset();
@@ -83,7 +84,7 @@ void Rtc::reset() {
   load_at_ = second_at_ = never;
   match_date_ = match_time_ = latched_date_ = 0;
   date_latched_ = false;
-  interrupt_enable_ = interrupt_force_ = 0;
+  interrupts_.reset();
   schedule();
   update_irq();
 }
@@ -147,7 +148,7 @@ void Rtc::clocks_changed() {
 }
 
 void Rtc::schedule() {
-  const bool awaited = interrupt_enable_ != 0 && (match_.wanted || match_.arrived);
+  const bool awaited = interrupts_.enabled() != 0 && (match_.wanted || match_.arrived);
   const std::uint64_t next = next_event();
   Picoseconds due = ClockCounter::never;
   if (awaited && next != never) due = counter_.time_of(next);
@@ -170,9 +171,9 @@ bool Rtc::matches() const {
          ((time_of_day() ^ match_time_) & time_mask) == 0;
 }
 
-void Rtc::update_irq() {
-  irqs_.set(Irq::rtc, (matches() && interrupt_enable_ != 0) || interrupt_force_ != 0);
-}
+std::uint32_t Rtc::raised() const { return matches() ? interrupt_alarm : 0; }
+
+void Rtc::update_irq() { irqs_.set(Irq::rtc, interrupts_.status(raised()) != 0); }
 
 // --- registers
 
@@ -202,16 +203,8 @@ std::uint32_t Rtc::peek(std::uint32_t offset) const {
       return date_latched_ ? latched_date_ : date();
     case offset_rtc_0:
       return time_of_day();
-    case offset_intr:
-      return matches() ? 1 : 0;
-    case offset_inte:
-      return interrupt_enable_;
-    case offset_intf:
-      return interrupt_force_;
-    case offset_ints:
-      return (matches() ? interrupt_enable_ : 0u) | interrupt_force_;
     default:
-      return 0;
+      return interrupts_.read(offset, raised());
   }
 }
 
@@ -255,19 +248,11 @@ void Rtc::write(std::uint32_t offset, std::uint32_t value) {
     case offset_irq_setup_1:
       match_time_ = value & match_time_bits;
       break;
-    case offset_inte:
-      interrupt_enable_ = value & 1u;
-      break;
-    case offset_intf:
-      interrupt_force_ = value & 1u;
-      break;
     case offset_rtc_1:
     case offset_rtc_0:
-    case offset_intr:
-    case offset_ints:
       break;
     default:
-      not_modelled_("RTC: no register at this offset");
+      if (!interrupts_.write(offset, value)) not_modelled_("RTC: no register at this offset");
   }
   update_irq();
   schedule();

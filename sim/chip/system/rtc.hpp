@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/system/clock_counter.hpp"
@@ -65,6 +66,7 @@ class Rtc final : public Peripheral, private Timed, private ClockListener {
   std::uint32_t date() const;
   std::uint32_t time_of_day() const;
   bool matches() const;
+  std::uint32_t raised() const;
   void schedule();
   void update_irq();
 
@@ -84,7 +86,7 @@ class Rtc final : public Peripheral, private Timed, private ClockListener {
   std::uint32_t match_date_ = 0, match_time_ = 0;      ///< IRQ_SETUP_0, 1 without MATCH_ENA
   std::uint32_t latched_date_ = 0;                     ///< taken with the reading of RTC_0
   bool date_latched_ = false;
-  std::uint32_t interrupt_enable_ = 0, interrupt_force_ = 0;
+  InterruptRegisters interrupts_;
 };
 
 }  // namespace lamplock::sim::chip

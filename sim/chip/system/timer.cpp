@@ -19,8 +19,6 @@ constexpr std::uint32_t offset_raw_low = 0x28;
 constexpr std::uint32_t offset_debug_pause = 0x2c;  // DBG0 1, DBG1 2
 constexpr std::uint32_t offset_pause = 0x30;
 constexpr std::uint32_t offset_intr = 0x34;
-constexpr std::uint32_t offset_inte = 0x38;
-constexpr std::uint32_t offset_intf = 0x3c;
 constexpr std::uint32_t offset_ints = 0x40;
 
 constexpr std::uint32_t alarm_mask = 0xf;
@@ -34,7 +32,8 @@ Timer::Timer(TimeWheel& wheel, TickGenerator& ticks, IrqLines& irqs, NotModelled
       slot_(wheel.add(*this)),
       ticks_(ticks),
       irqs_(irqs),
-      not_modelled_(std::move(not_modelled)) {
+      not_modelled_(std::move(not_modelled)),
+      interrupts_(offset_intr, alarm_mask) {
   ticks_.listen(*this);
   reset();
 }
@@ -44,7 +43,8 @@ void Timer::reset() {
   set_time(0);
   high_latch_ = low_written_ = 0;
   alarms_ = {};
-  armed_ = raised_ = enabled_ = forced_ = 0;
+  armed_ = raised_ = 0;
+  interrupts_.reset();
   debug_pause_ = debug_pause_reset;
   schedule();
   update_irqs();
@@ -92,7 +92,7 @@ void Timer::run(Cycle) {
 void Timer::update_irqs() {
   constexpr std::array<Irq, alarm_count> lines{Irq::timer_0, Irq::timer_1, Irq::timer_2,
                                                Irq::timer_3};
-  const std::uint32_t status = (raised_ & enabled_) | forced_;
+  const std::uint32_t status = interrupts_.status(raised_);
   for (std::size_t alarm = 0; alarm < alarm_count; ++alarm)
     irqs_.set(lines[alarm], (status >> alarm & 1u) != 0);
 }
@@ -117,16 +117,8 @@ std::uint32_t Timer::peek(std::uint32_t offset) const {
       return debug_pause_;
     case offset_pause:
       return paused_ ? 1 : 0;
-    case offset_intr:
-      return raised_;
-    case offset_inte:
-      return enabled_;
-    case offset_intf:
-      return forced_;
-    case offset_ints:
-      return (raised_ & enabled_) | forced_;
     default:
-      return 0;  // TIMEHW, TIMELW
+      return interrupts_.read(offset, raised_);  // TIMEHW, TIMELW: 0
   }
 }
 
@@ -166,20 +158,13 @@ void Timer::write(std::uint32_t offset, std::uint32_t value) {
     case offset_intr:
       raised_ &= ~(value & alarm_mask);
       break;
-    case offset_inte:
-      enabled_ = value & alarm_mask;
-      break;
-    case offset_intf:
-      forced_ = value & alarm_mask;
-      break;
     case offset_time_high_read:
     case offset_time_low_read:
     case offset_raw_high:
     case offset_raw_low:
-    case offset_ints:
       break;
     default:
-      not_modelled_("TIMER: no register at this offset");
+      if (!interrupts_.write(offset, value)) not_modelled_("TIMER: no register at this offset");
   }
   schedule();
   update_irqs();

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 
+#include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/system/tick_generator.hpp"
@@ -55,7 +56,8 @@ class Timer final : public Peripheral, private Timed, private TickListener {
   std::uint32_t armed_ = 0;
   std::uint32_t debug_pause_ = 0;
   bool paused_ = false;
-  std::uint32_t raised_ = 0, enabled_ = 0, forced_ = 0;
+  std::uint32_t raised_ = 0;  ///< INTR
+  InterruptRegisters interrupts_;
 };
 
 }  // namespace lamplock::sim::chip

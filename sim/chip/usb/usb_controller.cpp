@@ -44,7 +44,8 @@ UsbController::UsbController(TimeWheel& wheel, IrqLines& irq, std::span<std::uin
       irq_(irq),
       dpram_(dpram.first(dpram::size)),
       not_modelled_(std::move(not_modelled)),
-      errata_(errata) {
+      errata_(errata),
+      interrupts_(reg::intr, interrupt::all) {
   reset();
 }
 
@@ -54,7 +55,7 @@ void UsbController::reset() {
   phy_trim_ = 0x1f1f;       // reset value, datasheet 4.1.4
   nak_poll_ = 0x0010'0010;  // reset value, datasheet 4.1.4
   latched_ = changes_ = buff_status_ = abort_ = abort_done_ = stall_arm_ = stall_nak_ = 0;
-  inte_ = intf_ = 0;
+  interrupts_.reset();
   frame_ = 0;
   connected_ = suspended_ = hung_ = false;
   abort_stuck_ = select_ = 0;
@@ -145,13 +146,10 @@ std::uint32_t UsbController::peek(std::uint32_t offset) const {
     case reg::usbphy_trim:
       return phy_trim_;
     case reg::intr:
-      return raw_interrupts();
     case reg::inte:
-      return inte_;
     case reg::intf:
-      return intf_;
     case reg::ints:
-      return (raw_interrupts() & inte_) | intf_;
+      return interrupts_.read(offset, raw_interrupts());
     default:
       return 0;  // host registers that are refused when written, and reserved space
   }
@@ -200,10 +198,8 @@ void UsbController::write(std::uint32_t offset, std::uint32_t value) {
       stall_nak_ &= ~value;
       break;
     case reg::inte:
-      inte_ = value & interrupt::all;
-      break;
     case reg::intf:
-      intf_ = value & interrupt::all;
+      interrupts_.write(offset, value);
       break;
     case reg::usb_muxing:
     case reg::usb_pwr:
@@ -344,7 +340,7 @@ std::uint32_t UsbController::should_handle() const {
 }
 
 void UsbController::update_interrupt() {
-  irq_.set(Irq::usbctrl, ((raw_interrupts() & inte_) | intf_) != 0);
+  irq_.set(Irq::usbctrl, interrupts_.status(raw_interrupts()) != 0);
 }
 
 // State of the cable

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/time_wheel.hpp"
@@ -184,7 +185,7 @@ class UsbController final : public Peripheral, public Timed, public usb::DeviceE
   std::uint32_t latched_ = 0;  ///< sticky bits of SIE_STATUS
   std::uint32_t changes_ = 0;  ///< DEV_CONN_DIS, DEV_SUSPEND, DEV_RESUME_FROM_HOST, DEV_SOF
   std::uint32_t buff_status_ = 0, abort_ = 0, abort_done_ = 0, stall_arm_ = 0, stall_nak_ = 0;
-  std::uint32_t inte_ = 0, intf_ = 0;
+  InterruptRegisters interrupts_;
   std::uint16_t frame_ = 0;
 
   // State behind them
