@@ -97,7 +97,7 @@ constexpr std::uint32_t abort_10_bit_read = 1u << 10;
 constexpr std::uint32_t abort_master_off = 1u << 11;
 constexpr std::uint32_t abort_user = 1u << 16;
 constexpr unsigned abort_flushed_shift = 23;
-// IC_ENABLE, IC_STATUS, IC_DMA_CR.
+// IC_ENABLE, IC_STATUS.
 constexpr std::uint32_t enable_abort = 1u << 1;
 constexpr std::uint32_t enable_blocked = 1u << 2;
 constexpr std::uint32_t status_activity = 1u << 0;
@@ -106,8 +106,6 @@ constexpr std::uint32_t status_tx_empty = 1u << 2;
 constexpr std::uint32_t status_rx_not_empty = 1u << 3;
 constexpr std::uint32_t status_rx_full = 1u << 4;
 constexpr std::uint32_t status_master = 1u << 5;
-constexpr std::uint32_t dma_rx = 1u << 0;
-constexpr std::uint32_t dma_tx = 1u << 1;
 
 constexpr std::uint32_t hold_transmit = 0xffff;  // IC_SDA_HOLD
 constexpr std::uint32_t shortest_high = 6, shortest_low = 8, shortest_spike = 1;
@@ -123,8 +121,8 @@ I2c::I2c(int number, TimeWheel& wheel, FunctionPins& pins, IrqLines& irqs, NotMo
       not_modelled_(std::move(not_modelled)),
       name_("I2C" + std::to_string(number)),
       irq_(number == 0 ? Irq::i2c0 : Irq::i2c1),
-      dreq_tx_(number == 0 ? Dreq::i2c0_tx : Dreq::i2c1_tx),
-      dreq_rx_(number == 0 ? Dreq::i2c0_rx : Dreq::i2c1_rx),
+      requests_(number == 0 ? Dreq::i2c0_tx : Dreq::i2c1_tx,
+                number == 0 ? Dreq::i2c0_rx : Dreq::i2c1_rx),
       pins_(pins),
       first_signal_(number == 0 ? 0 : 2) {
   pins_.listen(*this);
@@ -148,7 +146,8 @@ void I2c::reset() {
   spike_ = 0x07;
   mask_ = mask_reset;
   raised_ = abort_source_ = enable_ = rx_level_ = tx_level_ = 0;
-  dma_control_ = dma_tx_level_ = dma_rx_level_ = 0;
+  requests_.set_control(0);
+  dma_tx_level_ = dma_rx_level_ = 0;
   hold_ = 1;
   setup_ = 0x64;
   acknowledge_general_ = 1;
@@ -535,14 +534,12 @@ std::uint32_t I2c::status() const {
 
 void I2c::update_lines() {
   irqs_.set(irq_, (raw_interrupts() & mask_) != 0);
-  if (dreqs_ == nullptr) return;
-  // The DMA may read and write the FIFOs within these calls.
+  if (!requests_.connected()) return;
   const std::size_t wanted = dma_tx_level_ + 1;  // requests while the level is at most TDL
-  const bool sends = (dma_control_ & dma_tx) != 0 && enabled() && transmit_.size() < wanted;
-  dreqs_->set_level(dreq_tx_, sends ? static_cast<unsigned>(wanted - transmit_.size()) : 0u);
-  const bool receives = (dma_control_ & dma_rx) != 0 && receive_.size() > dma_rx_level_;
-  dreqs_->set_level(dreq_rx_,
-                    receives ? static_cast<unsigned>(receive_.size() - dma_rx_level_) : 0u);
+  const bool sends = enabled() && transmit_.size() < wanted;
+  requests_.transmit(sends ? wanted - transmit_.size() : 0);
+  const bool receives = receive_.size() > dma_rx_level_;
+  requests_.receive(receives ? receive_.size() - dma_rx_level_ : 0);
 }
 
 void I2c::settle() {
@@ -593,7 +590,7 @@ std::uint32_t I2c::peek(std::uint32_t offset) const {
     case offset_slave_nack:
       return slave_nack_;
     case offset_dma_cr:
-      return dma_control_;
+      return requests_.control();
     case offset_dma_tdlr:
       return dma_tx_level_;
     case offset_dma_rdlr:
@@ -791,7 +788,7 @@ void I2c::write(std::uint32_t offset, std::uint32_t value) {
       write_enable(value);
       break;
     case offset_dma_cr:
-      dma_control_ = value & 3u;
+      requests_.set_control(value & 3u);
       break;
     case offset_dma_tdlr:
       dma_tx_level_ = value & 0xfu;

@@ -25,11 +25,11 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/chip/dma/dreq_lines.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/serial/i2c_wires.hpp"
+#include "sim/chip/serial/serial_requests.hpp"
 #include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
@@ -60,7 +60,7 @@ class I2c final : public Peripheral, private Timed, private FunctionPins::User {
   I2c(const I2c&) = delete;
   I2c& operator=(const I2c&) = delete;
 
-  void connect(DreqLines& lines) { dreqs_ = &lines; }
+  void connect(DreqLines& lines) { requests_.connect(lines); }
   /// A device at a 7-bit address, or at a 10-bit one.
   void connect(I2cDevice& device, unsigned address, bool ten_bits = false) {
     devices_.push_back({&device, address, ten_bits});
@@ -160,11 +160,10 @@ class I2c final : public Peripheral, private Timed, private FunctionPins::User {
   TimeWheel& wheel_;
   TimeWheel::Slot slot_;
   IrqLines& irqs_;
-  DreqLines* dreqs_ = nullptr;
   NotModelled not_modelled_;
   std::string name_;
   Irq irq_;
-  Dreq dreq_tx_, dreq_rx_;
+  SerialRequests requests_;
   std::vector<Slave> devices_;
   FunctionPins& pins_;
   unsigned first_signal_;
@@ -190,7 +189,7 @@ class I2c final : public Peripheral, private Timed, private FunctionPins::User {
   std::uint32_t slow_high_ = 0, slow_low_ = 0, fast_high_ = 0, fast_low_ = 0, spike_ = 0;
   std::uint32_t mask_ = 0, raised_ = 0, abort_source_ = 0, enable_ = 0;
   std::uint32_t rx_level_ = 0, tx_level_ = 0;
-  std::uint32_t dma_control_ = 0, dma_tx_level_ = 0, dma_rx_level_ = 0;
+  std::uint32_t dma_tx_level_ = 0, dma_rx_level_ = 0;
   std::uint32_t hold_ = 0, setup_ = 0, acknowledge_general_ = 0, slave_nack_ = 0;
 };
 

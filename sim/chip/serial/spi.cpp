@@ -1,7 +1,6 @@
 #include "sim/chip/serial/spi.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <utility>
 
@@ -18,11 +17,8 @@ constexpr std::uint32_t offset_dr = 0x08;
 constexpr std::uint32_t offset_sr = 0x0c;
 constexpr std::uint32_t offset_cpsr = 0x10;
 constexpr std::uint32_t offset_imsc = 0x14;
-constexpr std::uint32_t offset_ris = 0x18;
-constexpr std::uint32_t offset_mis = 0x1c;
 constexpr std::uint32_t offset_icr = 0x20;
 constexpr std::uint32_t offset_dmacr = 0x24;
-constexpr std::uint32_t offset_identification = 0xfe0;  // PERIPHID0-3, PCELLID0-3
 
 // CR0: DSS 3:0, FRF 5:4, SPO 6, SPH 7, SCR 15:8.
 constexpr std::uint32_t cr0_format = 3u << 4;
@@ -43,10 +39,9 @@ constexpr std::uint32_t irq_overrun = 1u << 0;
 constexpr std::uint32_t irq_timeout = 1u << 1;
 constexpr std::uint32_t irq_rx = 1u << 2;
 constexpr std::uint32_t irq_tx = 1u << 3;
+constexpr std::uint32_t irq_mask = 0xf;
 constexpr std::uint32_t irq_clearable = irq_overrun | irq_timeout;
-// DMACR.
-constexpr std::uint32_t dma_rx = 1u << 0;
-constexpr std::uint32_t dma_tx = 1u << 1;
+constexpr std::uint32_t part_number = 0x22;  // PL022
 
 constexpr std::size_t half_fifo = 4;             // both interrupts (4.4.3.4)
 constexpr std::uint64_t timeout_half_bits = 64;  // "fixed 32-bit period" (4.4.3.4)
@@ -65,8 +60,9 @@ Spi::Spi(int number, TimeWheel& wheel, Clocks& clocks, FunctionPins& pins, IrqLi
       name_("SPI" + std::to_string(number)),
       irq_(number == 0 ? Irq::spi0 : Irq::spi1),
       first_signal_(number == 0 ? 0 : 4),
-      dreq_tx_(number == 0 ? Dreq::spi0_tx : Dreq::spi1_tx),
-      dreq_rx_(number == 0 ? Dreq::spi0_rx : Dreq::spi1_rx) {
+      cell_(offset_imsc, irq_mask, part_number),
+      requests_(number == 0 ? Dreq::spi0_tx : Dreq::spi1_tx,
+                number == 0 ? Dreq::spi0_rx : Dreq::spi1_rx) {
   clocks_.listen(*this);
   pins_.listen(*this);
   for (const Signal of : {signal_select, signal_clock}) pins_.sense(signal(of));
@@ -79,7 +75,9 @@ void Spi::reset() {
   shifting_ = frame_open_ = timeout_running_ = false;
   free_at_ = 0;
   control_0_ = control_1_ = prescale_ = 0;
-  mask_ = raised_ = dma_control_ = 0;
+  raised_ = 0;
+  cell_.reset();
+  requests_.set_control(0);
   tx_ = false;
   follower_.deselect();
   put_wires(wheel_.now());
@@ -301,13 +299,10 @@ std::uint32_t Spi::raw_interrupts() const {
 }
 
 void Spi::update_lines() {
-  irqs_.set(irq_, (raw_interrupts() & mask_) != 0);
-  if (dreqs_ == nullptr) return;
-  // The DMA may read and write the FIFOs within these calls.
-  const bool sends = (dma_control_ & dma_tx) != 0;
-  dreqs_->set_level(dreq_tx_, sends ? static_cast<unsigned>(fifo_depth - transmit_.size()) : 0u);
-  const bool receives = (dma_control_ & dma_rx) != 0;
-  dreqs_->set_level(dreq_rx_, receives ? static_cast<unsigned>(receive_.size()) : 0u);
+  irqs_.set(irq_, cell_.masked(raw_interrupts()) != 0);
+  if (!requests_.connected()) return;
+  requests_.transmit(fifo_depth - transmit_.size());
+  requests_.receive(receive_.size());
 }
 
 std::uint32_t Spi::flags() const {
@@ -319,10 +314,6 @@ std::uint32_t Spi::flags() const {
 }
 
 std::uint32_t Spi::peek(std::uint32_t offset) const {
-  if (offset >= offset_identification) {
-    constexpr std::array<std::uint32_t, 8> bytes{0x22, 0x10, 0x34, 0x00, 0x0d, 0xf0, 0x05, 0xb1};
-    return bytes[(offset - offset_identification) / 4];
-  }
   switch (offset) {
     case offset_cr0:
       return control_0_;
@@ -334,16 +325,10 @@ std::uint32_t Spi::peek(std::uint32_t offset) const {
       return flags();
     case offset_cpsr:
       return prescale_;
-    case offset_imsc:
-      return mask_;
-    case offset_ris:
-      return raw_interrupts();
-    case offset_mis:
-      return raw_interrupts() & mask_;
     case offset_dmacr:
-      return dma_control_;
+      return requests_.control();
     default:
-      return 0;
+      return cell_.read(offset, raw_interrupts());
   }
 }
 
@@ -354,7 +339,7 @@ std::uint32_t Spi::read(std::uint32_t offset) {
     schedule();
     return word;
   }
-  if (offset > offset_dmacr && offset < offset_identification)
+  if (offset > offset_dmacr && offset < PrimeCell::offset_identification)
     not_modelled_(name_ + ": no register at this offset");
   return peek(offset);
 }
@@ -387,21 +372,16 @@ void Spi::write(std::uint32_t offset, std::uint32_t value) {
     case offset_cpsr:
       prescale_ = value & 0xfeu;
       break;
-    case offset_imsc:
-      mask_ = value & 0xfu;
-      break;
     case offset_icr:
       raised_ &= ~(value & irq_clearable);
       break;
     case offset_dmacr:
-      dma_control_ = value & 3u;
+      requests_.set_control(value & 3u);
       break;
     case offset_sr:
-    case offset_ris:
-    case offset_mis:
       break;
     default:
-      if (offset < offset_identification) not_modelled_(name_ + ": no register at this offset");
+      if (!cell_.write(offset, value)) not_modelled_(name_ + ": no register at this offset");
   }
   begin();
   if (offset <= offset_cr1) put_wires(wheel_.now());

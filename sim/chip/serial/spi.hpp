@@ -18,10 +18,11 @@
 #include <string>
 #include <string_view>
 
-#include "sim/chip/dma/dreq_lines.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
+#include "sim/chip/serial/primecell.hpp"
+#include "sim/chip/serial/serial_requests.hpp"
 #include "sim/chip/serial/spi_wires.hpp"
 #include "sim/chip/system/clocks.hpp"
 #include "sim/chip/time_wheel.hpp"
@@ -54,7 +55,7 @@ class Spi final : public Peripheral,
   Spi(const Spi&) = delete;
   Spi& operator=(const Spi&) = delete;
 
-  void connect(DreqLines& lines) { dreqs_ = &lines; }
+  void connect(DreqLines& lines) { requests_.connect(lines); }
   /// Words come from the device instead of from the RX pin.
   void connect(SpiDevice& device) { device_ = &device; }
   /// The chip is the slave: the master at the other end has clocked a whole word in. Returns what
@@ -114,12 +115,12 @@ class Spi final : public Peripheral,
   Clocks& clocks_;
   FunctionPins& pins_;
   IrqLines& irqs_;
-  DreqLines* dreqs_ = nullptr;
   NotModelled not_modelled_;
   std::string name_;
   Irq irq_;
   unsigned first_signal_;
-  Dreq dreq_tx_, dreq_rx_;
+  PrimeCell cell_;
+  SerialRequests requests_;
   SpiDevice* device_ = nullptr;
 
   std::deque<std::uint16_t> transmit_, receive_;
@@ -137,7 +138,7 @@ class Spi final : public Peripheral,
   Picoseconds captured_at_ = 0, frame_end_at_ = 0, timeout_at_ = 0;
   Picoseconds free_at_ = 0;  ///< the chip select may go low again
   std::uint32_t control_0_ = 0, control_1_ = 0, prescale_ = 0;
-  std::uint32_t mask_ = 0, raised_ = 0, dma_control_ = 0;
+  std::uint32_t raised_ = 0;
 };
 
 }  // namespace lamplock::sim::chip

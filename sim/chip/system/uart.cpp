@@ -22,11 +22,8 @@ constexpr std::uint32_t offset_lcr_h = 0x2c;
 constexpr std::uint32_t offset_cr = 0x30;
 constexpr std::uint32_t offset_ifls = 0x34;
 constexpr std::uint32_t offset_imsc = 0x38;
-constexpr std::uint32_t offset_ris = 0x3c;
-constexpr std::uint32_t offset_mis = 0x40;
 constexpr std::uint32_t offset_icr = 0x44;
 constexpr std::uint32_t offset_dmacr = 0x48;
-constexpr std::uint32_t offset_identification = 0xfe0;  // PERIPHID0-3, PCELLID0-3
 
 // FR.
 constexpr std::uint32_t flag_clear_to_send = 1u << 0;
@@ -61,9 +58,8 @@ constexpr std::uint32_t irq_mask = 0x7ff;
 // RSR: the errors of DR, eight bits lower; RIS has them one bit lower.
 constexpr std::uint32_t rsr_overrun = 1u << 3;
 // DMACR.
-constexpr std::uint32_t dma_rx = 1u << 0;
-constexpr std::uint32_t dma_tx = 1u << 1;
 constexpr std::uint32_t dma_not_on_error = 1u << 2;
+constexpr std::uint32_t part_number = 0x11;  // PL011
 
 constexpr int timeout_bits = 32;  // 4.2.6: "32-bit period"
 
@@ -79,8 +75,9 @@ Uart::Uart(int number, TimeWheel& wheel, Clocks& clocks, FunctionPins& pins, Irq
       not_modelled_(std::move(not_modelled)),
       name_("UART" + std::to_string(number)),
       irq_(number == 0 ? Irq::uart0 : Irq::uart1),
-      dreq_tx_(number == 0 ? Dreq::uart0_tx : Dreq::uart1_tx),
-      dreq_rx_(number == 0 ? Dreq::uart0_rx : Dreq::uart1_rx),
+      cell_(offset_imsc, irq_mask, part_number),
+      requests_(number == 0 ? Dreq::uart0_tx : Dreq::uart1_tx,
+                number == 0 ? Dreq::uart0_rx : Dreq::uart1_rx),
       first_signal_(number == 0 ? 0 : 4) {
   pins_.listen(*this);
   pins_.sense(signal(signal_rx));
@@ -95,7 +92,9 @@ void Uart::reset() {
   error_status_ = integer_baud_ = fraction_baud_ = divisor_ = line_control_ = 0;
   control_ = control_reset;
   trigger_levels_ = trigger_reset;
-  mask_ = raised_ = dma_control_ = low_power_ = 0;
+  raised_ = low_power_ = 0;
+  cell_.reset();
+  requests_.set_control(0);
   receiver_.reset(true);
   drive_tx(wheel_.now());
   take_line(wheel_.now());
@@ -302,17 +301,14 @@ std::uint32_t Uart::pop_received() {
 // --- registers
 
 void Uart::update_lines() {
-  irqs_.set(irq_, (raised_ & mask_) != 0);
+  irqs_.set(irq_, cell_.masked(raised_) != 0);
   pins_.put(signal(signal_rts), !ready_to_receive(), true, wheel_.now());
-  if (dreqs_ == nullptr) return;
-  // The DMA may read and write the FIFOs within these calls. DMAONERR: an error that interrupts
-  // stops the requests of the receiver (4.2.5).
-  const bool sends = on(control_uart) && (dma_control_ & dma_tx) != 0;
-  dreqs_->set_level(dreq_tx_, sends ? static_cast<unsigned>(depth() - transmit_.size()) : 0u);
+  if (!requests_.connected()) return;
+  requests_.transmit(on(control_uart) ? depth() - transmit_.size() : 0);
+  // DMAONERR: an error that interrupts stops the requests of the receiver (4.2.5).
   const bool stopped =
-      (dma_control_ & dma_not_on_error) != 0 && (raised_ & mask_ & irq_errors) != 0;
-  const bool receives = on(control_uart) && (dma_control_ & dma_rx) != 0 && !stopped;
-  dreqs_->set_level(dreq_rx_, receives ? static_cast<unsigned>(receive_.size()) : 0u);
+      (requests_.control() & dma_not_on_error) != 0 && (cell_.masked(raised_) & irq_errors) != 0;
+  requests_.receive(on(control_uart) && !stopped ? receive_.size() : 0);
 }
 
 std::uint32_t Uart::flags() const {
@@ -324,13 +320,7 @@ std::uint32_t Uart::flags() const {
          (transmit_.empty() ? flag_tx_empty : 0u);
 }
 
-std::uint32_t Uart::identification(std::uint32_t offset) const {
-  constexpr std::array<std::uint32_t, 8> bytes{0x11, 0x10, 0x34, 0x00, 0x0d, 0xf0, 0x05, 0xb1};
-  return bytes[(offset - offset_identification) / 4];
-}
-
 std::uint32_t Uart::peek(std::uint32_t offset) const {
-  if (offset >= offset_identification) return identification(offset);
   switch (offset) {
     case offset_dr:
       return receive_.empty() ? 0 : receive_.front() | (overrun_ ? uart_data::overrun_error : 0u);
@@ -350,16 +340,10 @@ std::uint32_t Uart::peek(std::uint32_t offset) const {
       return control_;
     case offset_ifls:
       return trigger_levels_;
-    case offset_imsc:
-      return mask_;
-    case offset_ris:
-      return raised_;
-    case offset_mis:
-      return raised_ & mask_;
     case offset_dmacr:
-      return dma_control_;
+      return requests_.control();
     default:
-      return 0;
+      return cell_.read(offset, raised_);
   }
 }
 
@@ -372,7 +356,7 @@ std::uint32_t Uart::read(std::uint32_t offset) {
   }
   const bool gap = (offset > offset_rsr && offset < offset_fr) ||
                    (offset > offset_fr && offset < offset_ilpr) ||
-                   (offset > offset_dmacr && offset < offset_identification);
+                   (offset > offset_dmacr && offset < PrimeCell::offset_identification);
   if (gap) not_modelled_(name_ + ": no register at this offset");
   return peek(offset);
 }
@@ -424,21 +408,16 @@ void Uart::write(std::uint32_t offset, std::uint32_t value) {
     case offset_ifls:
       trigger_levels_ = value & 0x3fu;
       break;
-    case offset_imsc:
-      mask_ = value & irq_mask;
-      break;
     case offset_icr:
       raised_ &= ~value;
       break;
     case offset_dmacr:
-      dma_control_ = value & 7u;
+      requests_.set_control(value & 7u);
       break;
     case offset_fr:
-    case offset_ris:
-    case offset_mis:
       break;
     default:
-      if (offset < offset_identification) not_modelled_(name_ + ": no register at this offset");
+      if (!cell_.write(offset, value)) not_modelled_(name_ + ": no register at this offset");
   }
   update_lines();
   schedule();

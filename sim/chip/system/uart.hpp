@@ -18,10 +18,11 @@
 #include <string>
 #include <string_view>
 
-#include "sim/chip/dma/dreq_lines.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
+#include "sim/chip/serial/primecell.hpp"
+#include "sim/chip/serial/serial_requests.hpp"
 #include "sim/chip/system/clocks.hpp"
 #include "sim/chip/system/uart_frame.hpp"
 #include "sim/chip/time_wheel.hpp"
@@ -44,7 +45,7 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   Uart(const Uart&) = delete;
   Uart& operator=(const Uart&) = delete;
 
-  void connect(DreqLines& lines) { dreqs_ = &lines; }
+  void connect(DreqLines& lines) { requests_.connect(lines); }
   void connect(ByteLine& line) { line_ = &line; }
   /// The other end begins to send a byte as soon as the line is free.
   void send_to_chip(std::uint8_t byte);
@@ -92,7 +93,6 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   void write_control(std::uint32_t value);
   void write_line_control(std::uint32_t value);
   std::uint32_t flags() const;
-  std::uint32_t identification(std::uint32_t offset) const;
   void schedule();
   void update_lines();
 
@@ -104,9 +104,9 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   NotModelled not_modelled_;
   std::string name_;
   Irq irq_;
-  Dreq dreq_tx_, dreq_rx_;
+  PrimeCell cell_;
+  SerialRequests requests_;
   unsigned first_signal_;
-  DreqLines* dreqs_ = nullptr;
   ByteLine* line_ = nullptr;
 
   std::deque<std::uint8_t> transmit_, incoming_;
@@ -125,7 +125,7 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   std::uint32_t integer_baud_ = 0, fraction_baud_ = 0;
   std::uint32_t divisor_ = 0;  ///< 16.6, taken over when LCR_H is written
   std::uint32_t line_control_ = 0, control_ = 0, trigger_levels_ = 0;
-  std::uint32_t mask_ = 0, raised_ = 0, dma_control_ = 0, low_power_ = 0;
+  std::uint32_t raised_ = 0, low_power_ = 0;
 };
 
 }  // namespace lamplock::sim::chip
