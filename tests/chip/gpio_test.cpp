@@ -123,6 +123,32 @@ TEST_F(GpioTest, DrivingAgainstTheOutsideIsReportedOnce) {
   EXPECT_FALSE(level(6));
 }
 
+// As an open-drain bus: whoever pulls low, all are low; else the pull-up of one is that of all.
+TEST_F(GpioTest, JoinedPinsHaveOneLevel) {
+  for (const unsigned gpio : {2u, 3u}) io(control(gpio), 5);
+  pad(2, 0x5a);  // pull-up; the others have none
+  pad(3, 0x52);
+  pad(9, 0x52);
+  gpio_.join(2, 3, 0);
+  gpio_.join(9, 3, 0);
+  EXPECT_TRUE(level(2) && level(3) && level(9));
+  EXPECT_EQ(gpio_.driven() & 0x20cu, 0u);
+  gpio_.drive(PinFunction::sio, 0, 1u << 3, 10);
+  EXPECT_FALSE(level(2) || level(3) || level(9));
+  EXPECT_EQ(gpio_.driven() & 0x20cu, 0x20cu);
+  gpio_.drive(PinFunction::sio, 0, 1u << 2 | 1u << 3, 11);
+  gpio_.drive(PinFunction::sio, 0, 1u << 2, 12);
+  EXPECT_FALSE(level(3)) << "the other one still pulls";
+  gpio_.drive(PinFunction::sio, 0, 0, 13);
+  EXPECT_TRUE(level(2) && level(3) && level(9));
+  gpio_.set_external(9, External::low, 14);
+  EXPECT_FALSE(input(2) || input(3));
+  EXPECT_TRUE(reports_.empty());
+  gpio_.drive(PinFunction::sio, 1u << 2, 1u << 2, 15);
+  EXPECT_FALSE(level(2)) << "a low wins";
+  EXPECT_EQ(reports_.size(), 2u) << "one of each end";
+}
+
 TEST_F(GpioTest, EdgeInterruptComesThroughTheSynchroniserToItsCoreOnly) {
   io(0x100 + 4, 8u << (4 * 4));  // PROC0_INTE1: GPIO12 edge high
   wheel_.advance_to(100);

@@ -113,6 +113,8 @@ TEST(ScriptParser, RefusesWithWhatIsPossible) {
   refused("after 5", "'5' is not a time");
   refused("after 1e30s", "is not a time");
   refused("after 9999999999s", "is not a time");
+  refused("join gpio8", "pins are gpio0 to gpio29");
+  refused("join gpio8 gpio8", "give two pins");
   refused("pulse gpio8 0us", "greater than 0");
   refused("pulse gpio8 3us every 3us", "greater period");
   refused("pulse gpio8 3us every 9cycles", "different units");

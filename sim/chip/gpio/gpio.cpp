@@ -103,13 +103,49 @@ void Gpio::update(Cycle at) {
   const std::uint32_t keeps = ~(pull_up_ ^ pull_down_);
   const std::uint32_t pulled = (pull_up_ & ~pull_down_) | (keeps & pads_);
   const std::uint32_t outside = external_high_ | (~external_driven_ & pulled);
+  const std::uint32_t before = pads_;
   pads_ = ((driven & out) | (~driven & outside)) & all_pins;
+  if (!wires_.empty()) level_wires(out, before);
   report_contention(driven & external_driven_ & (out ^ external_high_));
 
   const std::uint32_t from_pad = pads_ & input_enable_;
   inputs_ = input_override_.apply(from_pad) & all_pins;
   record(at, interrupt_override_.apply(from_pad) & all_pins);
   tell(at);
+}
+
+void Gpio::join(unsigned one, unsigned other, Cycle at) {
+  std::uint32_t wire = 1u << one | 1u << other;
+  std::erase_if(wires_, [&wire](std::uint32_t each) {
+    const bool meets = (each & wire) != 0;
+    if (meets) wire |= each;
+    return meets;
+  });
+  wires_.push_back(wire);
+  catch_up(at);
+  update(at);
+}
+
+// Joined pins have the level that one of them is driven to (of two, the low one: open drain), else
+// that of their pulls; where these disagree or there are none, the one before.
+void Gpio::level_wires(std::uint32_t out, std::uint32_t before) {
+  driven_over_wires_ = 0;
+  for (const std::uint32_t wire : wires_) {
+    const std::uint32_t inside = driven_ & wire, outside = external_driven_ & wire;
+    const bool low = ((inside & ~out) | (outside & ~external_high_)) != 0;
+    const bool high = ((inside & out) | (outside & external_high_)) != 0;
+    const bool up = (wire & pull_up_ & ~pull_down_) != 0,
+               down = (wire & pull_down_ & ~pull_up_) != 0;
+    bool level = (before & wire) == wire;
+    if (low || high) {
+      level = !low;
+      driven_over_wires_ |= wire;
+    } else if (up != down) {
+      level = up;
+    }
+    if (low && high) report_contention(wire & (inside | outside));
+    pads_ = level ? pads_ | wire : pads_ & ~wire;
+  }
 }
 
 void Gpio::report_contention(std::uint32_t pins) {

@@ -95,6 +95,8 @@ class Gpio : private Timed {
   }
   /// What the outside puts on a pin.
   void set_external(unsigned gpio, External level, Cycle at);
+  /// A wire between two pins, for good: both have one level, and a low wins. Wires add up.
+  void join(unsigned one, unsigned other, Cycle at);
   /// Levels that peripherals see at their inputs, before their synchronisers.
   std::uint32_t inputs() const { return inputs_; }
   /// The same as of cycle `at`, which lies at most pin_synchroniser cycles back.
@@ -105,8 +107,9 @@ class Gpio : private Timed {
   }
   /// Levels on the pads; a floating pin follows its pull, else keeps its level.
   std::uint32_t pad_levels() const { return pads_; }
-  /// Pads that somebody drives, from within or from outside; the others follow their pulls.
-  std::uint32_t driven() const { return driven_ | external_driven_; }
+  /// Pads that somebody drives, from within, from outside or over a wire; the others follow their
+  /// pulls.
+  std::uint32_t driven() const { return driven_ | external_driven_ | driven_over_wires_; }
   /// Pins that are connected to a function.
   std::uint32_t selected(PinFunction function) const {
     return sources_[static_cast<std::size_t>(function)].selected;
@@ -176,6 +179,7 @@ class Gpio : private Timed {
 
   void run(Cycle to) override;
   void update(Cycle at);
+  void level_wires(std::uint32_t out, std::uint32_t before);
   void tell(Cycle at);
   void tell_connections(Cycle at);
   void report_contention(std::uint32_t pins);
@@ -215,6 +219,8 @@ class Gpio : private Timed {
   std::uint32_t voltage_select_ = 0, swclk_pad_ = 0, swd_pad_ = 0;
   std::uint32_t input_enable_ = 0, output_disable_ = 0, pull_up_ = 0, pull_down_ = 0;
   std::uint32_t external_driven_ = 0, external_high_ = 0;
+  std::vector<std::uint32_t> wires_;  ///< pins that are joined
+  std::uint32_t driven_over_wires_ = 0;
   std::uint32_t contention_told_ = 0;
 
   std::uint32_t out_from_peripheral_ = 0, enable_from_peripheral_ = 0;

@@ -240,7 +240,8 @@ class Line {
 };
 
 constexpr const char* statements =
-    "statements are at, after, set, release, pulse, usb, uart0, uart1, expect, wait, meanwhile and "
+    "statements are at, after, set, release, join, pulse, usb, uart0, uart1, expect, wait, "
+    "meanwhile and "
     "end";
 
 std::optional<Port> port(std::string_view word) {
@@ -371,10 +372,17 @@ Action setting(Line& line) {
   return SetPin{gpio, line.level() ? External::high : External::low};
 }
 
+Join wire(Line& line) {
+  const unsigned one = line.gpio(), other = line.gpio();
+  if (one == other) line.refuse("a pin is joined to itself", "give two pins");
+  return {one, other};
+}
+
 /// Everything but the words that move time.
 Action statement(Line& line, std::string_view word) {
   if (word == "set") return setting(line);
   if (word == "release") return SetPin{line.gpio(), External::floating};
+  if (word == "join") return wire(line);
   if (word == "pulse") return pulse(line);
   if (word == "expect") return expectation(line);
   if (word == "wait") return waiting(line);

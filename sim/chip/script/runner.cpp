@@ -108,6 +108,10 @@ struct Runner::Actor {
     runner.trains_[what.gpio].reset();
     runner.chip_.gpio().set_external(what.gpio, what.level, now);
   }
+  void operator()(const Join& what) const {
+    runner.act_now(now);
+    runner.chip_.gpio().join(what.one, what.other, now);
+  }
   void operator()(const Pulse& what) const {
     runner.act_now(now);
     runner.trains_[what.gpio] = Train{what, runner.time_};

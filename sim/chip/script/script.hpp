@@ -44,6 +44,10 @@ struct SetPin {
   unsigned gpio = 0;
   External level = External::floating;
 };
+/// A wire between two pins, for good.
+struct Join {
+  unsigned one = 0, other = 0;
+};
 /// Pulses to `level` beside the script, from now on.
 struct Pulse {
   unsigned gpio = 0;
@@ -99,8 +103,8 @@ struct ExpectFrequency {
 struct End {};
 
 using Action =
-    std::variant<At, After, SetPin, Pulse, Send, ExpectPort, ExpectText, ExpectEdge, ExpectReaction,
-                 ExpectCount, ExpectNever, ExpectLevel, ExpectFrequency, End>;
+    std::variant<At, After, SetPin, Join, Pulse, Send, ExpectPort, ExpectText, ExpectEdge,
+                 ExpectReaction, ExpectCount, ExpectNever, ExpectLevel, ExpectFrequency, End>;
 
 /// One step.
 struct Step {
