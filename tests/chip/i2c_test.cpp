@@ -390,8 +390,8 @@ TEST_F(I2cTest, TheDmaFeedsCommands) {
 
 TEST_F(I2cTest, ResetAndWhatIsNotModelled) {
   rig_.reports.clear();
-  open(0x42, 0x24);
-  EXPECT_EQ(rig_.reports.size(), 1u) << "slave mode";
+  open(0x42, 0x25);
+  EXPECT_EQ(rig_.reports.size(), 1u) << "master and slave at once";
   i2c_.reset();
   EXPECT_EQ(i2c_.read(con), 0x65u);
   EXPECT_EQ(i2c_.read(tar), 0x55u);

@@ -26,17 +26,18 @@ inline void clear_bits(Word address, Word bits) { reg(address + 0x3000) = bits; 
 inline constexpr Word clocks_base = 0x4000'8000, resets_base = 0x4000'c000, psm_base = 0x4001'0000,
                       io_bank0_base = 0x4001'4000, pads_bank0_base = 0x4001'c000,
                       xosc_base = 0x4002'4000, pll_sys_base = 0x4002'8000, uart0_base = 0x4003'4000,
-                      spi0_base = 0x4003'c000, i2c0_base = 0x4004'4000, adc_base = 0x4004'c000,
-                      pwm_base = 0x4005'0000, timer_base = 0x4005'4000, watchdog_base = 0x4005'8000,
-                      rtc_base = 0x4005'c000, rosc_base = 0x4006'0000, dma_base = 0x5000'0000,
-                      pio0_base = 0x5020'0000, pio1_base = 0x5030'0000, sio_base = 0xd000'0000,
-                      ppb_base = 0xe000'0000;
+                      spi0_base = 0x4003'c000, i2c0_base = 0x4004'4000, i2c1_base = 0x4004'8000,
+                      adc_base = 0x4004'c000, pwm_base = 0x4005'0000, timer_base = 0x4005'4000,
+                      watchdog_base = 0x4005'8000, rtc_base = 0x4005'c000, rosc_base = 0x4006'0000,
+                      dma_base = 0x5000'0000, pio0_base = 0x5020'0000, pio1_base = 0x5030'0000,
+                      sio_base = 0xd000'0000, ppb_base = 0xe000'0000;
 
 /// RESETS (2.14.3): bits of the blocks.
 namespace block {
-inline constexpr Word adc = 1u << 0, dma = 1u << 2, i2c0 = 1u << 3, io_bank0 = 1u << 5,
-                      pads_bank0 = 1u << 8, pio0 = 1u << 10, pio1 = 1u << 11, pwm = 1u << 14,
-                      rtc = 1u << 15, spi0 = 1u << 16, timer = 1u << 21, uart0 = 1u << 22;
+inline constexpr Word adc = 1u << 0, dma = 1u << 2, i2c0 = 1u << 3, i2c1 = 1u << 4,
+                      io_bank0 = 1u << 5, pads_bank0 = 1u << 8, pio0 = 1u << 10, pio1 = 1u << 11,
+                      pwm = 1u << 14, rtc = 1u << 15, spi0 = 1u << 16, timer = 1u << 21,
+                      uart0 = 1u << 22;
 }  // namespace block
 
 /// Out of reset, and ready.

@@ -55,9 +55,11 @@ constexpr std::uint32_t con_master = 1u << 0;
 constexpr std::uint32_t con_speed = 3u << 1;
 constexpr std::uint32_t con_standard = 1u << 1;
 constexpr std::uint32_t con_fast = 2u << 1;
+constexpr std::uint32_t con_slave_ten_bits = 1u << 3;
 constexpr std::uint32_t con_ten_bits = 1u << 4;
 constexpr std::uint32_t con_restart = 1u << 5;
 constexpr std::uint32_t con_slave_off = 1u << 6;
+constexpr std::uint32_t con_stop_if_addressed = 1u << 7;
 constexpr std::uint32_t con_tx_empty_late = 1u << 8;
 constexpr std::uint32_t con_rx_full_hold = 1u << 9;
 constexpr std::uint32_t con_mask = 0x3ff;
@@ -95,9 +97,13 @@ constexpr std::uint32_t abort_general_call = 1u << 4;
 constexpr std::uint32_t abort_general_call_read = 1u << 5;
 constexpr std::uint32_t abort_10_bit_read = 1u << 10;
 constexpr std::uint32_t abort_master_off = 1u << 11;
+constexpr std::uint32_t abort_arbitration = 1u << 12;
+constexpr std::uint32_t abort_slave_flush = 1u << 13;
+constexpr std::uint32_t abort_slave_arbitration = 1u << 14;
+constexpr std::uint32_t abort_slave_reads = 1u << 15;
 constexpr std::uint32_t abort_user = 1u << 16;
 constexpr unsigned abort_flushed_shift = 23;
-// IC_ENABLE, IC_STATUS.
+// IC_ENABLE, IC_STATUS, IC_ENABLE_STATUS.
 constexpr std::uint32_t enable_abort = 1u << 1;
 constexpr std::uint32_t enable_blocked = 1u << 2;
 constexpr std::uint32_t status_activity = 1u << 0;
@@ -106,11 +112,16 @@ constexpr std::uint32_t status_tx_empty = 1u << 2;
 constexpr std::uint32_t status_rx_not_empty = 1u << 3;
 constexpr std::uint32_t status_rx_full = 1u << 4;
 constexpr std::uint32_t status_master = 1u << 5;
+constexpr std::uint32_t status_slave = 1u << 6;
+constexpr std::uint32_t cut_off_while_busy = 1u << 1;
+constexpr std::uint32_t cut_off_data_lost = 1u << 2;
 
 constexpr std::uint32_t hold_transmit = 0xffff;  // IC_SDA_HOLD
 constexpr std::uint32_t shortest_high = 6, shortest_low = 8, shortest_spike = 1;
 constexpr std::uint32_t high_overhead = 7, low_overhead = 1;  // 4.3.14.1
 constexpr Cycle bits_of_byte = 9;
+// IC_SDA_HOLD: shorter ones are not implemented.
+constexpr Cycle shortest_master_hold = 1, shortest_slave_hold = 7;
 
 }  // namespace
 
@@ -132,6 +143,8 @@ I2c::I2c(int number, TimeWheel& wheel, FunctionPins& pins, IrqLines& irqs, NotMo
 }
 
 void I2c::reset() {
+  slave_.leave();
+  slave_cut_off_ = 0;
   enter(Phase::idle, wheel_.now());
   addressed_ = nullptr;
   transmit_.clear();
@@ -198,6 +211,10 @@ void I2c::enter(Phase phase, Cycle at) {
 void I2c::run(Cycle) {
   if (std::min(edge_at_, due_) <= wheel_.now()) step_wires(wheel_.now());
   if (due_ <= wheel_.now()) phase_ended(due_);
+  if (slave_.due() <= wheel_.now()) {
+    slave_.run(wheel_.now());
+    put_wires(wheel_.now());
+  }
   settle();
 }
 
@@ -267,20 +284,20 @@ void I2c::shape_wires(Phase phase, Cycle at) {
   }
   wires_.high = high_cycles();
   wires_.low = low_cycles();
-  wires_.hold = std::min<Cycle>(hold_ & hold_transmit, wires_.low - 1);
+  wires_.hold = std::clamp<Cycle>(hold_ & hold_transmit, shortest_master_hold, wires_.low - 1);
   wires_.before = before;
   wires_since_ = at;
   stretched_since_ = never_cycle;
   put_wires(at);
 }
 
-/// Open drain: a low is driven, a high is let go.
+/// Open drain: a low is driven, a high is let go. A slave has no wires of a master.
 void I2c::put_wires(Cycle at) {
   const Cycle elapsed = std::max(at, wires_since_) - wires_since_;
   const I2cWires::Levels levels = wires_.at(elapsed);
   sda_ = levels.sda;
-  pins_.put(sda(), false, !levels.sda, at);
-  pins_.put(scl(), false, !levels.scl, at);
+  pins_.put(sda(), false, !levels.sda || slave_.pulls_sda(), at);
+  pins_.put(scl(), false, !levels.scl || slave_.pulls_scl(), at);
   const Cycle next = wires_.next_change(elapsed);
   const bool seen = pins_.connected(scl()) || pins_.connected(sda());
   edge_at_ = seen && next != never_cycle ? wires_since_ + next : never_cycle;
@@ -308,6 +325,7 @@ void I2c::pins_changed(Cycle at) {
     wires_since_ += late;
     due_ = wires_since_ + length(phase_);
   }
+  if (is_slave()) slave_.lines_changed(line(scl()), line(sda()), at);
   put_wires(at);
   begin(at);
   settle();
@@ -332,7 +350,7 @@ void I2c::phase_ended(Cycle at) {
     case Phase::data:
       return data_ended(at);
     case Phase::stop:
-      return stopped(at);
+      return stop_ended(at);
     case Phase::bus_free:
       enter(Phase::idle, at);
       return begin(at);
@@ -347,6 +365,7 @@ void I2c::phase_ended(Cycle at) {
 void I2c::begin(Cycle at) {
   if (phase_ != Phase::idle || !enabled() || transmit_.empty() || (enable_ & enable_blocked) != 0)
     return;
+  if (is_slave()) return;
   if (wired() && !lines_are_high()) return;
   if (refused(transmit_.front())) return;
   reads_ = (transmit_.front() & command_read) != 0;
@@ -358,10 +377,7 @@ void I2c::begin(Cycle at) {
 bool I2c::refused(std::uint32_t command) {
   const bool reads = (command & command_read) != 0;
   if (!on(con_master)) {
-    if (on(con_slave_off))
-      abort(abort_master_off);
-    else
-      not_modelled_(name_ + " IC_DATA_CMD: written in slave mode");
+    abort(abort_master_off);
     return true;
   }
   if ((target_ & tar_special) != 0) {
@@ -487,7 +503,7 @@ void I2c::next(Cycle at) {
   enter(was_addressed ? Phase::restart_inside : Phase::restart, at);
 }
 
-void I2c::stopped(Cycle at) {
+void I2c::stop_ended(Cycle at) {
   raised_ |= irq_stop;
   if ((enable_ & enable_abort) != 0) {
     abort(abort_user);
@@ -510,6 +526,73 @@ void I2c::abort(std::uint32_t source) {
   flushed_ = true;
 }
 
+// --- slave
+
+bool I2c::is_slave() const { return enabled() && !on(con_master) && !on(con_slave_off); }
+
+void I2c::begin_slave() {
+  slave_cut_off_ = 0;
+  if (on(con_master) && !on(con_slave_off))
+    not_modelled_(name_ + " IC_CON: master and slave at once; it is the master alone");
+  if (!is_slave()) return;
+  const Cycle setup = std::max(setup_, 1u) - 1;  // IC_SDA_SETUP counts one more
+  slave_.begin({slave_address_, on(con_slave_ten_bits), acknowledge_general_ != 0, slave_nack_ != 0,
+                std::max<Cycle>(hold_ & hold_transmit, shortest_slave_hold), setup},
+               line(scl()), line(sda()));
+}
+
+/// Disabled; a byte under way is not acknowledged.
+void I2c::leave_slave() {
+  if (!slave_.active()) return;
+  slave_cut_off_ =
+      (slave_.listens() ? cut_off_while_busy : 0u) | (slave_.receives() ? cut_off_data_lost : 0u);
+  slave_.leave();
+  put_wires(wheel_.now());
+}
+
+/// A FIFO has something or has room: SCL may be let go.
+void I2c::serve_slave() {
+  if (!is_slave()) return;
+  slave_.byte_ready(wheel_.now());
+  slave_.room_ready();
+  put_wires(wheel_.now());
+}
+
+void I2c::started(bool addressed) {
+  raised_ |= irq_start | irq_activity | (addressed ? irq_restart : 0u);
+}
+
+void I2c::stopped(bool addressed) {
+  if (addressed || !on(con_stop_if_addressed)) raised_ |= irq_stop;
+}
+
+void I2c::addressed(bool for_reading, bool generally) {
+  if (generally) raised_ |= irq_general_call;
+  if (!for_reading) first_byte_ = true;
+}
+
+/// What is in the FIFO when the master begins to read is old and is flushed (4.3.10.1.2).
+std::optional<std::uint8_t> I2c::byte_wanted(bool first) {
+  if (!transmit_.empty() && first) {
+    abort(abort_slave_flush);
+  } else if (!transmit_.empty()) {
+    const std::uint32_t command = transmit_.front();
+    transmit_.pop_front();
+    if ((command & command_read) == 0) return static_cast<std::uint8_t>(command);
+    abort(abort_slave_reads);
+  }
+  raised_ |= irq_rd_req;
+  return std::nullopt;
+}
+
+/// Bytes that the master did not want are flushed (4.3.10.1.4).
+void I2c::byte_refused() {
+  raised_ |= irq_rx_done;
+  if (!transmit_.empty()) abort(abort_slave_flush);
+}
+
+void I2c::contended() { abort(abort_arbitration | abort_slave_arbitration); }
+
 // --- registers
 
 /// A byte, or the condition or address before it, is on the wires.
@@ -526,6 +609,7 @@ std::uint32_t I2c::raw_interrupts() const {
 
 std::uint32_t I2c::status() const {
   return (active() ? status_activity | status_master : 0u) |
+         (slave_.active() ? status_activity | status_slave : 0u) |
          (transmit_.size() < fifo_depth ? status_tx_not_full : 0u) |
          (transmit_.empty() ? status_tx_empty : 0u) |
          (receive_.empty() ? 0u : status_rx_not_empty) |
@@ -544,7 +628,7 @@ void I2c::update_lines() {
 
 void I2c::settle() {
   update_lines();
-  wheel_.set(slot_, std::min(due_, edge_at_));
+  wheel_.set(slot_, std::min({due_, edge_at_, slave_.due()}));
 }
 
 std::uint32_t I2c::peek(std::uint32_t offset) const {
@@ -600,7 +684,7 @@ std::uint32_t I2c::peek(std::uint32_t offset) const {
     case offset_ack_general:
       return acknowledge_general_;
     case offset_enable_status:
-      return enabled() || active() ? 1 : 0;
+      return (enabled() || active() ? 1u : 0u) | slave_cut_off_;
     case offset_spklen:
       return spike_;
     case offset_comp_version:
@@ -616,7 +700,7 @@ std::uint32_t I2c::peek(std::uint32_t offset) const {
 std::uint32_t I2c::take_interrupts(std::uint32_t bits) {
   const bool there = (raised_ & bits) != 0;
   // ACTIVITY comes back as long as there is activity.
-  raised_ &= ~(active() ? bits & ~irq_activity : bits);
+  raised_ &= ~(active() || slave_.active() ? bits & ~irq_activity : bits);
   if ((bits & irq_tx_abort) != 0) {
     abort_source_ = 0;
     flushed_ = false;
@@ -664,6 +748,7 @@ std::uint32_t I2c::pop_received() {
     push_received(received_);
     byte_done(wheel_.now());
   }
+  serve_slave();
   return value;
 }
 
@@ -690,6 +775,7 @@ void I2c::write_command(std::uint32_t value) {
   }
   transmit_.push_back(value & command_mask);
   if (phase_ == Phase::held) return next(wheel_.now());
+  serve_slave();
   begin(wheel_.now());
 }
 
@@ -703,12 +789,13 @@ void I2c::write_enable(std::uint32_t value) {
     transmit_.clear();
     receive_.clear();
     abort_source_ &= (1u << abort_flushed_shift) - 1;
+    raised_ &= ~irq_general_call;
+    if (was_enabled) leave_slave();
     if (phase_ == Phase::rx_held) return enter(Phase::stop, wheel_.now());
     if (!active()) raised_ &= ~(irq_rx_under | irq_rx_over | irq_tx_over | irq_activity);
     return;
   }
-  if (!was_enabled && !on(con_slave_off))
-    not_modelled_(name_ + ": slave mode; nobody ever addresses the chip");
+  if (!was_enabled) begin_slave();
   if ((value & enable_abort) != 0 && was_enabled) {
     if (!active()) return abort(abort_user);
     enable_ |= enable_abort;
@@ -798,6 +885,7 @@ void I2c::write(std::uint32_t offset, std::uint32_t value) {
       break;
     case offset_ack_general:
       acknowledge_general_ = value & 1u;
+      slave_.take_general_calls(acknowledge_general_ != 0);
       break;
     default:
       if (!write_settings(offset, value) && offset > offset_comp_type)

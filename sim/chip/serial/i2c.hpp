@@ -1,4 +1,4 @@
-// I2C0 and I2C1: the DW_apb_i2c of the RP2040 as a master (RP2040 datasheet, 4.3).
+// I2C0 and I2C1: the DW_apb_i2c of the RP2040 as a master or a slave (RP2040 datasheet, 4.3).
 //
 // In:  registers; acknowledges and bytes of the devices on the bus, whole or by the level of SDA.
 // Out: conditions and bytes for the devices, each at its end; SCL and SDA, pulled low or released;
@@ -16,11 +16,16 @@
 // as set-up, and the bus stays free for a low time. With nothing in the transmit FIFO and no STOP
 // asked for, SCL is held low.
 //
-// Not modelled: slave mode, other masters (no arbitration is lost), START bytes.
+// As a slave it follows the levels of the pins (I2cSlave); its FIFOs, their interrupts and DREQs
+// are those of the master. Spikes are not suppressed, and what the filter would take is not waited
+// for.
+//
+// Not modelled: other masters (no arbitration is lost), START bytes.
 #pragma once
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +33,7 @@
 #include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
+#include "sim/chip/serial/i2c_slave.hpp"
 #include "sim/chip/serial/i2c_wires.hpp"
 #include "sim/chip/serial/serial_requests.hpp"
 #include "sim/chip/time_wheel.hpp"
@@ -51,7 +57,10 @@ class I2cDevice {
 };
 
 /// One of the two.
-class I2c final : public Peripheral, private Timed, private FunctionPins::User {
+class I2c final : public Peripheral,
+                  private Timed,
+                  private FunctionPins::User,
+                  private I2cSlavePort {
  public:
   /// The address of devices that listen to general calls.
   static constexpr unsigned general_call = 0;
@@ -118,6 +127,19 @@ class I2c final : public Peripheral, private Timed, private FunctionPins::User {
   void pins_changed(Cycle at) override;
   void pins_connecting(Cycle at) override;
 
+  void started(bool addressed) override;
+  void stopped(bool addressed) override;
+  void addressed(bool for_reading, bool generally) override;
+  bool byte_received(std::uint8_t byte) override { return push_received(byte); }
+  std::optional<std::uint8_t> byte_wanted(bool first) override;
+  void byte_refused() override;
+  void contended() override;
+  bool is_slave() const;
+  bool line(unsigned signal) const { return !pins_.connected(signal) || pins_.input(signal); }
+  void begin_slave();
+  void serve_slave();
+  void leave_slave();
+
   unsigned scl() const { return first_signal_ + 1; }
   unsigned sda() const { return first_signal_; }
   bool wired() const;
@@ -142,7 +164,7 @@ class I2c final : public Peripheral, private Timed, private FunctionPins::User {
   void data_ended(Cycle at);
   void byte_done(Cycle at);
   void next(Cycle at);
-  void stopped(Cycle at);
+  void stop_ended(Cycle at);
   void abort(std::uint32_t source);
   bool push_received(std::uint8_t byte);
 
@@ -169,6 +191,7 @@ class I2c final : public Peripheral, private Timed, private FunctionPins::User {
   unsigned first_signal_;
   std::uint32_t sampled_ = 0;  ///< levels of SDA in this byte, the ninth lowest
   WiredDevice wired_device_{sampled_};
+  I2cSlave slave_{*this};
   I2cWires wires_;
   Cycle wires_since_ = 0;
   Cycle edge_at_ = never_cycle;          ///< the next of SCL or SDA, if they are seen
@@ -191,6 +214,7 @@ class I2c final : public Peripheral, private Timed, private FunctionPins::User {
   std::uint32_t rx_level_ = 0, tx_level_ = 0;
   std::uint32_t dma_tx_level_ = 0, dma_rx_level_ = 0;
   std::uint32_t hold_ = 0, setup_ = 0, acknowledge_general_ = 0, slave_nack_ = 0;
+  std::uint32_t slave_cut_off_ = 0;  ///< IC_ENABLE_STATUS: what was lost when it was disabled
 };
 
 }  // namespace lamplock::sim::chip
