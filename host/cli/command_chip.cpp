@@ -37,12 +37,12 @@ constexpr Picoseconds tolerated_lead = sim::ps_per_ms;
 /// Costliest functions shown per core.
 constexpr std::size_t profile_lines = 20;
 constexpr std::size_t mib = 1024 * 1024;
-/// What --pty and --uart mean without a name.
+/// What --pty, --uart and --uart1 mean without a name of one's own.
 constexpr const char* unnamed = "pty";
 
 struct Options {
   ChipRunOptions run;
-  std::string until, pty, uart;
+  std::string until, pty, uart0, uart1;
   bool freq = false, json = false;
 };
 
@@ -81,17 +81,16 @@ class Terminal {
 /// Where the bytes of the chip's ports go.
 class Terminals {
  public:
-  Terminals(const Options& options, Console& console)
-      : console_(console), uart_shown_(options.uart == "-") {
+  Terminals(const Options& options, Console& console) : console_(console) {
     if (!options.pty.empty()) add(Port::usb, options.pty, "--pty", "USB");
-    if (!options.uart.empty() && !uart_shown_) add(Port::uart0, options.uart, "--uart", "UART0");
+    add_uart(Port::uart0, options.uart0, "--uart", "UART0");
+    add_uart(Port::uart1, options.uart1, "--uart1", "UART1");
   }
   bool any() const { return !terminals_.empty(); }
   void exchange(sim::chip::script::SerialPorts& ports) {
     for (const auto& terminal : terminals_) terminal->exchange(ports);
-    if (!uart_shown_) return;
-    const std::string said = ports.take(Port::uart0);
-    if (!said.empty()) console_.text(said);
+    for (const Port port : shown_)
+      if (const std::string said = ports.take(port); !said.empty()) console_.text(said);
   }
 
  private:
@@ -99,8 +98,14 @@ class Terminals {
     terminals_.push_back(std::make_unique<Terminal>(port, link, option));
     console_.say("{} is {}", name, terminals_.back()->address());
   }
+  void add_uart(Port port, const std::string& link, const std::string& option, const char* name) {
+    if (link == "-")
+      shown_.push_back(port);
+    else if (!link.empty())
+      add(port, link, option, name);
+  }
   Console& console_;
-  bool uart_shown_;
+  std::vector<Port> shown_;
   std::vector<std::unique_ptr<Terminal>> terminals_;
 };
 
@@ -209,9 +214,11 @@ void add_chip(CLI::App& program, Action& action) {
   app->add_flag(std::string("--pty{") + unnamed + "}", options->pty,
                 "Serial port of the image's USB as a pseudo-terminal; --pty=LINK makes a link to "
                 "it; keeps to the wall clock");
-  app->add_option("--uart", options->uart,
+  app->add_option("--uart", options->uart0,
                   "UART0: - shows what it sends, pty makes a pseudo-terminal, any other name a "
                   "link to one")
+      ->type_name("-|pty|LINK");
+  app->add_option("--uart1", options->uart1, "The same for UART1; both can be shown")
       ->type_name("-|pty|LINK");
   app->add_option("--gdb", options->run.gdb,
                   "Wait for gdb on this port of 127.0.0.1 (0: any free one), or on HOST:PORT, with "

@@ -68,11 +68,13 @@ inline std::vector<std::uint8_t> pin_image() {
        {0x4005'0050, 1}});
 }
 
-/// UART0 sends back what it gets, 10 bits of 3 x 16 cycles a byte (4.2.3.1.1).
-inline std::vector<std::uint8_t> uart_image() {
+/// UART0, or UART1, sends back what it gets, 10 bits of 3 x 16 cycles a byte (4.2.3.1.1).
+inline std::vector<std::uint8_t> uart_image(bool second = false) {
+  const std::uint16_t base_high = 0x4003, base_low = second ? 0x8000 : 0x4000;
+  const std::uint32_t uart = std::uint32_t{base_high} << 16 | base_low;
   return tiny_image(
       {
-          0x4803,  // ldr r0, =UART0
+          0x4803,  // ldr r0, =UART
           0x2210,  // movs r2, #16: RXFE
           0x6981,  // look: ldr r1, [r0, #24], UARTFR
           0x4211,  // tst r1, r2
@@ -80,14 +82,14 @@ inline std::vector<std::uint8_t> uart_image() {
           0x6801,  // ldr r1, [r0], UARTDR
           0x6001,  // str r1, [r0]
           0xe7f9,  // b look
-          0x4000,
-          0x4003,
+          base_low,
+          base_high,
       },
       {leave_reset,
        {0x4000'8048, 1u << 11},  // CLK_PERI from clk_sys
-       {0x4003'4024, 3},         // IBRD
-       {0x4003'402c, 0x70},      // LCR_H: 8 bits, FIFOs
-       {0x4003'4030, 0x301}});   // CR
+       {uart + 0x24, 3},         // IBRD
+       {uart + 0x2c, 0x70},      // LCR_H: 8 bits, FIFOs
+       {uart + 0x30, 0x301}});   // CR
 }
 
 /// The same as a UF2 file of one block (UF2 file format specification).

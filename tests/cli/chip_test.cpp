@@ -19,6 +19,7 @@ using lamplock::test::pin_image;
 using lamplock::test::uart_image;
 using testing::HasSubstr;
 using testing::MatchesRegex;
+using testing::Not;
 
 std::string bytes(const std::vector<std::uint8_t>& image) { return {image.begin(), image.end()}; }
 
@@ -161,6 +162,19 @@ TEST(Chip, shows_what_the_uart_sends) {
   const Finished done = run({"chip", image, "--script", script, "--uart", "-"});
   EXPECT_EQ(done.status, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("hello, chip\n"));
+}
+
+TEST(Chip, shows_what_the_second_uart_sends) {
+  const Folder folder;
+  const std::string image = folder.write("uart.bin", bytes(uart_image(true)));
+  const std::string script = folder.write("t.script",
+                                          "at 20ms uart1 send \"hello, chip\\n\"\n"
+                                          "expect uart1 \"chip\\n\" within 5ms\n");
+  const Finished done = run({"chip", image, "--script", script, "--uart1", "-"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("hello, chip\n"));
+  EXPECT_THAT(run({"chip", image, "--script", script, "--uart", "-"}).out,
+              Not(HasSubstr("hello, chip\n")));
 }
 
 TEST(Chip, has_its_uart_on_a_terminal) {
