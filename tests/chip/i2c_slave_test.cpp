@@ -53,7 +53,7 @@ class I2cSlaveTest : public ::testing::Test {
   }
   bool pad(unsigned gpio) const { return (rig_.gpio.pad_levels() >> gpio & 1u) != 0; }
   std::uint32_t raw() { return slave_.read(raw_intr); }
-  bool raw(std::uint32_t bit) { return (raw() & bit) != 0; }
+  bool raw(std::uint32_t bits) { return (raw() & bits) != 0; }
   void command(std::uint32_t word) { master_.write(data_cmd, word); }
   void pass_bits(Cycle bits) { rig_.pass(bits * bit); }
   /// All that the slave has received.
