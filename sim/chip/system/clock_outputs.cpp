@@ -20,10 +20,12 @@ ClockOutputs::ClockOutputs(TimeWheel& wheel, FunctionPins& pins, NotModelled not
 
 void ClockOutputs::set(std::size_t index, std::uint64_t source_hz, std::uint64_t divisor_q8) {
   Output& output = outputs_[index];
-  if (output.source_hz == source_hz && output.divisor == divisor_q8) return;
-  output = {source_hz, divisor_q8, wheel_.time_of(wheel_.now()), 0};
-  drive(index, wheel_.now());
-  schedule();
+  if (output.source_hz != source_hz || output.divisor != divisor_q8) {
+    output = {source_hz, divisor_q8, wheel_.time_of(wheel_.now()), 0};
+    drive(index, wheel_.now());
+    schedule();
+  }
+  report_too_fast(index);
 }
 
 std::uint64_t ClockOutputs::edges_until(const Output& output, Picoseconds time) const {
@@ -39,16 +41,23 @@ Picoseconds ClockOutputs::time_of_edge(const Output& output, std::uint64_t edge)
   return output.since + static_cast<Picoseconds>((scaled + hz - 1) / hz);
 }
 
-/// Somebody can see it, and the cycles are fine enough for it.
-bool ClockOutputs::shown(std::size_t index) const {
+bool ClockOutputs::connected(std::size_t index) const {
+  return outputs_[index].source_hz != 0 && pins_.connected(static_cast<unsigned>(index));
+}
+
+/// The cycles are fine enough for it.
+bool ClockOutputs::slow_enough(std::size_t index) const {
   const Output& output = outputs_[index];
-  if (output.source_hz == 0 || !pins_.connected(static_cast<unsigned>(index))) return false;
-  if (static_cast<Wide>(output.source_hz) * halves_q8 <=
-      static_cast<Wide>(output.divisor) * static_cast<Wide>(wheel_.frequency()))
-    return true;
+  return static_cast<Wide>(output.source_hz) * halves_q8 <=
+         static_cast<Wide>(output.divisor) * static_cast<Wide>(wheel_.frequency());
+}
+
+// Not where an output is shown: when clk_sys changes, the wheel does so before an output made of
+// it.
+void ClockOutputs::report_too_fast(std::size_t index) const {
+  if (!connected(index) || slow_enough(index)) return;
   not_modelled_("CLOCKS GPOUT" + std::to_string(index) +
                 ": faster than half of clk_sys, not shown on its pin");
-  return false;
 }
 
 void ClockOutputs::drive(std::size_t index, Cycle at) {
@@ -73,7 +82,10 @@ void ClockOutputs::run(Cycle) {
 }
 
 void ClockOutputs::pins_changed(Cycle at) {
-  for (std::size_t index = 0; index < output_count; ++index) drive(index, at);
+  for (std::size_t index = 0; index < output_count; ++index) {
+    drive(index, at);
+    report_too_fast(index);
+  }
   schedule();
 }
 

@@ -31,7 +31,7 @@ class ClockOutputs final : private Timed, private FunctionPins::User {
   ClockOutputs& operator=(const ClockOutputs&) = delete;
 
   /// The output has a source of this frequency divided by a number in 24.8 fixed point from now on;
-  /// 0 Hz: it is low.
+  /// 0 Hz: it is low. To be called as well when it stays and the frequency of clk_sys has changed.
   void set(std::size_t output, std::uint64_t source_hz, std::uint64_t divisor_q8);
 
  private:
@@ -45,7 +45,10 @@ class ClockOutputs final : private Timed, private FunctionPins::User {
   void clock_changed() override { schedule(); }
   void pins_changed(Cycle at) override;
   void pins_connecting(Cycle at) override;
-  bool shown(std::size_t output) const;
+  bool connected(std::size_t output) const;
+  bool slow_enough(std::size_t output) const;
+  bool shown(std::size_t output) const { return connected(output) && slow_enough(output); }
+  void report_too_fast(std::size_t output) const;
   std::uint64_t edges_until(const Output& output, Picoseconds time) const;
   Picoseconds time_of_edge(const Output& output, std::uint64_t edge) const;
   void drive(std::size_t output, Cycle at);
