@@ -42,6 +42,9 @@ TEST(ScriptParser, ReadsActions) {
   EXPECT_EQ(only<SetPin>("set gpio29 low").level, External::low);
   EXPECT_EQ(only<SetPin>("set gpio29 low").gpio, 29u);
   EXPECT_EQ(only<SetPin>("release gpio8").level, External::floating);
+  EXPECT_EQ(only<SetVoltage>("set gpio27 1.65V").input, 1u);
+  EXPECT_DOUBLE_EQ(only<SetVoltage>("set gpio27 1.65V").volts, 1.65);
+  EXPECT_DOUBLE_EQ(only<SetTemperature>("set temperature 35C").celsius, 35);
   const Pulse once = only<Pulse>("pulse gpio8 3us");
   EXPECT_TRUE(once.level);
   EXPECT_EQ(once.times, 1u);
@@ -107,6 +110,10 @@ TEST(ScriptParser, RefusesWithWhatIsPossible) {
   refused("set 8 1", "gpio0 to gpio29");
   refused("set gpio8", "the line ends too early; give high or low");
   refused("set gpio8 2", "give high or low");
+  refused("set gpio8 1.2V", "gpio26 to gpio29");
+  refused("set gpio30 1V", "gpio0 to gpio29");
+  refused("set gpio26 1W", "give high or low");
+  refused("set temperature 27", "degrees such as 27C");
   refused("set gpio8 1 2", "'2' has no place here");
   refused("at 5cycles", "since power-up");
   refused("after -5us", "'-5us' is not a time");
@@ -140,7 +147,7 @@ TEST(ScriptParser, AnyLineIsTakenOrRefusedInOneLine) {
       "at",     "after", "set",       "gpio8", "gpio99", "1",        "high",      "expect",
       "within", "5us",   "of",        "rise",  "edges",  "3..4",     "in",        "\"a\\n\"",
       "\"",     "usb",   "uart0",     "send",  "wait",   "5us..9us", "meanwhile", "end",
-      "#",      "never", "frequency", "1kHz",  "+-1%",   "times"};
+      "#",      "never", "frequency", "1kHz",  "+-1%",   "times",    "gpio26",    "1.5V"};
   std::mt19937_64 random(5);
   for (int i = 0; i < lamplock::test::scaled(20'000); ++i) {
     std::string line;

@@ -1,14 +1,15 @@
-// ADC at 48 MHz: free-running, an interrupt each result toggles GPIO 2; then every 480 cycles of
-// clk_adc (GPIO 3); then one conversion by hand, timed by GPIO 4, and round robin.
+// ADC at 48 MHz: twice what all inputs have, on UART0; free-running, an interrupt each result
+// toggles GPIO 2; then every 480 cycles of clk_adc (GPIO 3); then one conversion by hand, timed by
+// GPIO 4, and round robin.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;
 
 namespace {
 // RP2040 datasheet, 4.9.6.
-constexpr Word cs = adc_base, fcs = adc_base + 0x08, fifo = adc_base + 0x0c, div = adc_base + 0x10,
-               inte = adc_base + 0x18;
-constexpr Word enable = 1, once = 4, many = 8, ready = 1u << 8;
+constexpr Word cs = adc_base, result = adc_base + 0x04, fcs = adc_base + 0x08,
+               fifo = adc_base + 0x0c, div = adc_base + 0x10, inte = adc_base + 0x18;
+constexpr Word enable = 1, sensor = 2, once = 4, many = 8, ready = 1u << 8;
 constexpr unsigned irq_adc = 22;
 volatile Word pin = 1u << 2;
 
@@ -22,6 +23,18 @@ void stop() {
   while ((read(cs) & ready) == 0) {
   }
   while ((read(fcs) & 1u << 8) == 0) static_cast<void>(read(fifo));
+}
+/// Inputs 0 to 3 and the temperature sensor.
+void show_inputs() {
+  print("volts");
+  for (Word input = 0; input < 5; ++input) {
+    reg(cs) = enable | sensor | input << 12;
+    reg(cs) = enable | sensor | input << 12 | once;
+    while ((read(cs) & ready) == 0) {
+    }
+    print_hex(read(result));
+  }
+  print("\n");
 }
 }  // namespace
 
@@ -40,6 +53,11 @@ int main() {
   reg(cs) = enable;
   while ((read(cs) & ready) == 0) {
   }
+  show_inputs();
+  pause(1000);
+  show_inputs();
+  flush();
+
   reg(fcs) = 1u << 24 | 1;  // threshold 1, FIFO on
   reg(inte) = 1;
   enable_irq(irq_adc);

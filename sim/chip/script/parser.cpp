@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/chip/analog/adc.hpp"
 #include "sim/chip/script/moment.hpp"
 
 namespace lamplock::sim::chip::script {
@@ -17,6 +18,7 @@ constexpr std::string_view blanks = " \t\r";
 /// Longer spans do not fit in 64 bits of picoseconds, and no simulation lasts as long.
 constexpr double longest_span_ps = 1e6 * 1e12;
 constexpr std::uint64_t most_times = 1'000'000'000;
+constexpr unsigned first_adc_gpio = 26;  // RP2040 datasheet, 4.9
 
 [[noreturn]] void fail(const std::string& where, const std::string& what,
                        const std::string& possible) {
@@ -155,6 +157,21 @@ class Line {
     if (text == "high" || text == "1") return true;
     if (text == "low" || text == "0") return false;
     refuse(quoted(text) + " is not a level", possible);
+  }
+  /// The next word if it is a voltage.
+  std::optional<double> accept_volts() {
+    const std::string_view text = rest_.substr(0, rest_.find_first_of(" \t\r#\""));
+    const std::optional<Number> read = number(text);
+    if (!read || read->unit != "V") return std::nullopt;
+    take(text.size());
+    return read->value;
+  }
+  double celsius() {
+    static const std::string possible = "give degrees such as 27C";
+    const std::string_view text = word(possible);
+    const std::optional<Number> read = number(text);
+    if (!read || read->unit != "C") refuse(quoted(text) + " is not a temperature", possible);
+    return read->value;
   }
   PinEdge pin_edge() {
     const unsigned pin = gpio();
@@ -368,7 +385,14 @@ Action sending(Line& line, Port to) {
 }
 
 Action setting(Line& line) {
+  if (line.accept("temperature")) return SetTemperature{line.celsius()};
   const unsigned gpio = line.gpio();
+  if (const std::optional<double> volts = line.accept_volts()) {
+    if (gpio < first_adc_gpio || gpio >= first_adc_gpio + Adc::pin_inputs)
+      line.refuse("gpio" + std::to_string(gpio) + " is no input of the ADC",
+                  "give a voltage to one of gpio26 to gpio29");
+    return SetVoltage{gpio - first_adc_gpio, *volts};
+  }
   return SetPin{gpio, line.level() ? External::high : External::low};
 }
 

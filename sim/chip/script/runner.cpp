@@ -112,6 +112,14 @@ struct Runner::Actor {
     runner.act_now(now);
     runner.chip_.gpio().join(what.one, what.other, now);
   }
+  void operator()(const SetVoltage& what) const {
+    runner.act_now(now);
+    runner.chip_.system().adc.set_input(what.input, what.volts);
+  }
+  void operator()(const SetTemperature& what) const {
+    runner.act_now(now);
+    runner.chip_.system().adc.set_temperature(what.celsius);
+  }
   void operator()(const Pulse& what) const {
     runner.act_now(now);
     runner.trains_[what.gpio] = Train{what, runner.time_};

@@ -48,6 +48,14 @@ struct SetPin {
 struct Join {
   unsigned one = 0, other = 0;
 };
+/// Of the converter, from now on.
+struct SetVoltage {
+  unsigned input = 0;  ///< at GPIO 26 + this
+  double volts = 0;
+};
+struct SetTemperature {
+  double celsius = 0;
+};
 /// Pulses to `level` beside the script, from now on.
 struct Pulse {
   unsigned gpio = 0;
@@ -102,9 +110,9 @@ struct ExpectFrequency {
 };
 struct End {};
 
-using Action =
-    std::variant<At, After, SetPin, Join, Pulse, Send, ExpectPort, ExpectText, ExpectEdge,
-                 ExpectReaction, ExpectCount, ExpectNever, ExpectLevel, ExpectFrequency, End>;
+using Action = std::variant<At, After, SetPin, Join, SetVoltage, SetTemperature, Pulse, Send,
+                            ExpectPort, ExpectText, ExpectEdge, ExpectReaction, ExpectCount,
+                            ExpectNever, ExpectLevel, ExpectFrequency, End>;
 
 /// One step.
 struct Step {
