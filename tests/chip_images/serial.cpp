@@ -1,6 +1,6 @@
-// SPI0 looped back in itself: 8 words of 16 bits at 12.5 MHz (GPIO 2 is high while it is busy), its
-// FIFOs and flags, 1000 bytes by two DMA channels (GPIO 3). I2C0 without anybody on the bus: a byte
-// that nobody acknowledges (GPIO 6). Results on UART0.
+// SPI0 looped back in itself, seen on its pins: 8 words of 16 bits at 12.5 MHz (GPIO 2 is high
+// while it is busy), its FIFOs and flags, 1000 bytes by two DMA channels (GPIO 3). I2C0 without
+// anybody on the bus: a byte that nobody acknowledges (GPIO 6). Results on UART0.
 #include "tests/chip_images/dma.hpp"
 
 using namespace image;
@@ -37,6 +37,7 @@ void drain() {
 
 void spi() {
   release(block::spi0 | block::dma);
+  for (const unsigned gpio : {17u, 18u, 19u}) select(gpio, Function::spi);  // CSn, SCK, TX
   start_spi(16, mode_3, 10);
   print("idle");
   print_hex(read(sr));
