@@ -10,6 +10,7 @@ import { ConsoleLogger, GPIOPinState, LogLevel, Simulator } from 'rp2040js';
 import { install_rom } from './boot_rom.mjs';
 
 const flash_base = 0x10000000;
+const watchdog_base = 0x40058000;
 const stack_top = 0x20041f00;  // where the ROM's stack is when it calls the second-stage boot
 const pin_count = 30;
 
@@ -61,15 +62,24 @@ function see_own_output(pin) {
   });
 }
 
+/** Pads after reset have their inputs on (RP2040 datasheet, 2.19.6.3: 0x56); those of rp2040js do not. */
+export function enable_inputs(rp2040) {
+  for (const pin of rp2040.gpio) {
+    if (pin.inputEnable) throw new Error('inputs are on after reset: rp2040js needs no help any more');
+    pin.padValue = 0x56;
+  }
+}
+
 /**
- * Runs `image` in rp2040js for `ms` of its time; `prepare(rp2040, clock)` may listen. `clocked`: its
- * PIO is stepped once a cycle of the CPU, enabled machines only, and sees pins that the chip drives,
+ * Runs `image` in rp2040js for `ms` of its time; `prepare(rp2040, clock)` may listen, and may return
+ * what says whether the run is over. `clocked`: its PIO is stepped once a cycle of the CPU, enabled machines only, and sees pins that the chip drives,
  * none of which rp2040js does by itself.
  */
 export function run_in_rp2040js(image, ms, clocked, prepare) {
   const { rp2040, clock } = new Simulator();
   rp2040.logger = new ConsoleLogger(LogLevel.Error);
   install_rom(rp2040, () => { throw new Error('the image enters the boot loader'); });
+  rp2040.findPeripheral(watchdog_base).onWatchdogTrigger = () => { throw new Error('the watchdog restarts the chip'); };
   rp2040.flash.set(image);
   rp2040.core.SP = stack_top;
   rp2040.core.PC = flash_base;
@@ -77,8 +87,8 @@ export function run_in_rp2040js(image, ms, clocked, prepare) {
     rp2040.pio.forEach(stop_free_run);
     rp2040.gpio.forEach(see_own_output);
   }
-  prepare(rp2040, clock);
-  while (clock.nanos < ms * 1e6) {
+  const is_over = prepare(rp2040, clock) ?? (() => false);
+  while (clock.nanos < ms * 1e6 && !is_over()) {
     const cycle_ns = 1e9 / rp2040.clkSys;
     const { waiting } = rp2040.core;
     if (waiting && !clocked) {

@@ -1,0 +1,34 @@
+// One small image with its script in rp2040js.
+//
+// usage: node run_image.mjs IMAGE.uf2 SCRIPT [clocked] [inputs]
+//   clocked  its PIO is stepped once a cycle; inputs  those of pads are on after reset
+// prints JSON: { results: [{ says, met, seen }], stopped: why the simulator gave up, if it did }.
+// An expectation without `met` was not reached.
+
+import { readFileSync, writeSync } from 'node:fs';
+
+import { case_image } from './case_image.mjs';
+import { enable_inputs, run_in_rp2040js } from './edges.mjs';
+import { read_script } from './script.mjs';
+import { ScriptRun } from './script_run.mjs';
+import { Scene } from './script_scene.mjs';
+
+const until_ms = 2000;  // as the tests chip_images.* have it
+
+// What rp2040js says on the console is said once an access, by the million.
+for (const level of ['debug', 'info', 'log', 'warn', 'error']) console[level] = () => {};
+
+const [image, script, ...helps] = process.argv.slice(2);
+let run;
+let stopped;
+try {
+  run_in_rp2040js(case_image(image), until_ms, helps.includes('clocked'), (rp2040, clock) => {
+    if (helps.includes('inputs')) enable_inputs(rp2040);
+    run = new ScriptRun(new Scene(rp2040, clock), read_script(readFileSync(script, 'utf8')));
+    return () => run.done;
+  });
+} catch (error) {
+  stopped = error.message;
+}
+writeSync(1, JSON.stringify({ results: run?.results ?? [], stopped }));
+process.exit(0);  // rp2040js runs its PIO by timers of the host, which would never end

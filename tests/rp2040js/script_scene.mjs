@@ -1,0 +1,90 @@
+// What a script sees and moves of a chip in rp2040js: edges of pins and bytes of UARTs with their
+// times, levels of pins from outside.
+
+import { GPIOPinState } from 'rp2040js';
+
+const pin_count = 30;
+const bits_of_a_byte = 10;  // 8 bits, start and stop
+const reference_volts = 3.3;  // full scale of the ADC, as `lamplock chip` has it
+const codes = 4096;
+
+/** Remembers what `rp2040` does; moments are { ps, cycle } with cycles of clk_sys. */
+export class Scene {
+  #rp2040;
+  #clock;
+  #since = { ps: 0, cycle: 0 };  // of the present clk_sys
+  #hz;
+  #driven = new Array(pin_count).fill(false);
+  edges = Array.from({ length: pin_count }, () => []);
+  bytes = [[], []];
+
+  constructor(rp2040, clock) {
+    this.#rp2040 = rp2040;
+    this.#clock = clock;
+    this.#hz = rp2040.clkSys;
+    rp2040.addClockListener((hz) => {
+      this.#since = this.now();
+      this.#hz = hz;
+    });
+    rp2040.gpio.forEach((pin, gpio) => pin.addListener((state) => this.#levelled(gpio, state)));
+    rp2040.uart.forEach((uart, port) => {
+      uart.onByte = (byte) => this.bytes[port].push({ at: this.now(), letter: String.fromCharCode(byte) });
+    });
+  }
+
+  now() {
+    const ps = Math.round(this.#clock.nanos * 1000);
+    return { ps, cycle: this.#since.cycle + (ps - this.#since.ps) * this.#hz / 1e12 };
+  }
+
+  after({ ps, cycle }, { amount, cycles }) {
+    const cycle_ps = 1e12 / this.#hz;
+    return cycles ? { ps: ps + amount * cycle_ps, cycle: cycle + amount }
+                  : { ps: ps + amount, cycle: cycle + amount / cycle_ps };
+  }
+
+  #levelled(gpio, state) {
+    if (state === GPIOPinState.High || state === GPIOPinState.Low) this.#level(gpio, state === GPIOPinState.High);
+    else this.#level(gpio, this.#driven[gpio] || state === GPIOPinState.InputPullUp);
+  }
+
+  #level(gpio, level) {
+    const edges = this.edges[gpio];
+    if (level !== (edges.at(-1)?.level ?? false)) edges.push({ at: this.now(), level });
+  }
+
+  /** From outside. */
+  drive(gpio, level) {
+    const pin = this.#rp2040.gpio[gpio];
+    this.#driven[gpio] = level;
+    pin.setInputValue(level);
+    if (!pin.outputEnable) this.#level(gpio, level);
+  }
+
+  /** Calls once the time has come. */
+  at(moment, call) {
+    this.#clock.createAlarm(call).schedule(Math.max(0, moment.ps / 1000 - this.#clock.nanos));
+  }
+
+  /** The voltage of an input of the ADC: 0 to 3 pins, 4 the temperature sensor. */
+  set_volts(input, volts) {
+    const code = Math.floor(volts / reference_volts * codes);
+    this.#rp2040.adc.channelValues[input] = Math.max(0, Math.min(codes - 1, code));
+  }
+
+  /** The bytes come one after the other at the rate of the image. */
+  send(port, text) {
+    const uart = this.#rp2040.uart[port];
+    const byte_ps = bits_of_a_byte * 1e12 / uart.baudRate;
+    let moment = this.now();
+    for (const letter of text) {
+      moment = this.after(moment, { amount: byte_ps, cycles: false });
+      this.at(moment, () => uart.feedByte(letter.charCodeAt(0)));
+    }
+  }
+
+  /** Level of the pin behind its edges up to and with `ps`. */
+  level(gpio, ps) {
+    return this.edges[gpio].findLast((edge) => edge.at.ps <= ps)?.level ?? false;
+  }
+}
