@@ -83,6 +83,8 @@ function statement(words) {
     case 'set':
       if (/[VC]$/.test(rest[1])) return [converter(rest)];
       return [{ kind: 'set', gpio: pin(rest[0]), level: level(rest[1]) }];
+    case 'join':
+      return [{ kind: 'join', gpio: pin(rest[0]), other: pin(rest[1]) }];
     case 'pulse':
       return [pulse(rest)];
     case 'end':

@@ -78,6 +78,8 @@ export class ScriptRun {
     if (now.ps > this.#time.ps) this.#time = now;
     if (step.kind === 'send') {
       scene.send(step.port, step.text);
+    } else if (step.kind === 'join') {
+      scene.join(step.gpio, step.other);
     } else if (step.kind === 'volts') {
       scene.set_volts(step.input, step.volts);
     } else {

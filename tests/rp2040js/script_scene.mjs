@@ -61,6 +61,17 @@ export class Scene {
     if (!pin.outputEnable) this.#level(gpio, level);
   }
 
+  /** A wire between two pins: low if either drives it low, else high. */
+  join(one, other) {
+    const pins = [one, other].map((gpio) => this.#rp2040.gpio[gpio]);
+    const settle = () => {
+      const low = pins.some((pin) => pin.value === GPIOPinState.Low);
+      pins.forEach((pin) => pin.setInputValue(!low));
+    };
+    pins.forEach((pin) => pin.addListener(settle));
+    settle();
+  }
+
   /** Calls once the time has come. */
   at(moment, call) {
     this.#clock.createAlarm(call).schedule(Math.max(0, moment.ps / 1000 - this.#clock.nanos));
