@@ -266,6 +266,7 @@ Access Bus::read_block(std::uint32_t address, Width width, Master master, Cycle 
   // A read of FLUSH holds the bus until the flush is done (2.6.3.6).
   if (slot == &xip_control_ && xip_ != nullptr && (offset & register_mask) == xip_flush)
     wait += xip_->flush_wait(at);
+  if (behind_xip_port(*slot)) wait += xip_->port_wait(master, at);
   return {lane(slot->block->read(offset & register_mask), address, width), wait, false};
 }
 
@@ -305,7 +306,8 @@ Access Bus::write_block(std::uint32_t address, std::uint32_t value, Width width,
     word = (combined & ~as_written) | (word & as_written);
   }
   slot->block->write(offset & register_mask, word);
-  return {0, slot->write_wait, false};
+  const std::uint32_t port_wait = behind_xip_port(*slot) ? xip_->port_wait(master, at) : 0;
+  return {0, slot->write_wait + port_wait, false};
 }
 
 Access Bus::store_in_slot(Slot& slot, std::uint32_t offset, std::uint32_t value, Width width) {

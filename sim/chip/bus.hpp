@@ -158,6 +158,10 @@ class Bus {
   bool is_xip(std::uint32_t address) const {
     return xip_ != nullptr && (address >> 26) == (0x1000'0000u >> 26);
   }
+  /// Registers that share the port of the flash with it (2.6.3): XIP_CTRL, the SSI's.
+  bool behind_xip_port(const Slot& slot) const {
+    return (&slot == &xip_control_ || &slot == &ssi_) && xip_ != nullptr;
+  }
   /// The byte of the striped SRAM behind an address in the windows of single banks.
   std::uint8_t* bank_byte(std::uint32_t address);
   void report(const Slot& slot, std::uint32_t address, std::string_view what);

@@ -57,6 +57,7 @@ void Chip::map() {
   system_.map(bus_, gpio_);
   system_.connect(pio_dma_.dreqs());
   bus_.map_sio(sio_.core(0), sio_.core(1));
+  xip_.connect(pio_dma_.dreqs());
   system_.psm.attach(PsmBit::xip, [this](bool held) {
     if (held) xip_.reset();
   });

@@ -48,6 +48,8 @@ constexpr std::uint32_t component_version = 0x3430'312a;
 constexpr std::uint32_t raw_tx_empty = 1, raw_tx_overflow = 2, raw_rx_underflow = 4,
                         raw_rx_overflow = 8;
 
+constexpr std::uint32_t dma_receive = 1, dma_transmit = 2;  // DMACR
+
 // CTRLR0.TMOD
 constexpr unsigned both = 0, transmit_only = 1, receive_only = 2, eeprom_read = 3;
 
@@ -82,6 +84,23 @@ unsigned Ssi::instruction_bits() const {
 void Ssi::run(Cycle) {
   catch_up();
   update_mapping();
+  plan();
+  tell_levels();
+}
+
+void Ssi::plan() {
+  wheel_.set(slot_, in_frame_ && dma_control_ != 0 ? std::min(end_, look_again_) : look_again_);
+}
+
+// DMACR, DMATDLR and DMARDLR (4.10.13): a request while the transmit FIFO holds no more, the
+// receive FIFO more entries than the level. That it is worth as many transfers as the FIFO can take
+// or give is assumed. The DMA may read or write the FIFOs within this call.
+void Ssi::tell_levels() {
+  if (dreqs_ == nullptr) return;
+  const bool sends = (dma_control_ & dma_transmit) != 0 && enabled_ && tx_.size() <= dma_tx_level_;
+  const bool receives = (dma_control_ & dma_receive) != 0 && rx_.size() > dma_rx_level_;
+  dreqs_->set_level(Dreq::xip_ssitx, sends ? static_cast<unsigned>(fifo_depth - tx_.size()) : 0);
+  dreqs_->set_level(Dreq::xip_ssirx, receives ? static_cast<unsigned>(rx_.size()) : 0);
 }
 
 void Ssi::clock_changed() { catch_up(); }
@@ -276,17 +295,18 @@ void Ssi::update_mapping() {
     const Picoseconds now = wheel_.time_of(wheel_.now());
     works = flash_.would_read([this](std::uint32_t address) { return xip_read(address); }, now);
     // Looks again once the flash has done what keeps it busy.
-    if (!works && flash_.busy(now)) wheel_.set(slot_, wheel_.cycle_at(flash_.busy_until()));
+    look_again_ = !works && flash_.busy(now) ? wheel_.cycle_at(flash_.busy_until()) : never_cycle;
+    plan();
   }
   if (works == mapped_) return;
   mapped_ = works;
   mapped_changed_(works);
 }
 
-std::uint32_t Ssi::line_fill_cycles() const {
+std::uint32_t Ssi::transfer_cycles(unsigned data_bits) const {
   const unsigned width = std::max(1u, lanes());
   const std::uint32_t clocks = instruction_bits() / instruction_lanes() +
-                               address_bits() / address_lanes() + wait_cycles() + 64 / width;
+                               address_bits() / address_lanes() + wait_cycles() + data_bits / width;
   return clocks * divider();
 }
 
@@ -326,6 +346,12 @@ std::uint32_t Ssi::peek(std::uint32_t offset) const {
       return status();
     case risr:
       return raw_interrupts_ | (tx_.size() <= tx_threshold_ ? raw_tx_empty : 0u);
+    case dmacr:
+      return dma_control_;
+    case dmatdlr:
+      return dma_tx_level_;
+    case dmardlr:
+      return dma_rx_level_;
     case idr:
       return identification;
     case version:
@@ -350,6 +376,7 @@ std::uint32_t Ssi::read(std::uint32_t offset) {
     }
     const std::uint32_t value = rx_.front();
     rx_.pop_front();
+    tell_levels();
     return value;
   }
   if (offset >= txoicr && offset <= icr) {
@@ -362,8 +389,8 @@ std::uint32_t Ssi::read(std::uint32_t offset) {
     raw_interrupts_ &= ~clears;
     return any ? 1 : 0;
   }
-  const bool modelled = offset != mwcr && offset != imr && offset != isr &&
-                        (offset < dmacr || offset > dmardlr) && offset <= txd_drive_edge;
+  const bool modelled =
+      offset != mwcr && offset != imr && offset != isr && offset <= txd_drive_edge;
   if (!modelled && not_modelled_) not_modelled_("XIP_SSI register that reads as 0");
   return peek(offset);
 }
@@ -378,6 +405,8 @@ void Ssi::write(std::uint32_t offset, std::uint32_t value) {
       raw_interrupts_ |= raw_tx_overflow;
     catch_up();
     update_mapping();
+    plan();
+    tell_levels();
     return;
   }
   const auto set = [&](std::uint32_t& field, std::uint32_t mask) {
@@ -423,18 +452,24 @@ void Ssi::write(std::uint32_t offset, std::uint32_t value) {
       if (value != 0 && not_modelled_) not_modelled_("XIP_SSI interrupts");
       break;
     case dmacr:
-      if (value != 0 && not_modelled_) not_modelled_("XIP_SSI DMA requests");
+      dma_control_ = value & (dma_receive | dma_transmit);
+      break;
+    case dmatdlr:
+      dma_tx_level_ = value & 0xffu;
+      break;
+    case dmardlr:
+      dma_rx_level_ = value & 0xffu;
       break;
     case mwcr:
-    case dmatdlr:
-    case dmardlr:
-      if (value != 0 && not_modelled_) not_modelled_("XIP_SSI MWCR, DMATDLR, DMARDLR");
+      if (value != 0 && not_modelled_) not_modelled_("XIP_SSI MWCR");
       break;
     default:
       break;
   }
   catch_up();
   update_mapping();
+  plan();
+  tell_levels();
 }
 
 void Ssi::clear() {
@@ -453,7 +488,10 @@ void Ssi::reset() {
   control_ = frames_ = slaves_ = baud_ = 0;
   spi_control_ = spi_control_reset;
   tx_threshold_ = rx_threshold_ = rx_delay_ = drive_edge_ = raw_interrupts_ = 0;
+  dma_control_ = dma_tx_level_ = dma_rx_level_ = 0;
   update_mapping();
+  plan();
+  tell_levels();
 }
 
 void Ssi::power_cut() {

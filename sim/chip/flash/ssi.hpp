@@ -5,7 +5,8 @@
 // Out: chip select and clocks to the flash, frames into the receive FIFO; whether reads through the
 //      XIP window work, asked by clocking such a read on the flash's own state, so that a wrong
 //      command, number of wait cycles or mode is found.
-// Brought up to date when a register is touched; nothing runs in between.
+// Brought up to date when a register is touched, and at the end of each frame while the DMA is
+// asked to fill or empty the FIFOs; nothing runs in between otherwise.
 #pragma once
 
 #include <array>
@@ -13,6 +14,7 @@
 #include <deque>
 #include <functional>
 
+#include "sim/chip/dma/dreq_lines.hpp"
 #include "sim/chip/flash/flash_chip.hpp"
 #include "sim/chip/flash/qspi_pins.hpp"
 #include "sim/chip/peripheral.hpp"
@@ -38,7 +40,11 @@ class Ssi final : public Peripheral, private Timed {
   void reset() override;
 
   /// Cycles of clk_sys that filling a line of eight bytes takes at the present setting.
-  std::uint32_t line_fill_cycles() const;
+  std::uint32_t line_fill_cycles() const { return transfer_cycles(64); }
+  /// The same for a word alone.
+  std::uint32_t word_cycles() const { return transfer_cycles(32); }
+  /// Requests to the DMA go there.
+  void connect(DreqLines& dreqs) { dreqs_ = &dreqs; }
   /// Power has been cut: forgets everything, and the flash's too.
   void power_cut();
 
@@ -48,6 +54,9 @@ class Ssi final : public Peripheral, private Timed {
   void run(Cycle to) override;
   void clock_changed() override;
   void catch_up();
+  std::uint32_t transfer_cycles(unsigned data_bits) const;
+  void plan();
+  void tell_levels();
   bool start_frame(Cycle at);
   void start(Stage stage, unsigned bits, unsigned lanes, Cycle at);
   void finish_frame();
@@ -75,12 +84,15 @@ class Ssi final : public Peripheral, private Timed {
   QspiPins& pins_;
   NotModelled not_modelled_;
   std::function<void(bool)> mapped_changed_;
+  DreqLines* dreqs_ = nullptr;
 
   std::uint32_t control_ = 0, frames_ = 0, slaves_ = 0, baud_ = 0, spi_control_ = 0;
   std::uint32_t tx_threshold_ = 0, rx_threshold_ = 0, rx_delay_ = 0, drive_edge_ = 0;
   std::uint32_t raw_interrupts_ = 0;
+  std::uint32_t dma_control_ = 0, dma_tx_level_ = 0, dma_rx_level_ = 0;
   bool enabled_ = false;
   bool mapped_ = false;
+  Cycle look_again_ = never_cycle;  ///< the flash has done what keeps it from being read
 
   std::deque<std::uint32_t> tx_, rx_;
   Stage stage_ = Stage::idle;

@@ -19,7 +19,7 @@ enum Offset : std::uint32_t {
   stream_fifo = 0x1c,
 };
 constexpr std::uint32_t ctrl_enable = 1, ctrl_error_on_write = 2, ctrl_power_down = 8;
-constexpr std::uint32_t stat_ready = 1, stat_stream_empty = 2;
+constexpr std::uint32_t stat_ready = 1, stat_stream_empty = 2, stat_stream_full = 4;
 
 }  // namespace
 
@@ -28,15 +28,27 @@ Xip::Xip(TimeWheel& wheel, Bus& bus, FlashChip& flash, NotModelled not_modelled)
       bus_(bus),
       not_modelled_(std::move(not_modelled)),
       pins_(not_modelled_),
+      stream_(
+          wheel, flash.storage(), [this] { return ssi_.word_cycles(); }, not_modelled_),
       memory_(
-          flash.storage(), [this] { return ssi_.line_fill_cycles(); }, not_modelled_),
-      ssi_(wheel, flash, pins_, not_modelled_, [this](bool on) { memory_.set_readable(on); }),
+          flash.storage(), [this] { return ssi_.line_fill_cycles(); }, stream_, not_modelled_),
+      ssi_(wheel, flash, pins_, not_modelled_,
+           [this](bool on) {
+             memory_.set_readable(on);
+             stream_.set_readable(on);
+           }),
       control_(*this) {
   bus.map_xip(memory_);
   bus.map(0x1400'0000, control_);
   bus.map(0x1800'0000, ssi_, false);
+  bus.map(0x5040'0000, stream_.auxiliary());
   bus.map(0x4001'8000, pins_.io());
   bus.map(0x4002'0000, pins_.pads());
+}
+
+void Xip::connect(DreqLines& dreqs) {
+  stream_.connect(dreqs);
+  ssi_.connect(dreqs);
 }
 
 void Xip::reset() {
@@ -57,20 +69,28 @@ std::uint32_t Xip::Control::peek(std::uint32_t offset) const {
     case ctrl:
       return setting;
     case stat:
-      return stat_stream_empty | (owner.memory_.flushing(owner.wheel_.now()) ? 0 : stat_ready);
+      return (owner.stream_.full() ? stat_stream_full : 0) |
+             (owner.stream_.empty() ? stat_stream_empty : 0) |
+             (owner.memory_.flushing(owner.wheel_.now()) ? 0 : stat_ready);
     case ctr_hit:
       return cache.hits();
     case ctr_acc:
       return cache.accesses();
+    case stream_addr:
+      return owner.stream_.address();
+    case stream_ctr:
+      return owner.stream_.count();
+    case stream_fifo:
+      return owner.stream_.front();
     default:
       return 0;
   }
 }
 
 std::uint32_t Xip::Control::read(std::uint32_t offset) {
-  if (offset > ctr_acc && owner.not_modelled_)
-    owner.not_modelled_(offset <= stream_fifo ? "XIP_CTRL stream read"
-                                              : "XIP_CTRL: no register at this offset");
+  if (offset == stream_fifo) return owner.stream_.pop();
+  if (offset > stream_fifo && owner.not_modelled_)
+    owner.not_modelled_("XIP_CTRL: no register at this offset");
   // A read of FLUSH waits until the flush is done, which the bus adds, and is 0.
   return peek(offset);
 }
@@ -87,9 +107,9 @@ void Xip::Control::write(std::uint32_t offset, std::uint32_t value) {
     case ctr_acc:
       return owner.memory_.cache().clear_accesses();
     case stream_addr:
+      return owner.stream_.write_address(value);
     case stream_ctr:
-      if (value != 0 && owner.not_modelled_) owner.not_modelled_("XIP_CTRL stream written");
-      return;
+      return owner.stream_.write_count(value);
     default:
       return;
   }
@@ -111,6 +131,7 @@ void Xip::Control::set(std::uint32_t value) {
 // Ends with a flush (2.6.3.6, STAT).
 void Xip::Control::reset() {
   set(ctrl_enable | ctrl_error_on_write);
+  owner.stream_.reset();
   owner.memory_.flush(owner.wheel_.now());
   owner.memory_.cache().clear_hits();
   owner.memory_.cache().clear_accesses();

@@ -2,7 +2,8 @@
 //
 // In:  registers of XIP_CTRL, XIP_SSI, IO_QSPI, PADS_QSPI; power.
 // Out: the flash behind the cache in the XIP window (XipMemory) while the SSI is set so that reads
-//      work; otherwise what the cache holds, and faults; the cache's memory while it is off.
+//      work; otherwise what the cache holds, and faults; the cache's memory while it is off; words
+//      streamed for the DMA (XipStream).
 #pragma once
 
 #include <cstdint>
@@ -27,6 +28,8 @@ class Xip {
   QspiPins& pins() { return pins_; }
   Peripheral& control() { return control_; }
   XipMemory& memory() { return memory_; }
+  /// Requests to the DMA go there.
+  void connect(DreqLines& dreqs);
 
   /// SSI and XIP_CTRL take their reset values; the pins have a reset of their own (RESETS).
   void reset();
@@ -50,6 +53,7 @@ class Xip {
   Bus& bus_;
   NotModelled not_modelled_;
   QspiPins pins_;
+  XipStream stream_;
   XipMemory memory_;
   Ssi ssi_;
   Control control_;

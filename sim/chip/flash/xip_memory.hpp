@@ -4,7 +4,7 @@
 // In:  accesses of the masters; settings of XIP_CTRL; whether the SSI can read, and how long a line
 //      takes it.
 // Out: values and wait states: none for a hit, the SSI's transfer of a line for a miss, and for
-//      a second master the rest of what the first one waits for; faults.
+//      a second master the rest of what the first one waits for, or of a streamed word; faults.
 // What a miss takes beyond the clocks of the transfer itself is not documented: assumed nothing. So
 // is that an access which does not allocate transfers a whole line too.
 #pragma once
@@ -15,6 +15,7 @@
 
 #include "sim/chip/bus.hpp"
 #include "sim/chip/flash/xip_cache.hpp"
+#include "sim/chip/flash/xip_stream.hpp"
 #include "sim/chip/peripheral.hpp"
 
 namespace lamplock::sim::chip {
@@ -24,7 +25,7 @@ class XipMemory {
  public:
   /// `flash`: a power of two; shows again and again. `line_fill` in cycles of clk_sys.
   XipMemory(std::span<std::uint8_t> flash, std::function<std::uint32_t()> line_fill,
-            NotModelled not_modelled);
+            XipStream& stream, NotModelled not_modelled);
 
   /// The SSI can read the flash. A line in the cache is there even if it cannot.
   void set_readable(bool on) { readable_ = on; }
@@ -36,6 +37,13 @@ class XipMemory {
   bool flushing(Cycle at) const { return at < flush_end_; }
   /// Cycles that an access which begins at `at` waits for the flush to be done.
   std::uint32_t flush_wait(Cycle at) const;
+
+  /// Registers behind the same port (XIP_CTRL, the SSI's): cycles that an access which begins at
+  /// `at` waits for another master's.
+  std::uint32_t port_wait(Master master, Cycle at) const {
+    const bool taken = master != holder_ && at >= begin_ && at < end_;
+    return taken ? static_cast<std::uint32_t>(end_ - at) : 0;
+  }
 
   Access read(std::uint32_t address, Width width, Master master, Cycle at);
   /// Writes never reach the flash: through the first alias they drop the line, through the others
@@ -50,10 +58,11 @@ class XipMemory {
   static constexpr Cycle flush_cycles = XipCache::set_count;
 
  private:
-  std::uint32_t occupy(Master master, Cycle at, Cycle cycles);
+  std::uint32_t occupy(Master master, Cycle at, Cycle transfer);
 
   std::span<std::uint8_t> flash_;
   std::function<std::uint32_t()> line_fill_;
+  XipStream& stream_;
   NotModelled not_modelled_;
   XipCache cache_;
   bool readable_ = false;
