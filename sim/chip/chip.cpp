@@ -154,6 +154,10 @@ void Chip::restart_cores() {
 void Chip::run_until(Cycle until) {
   for (;;) {
     restart_cores();
+    if (halted_) {
+      halted_ = false;
+      return;
+    }
     if (held_[0] && held_[1]) {
       wheel_.advance_to(std::min(until, wheel_.next()));
       if (wheel_.now() >= until) return;

@@ -75,6 +75,8 @@ class Chip final : private ClockListener, private TickListener {
   void run_until(Cycle until);
   /// While there is a watcher the cores go step by step: slower, but the same run. null: none.
   void watch_steps(StepWatcher* watcher) { watcher_ = watcher; }
+  /// From inside a step of a core that was requested to stop: run_until() returns after it.
+  void halt() { halted_ = true; }
   Cycle now() const { return wheel_.now(); }
   Picoseconds time() const { return wheel_.time_of(wheel_.now()); }
 
@@ -130,6 +132,7 @@ class Chip final : private ClockListener, private TickListener {
   std::uint32_t watchdog_resets_ = 0;
   std::uint64_t seed_;
   StepWatcher* watcher_ = nullptr;
+  bool halted_ = false;
 };
 
 }  // namespace lamplock::sim::chip

@@ -700,6 +700,78 @@ TEST(GdbStub, ASleeperWakesInTheSameCycleWatchedOrNot) {
   }
 }
 
+// --- BKPT ----------------------------------------------------------------------------------------
+
+constexpr std::uint32_t bkpt = main0 + 2;
+
+/// Core 0 counts, with a BKPT between two counts; its HardFault handler counts by 256.
+void start_with_bkpt(Chip& chip) {
+  start(chip);
+  put(chip, main0,
+      {0x3001,    // adds r0, #1
+       0xbe2a,    // bkpt #42
+       0x3001,    // adds r0, #1
+       0xe7fb});  // b main0
+  put(chip, handler,
+      {0x31ff,    // adds r1, #255
+       0xe7fe});  // b .
+  put_word(chip, vectors + 4 * 3, handler | 1);
+  chip.core(0).set_reg(0, 0);
+  chip.core(0).set_reg(1, 0);
+}
+
+// ARMv6-M ARM, C1.6.1: halting debug takes BKPT, the core stands in front of it.
+TEST(GdbBkpt, StopsInFrontOfItAndGoesOnBehindIt) {
+  for (const bool watched : {false, true}) {
+    Debugger gdb(start_with_bkpt);
+    if (watched) {
+      EXPECT_EQ(gdb.ask("Z0,20008000,2"), "OK");
+    }
+    for (std::uint32_t round = 0; round < 3; ++round) {
+      const std::string reply = gdb.go("c");
+      EXPECT_THAT(reply, StartsWith("T05"));
+      EXPECT_THAT(reply, HasSubstr("swbreak:;"));
+      EXPECT_THAT(reply, HasSubstr(pc_in_reply(bkpt)));
+      EXPECT_EQ(gdb.chip.core(0).reg(0), 2 * round + 1);
+      EXPECT_EQ(gdb.chip.wheel().now(), gdb.chip.core(0).cycle());
+    }
+  }
+}
+
+TEST(GdbBkpt, IsSteppedOver) {
+  Debugger gdb(start_with_bkpt);
+  gdb.go("c");
+  gdb.go("s");
+  EXPECT_EQ(gdb.pc(), bkpt + 2);
+  EXPECT_EQ(gdb.chip.core(0).reg(0), 1u);
+  gdb.go("s");
+  EXPECT_EQ(gdb.pc(), bkpt + 4);
+  EXPECT_EQ(gdb.chip.core(0).reg(0), 2u);
+}
+
+TEST(GdbBkpt, WhereTheDebuggerHasMovedTheCoreNothingIsLeftOut) {
+  Debugger gdb(start_with_bkpt);
+  gdb.go("c");
+  gdb.chip.core(0).set_reg(15, main0);
+  EXPECT_THAT(gdb.go("c"), HasSubstr(pc_in_reply(bkpt)));
+  EXPECT_EQ(gdb.chip.core(0).reg(0), 2u);
+}
+
+TEST(GdbBkpt, IsAHardFaultWithoutADebugger) {
+  {
+    Debugger gdb(start_with_bkpt);
+    gdb.go("c");
+    EXPECT_EQ(gdb.ask("D"), "OK");
+    gdb.chip.run_until(gdb.chip.now() + 100);
+    EXPECT_EQ(gdb.chip.core(0).exception(), 3u) << "detached";
+  }
+  Chip chip;
+  start_with_bkpt(chip);
+  chip.run_until(chip.core(0).cycle() + 100);
+  EXPECT_EQ(chip.core(0).exception(), 3u);
+  EXPECT_EQ(chip.core(0).reg(1), 255u);
+}
+
 // --- The server ----------------------------------------------------------------------------------
 
 /// A connection with a script: what it has written appears when the other side has answered.

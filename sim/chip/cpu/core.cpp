@@ -871,7 +871,9 @@ inline void Core::execute() {
     case Op::hint:
       if (!execute_hint(op, cycles)) return;
       break;
-    case Op::bkpt:  // no debugger: escalated
+    case Op::bkpt:
+      if (on_breakpoint && on_breakpoint()) return;
+      return hard_fault();  // no debugger: escalated (ARMv6-M, C1.6.1)
     case Op::undefined:
       return hard_fault();
     case Op::svc:

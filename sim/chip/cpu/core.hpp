@@ -144,6 +144,8 @@ class Core {
   /// This core slept and its SysTick has just ended that; called from inside an event, perhaps of
   /// the other core's time.
   std::function<void()> on_woken;
+  /// BKPT: true if a debugger takes it, and the core stays in front of it; else a HardFault.
+  std::function<bool()> on_breakpoint;
   /// AIRCR.SYSRESETREQ was written; see reset().
   std::function<void()> on_reset_request;
   /// The lines that raise NMI (SYSCFG PROC0_NMI_MASK, PROC1_NMI_MASK).

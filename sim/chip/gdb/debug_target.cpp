@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "sim/chip/gdb/accesses.hpp"
 
@@ -30,6 +31,16 @@ std::span<std::uint8_t> flash_part(Chip& chip, std::uint32_t address, std::size_
 }
 
 }  // namespace
+
+DebugTarget::DebugTarget(Chip& chip) : chip_(chip) {
+  for (int id = 0; id < 2; ++id)
+    chip_.core(id).on_breakpoint = [this, id] { return take_breakpoint(chip_.core(id)); };
+}
+
+DebugTarget::~DebugTarget() {
+  chip_.watch_steps(nullptr);
+  for (int id = 0; id < 2; ++id) chip_.core(id).on_breakpoint = nullptr;
+}
 
 // --- Breakpoints and watchpoints -----------------------------------------------------------------
 
@@ -67,6 +78,8 @@ void DebugTarget::clear_all() {
   breakpoints_.clear();
   watches_.clear();
   stepping_.reset();
+  at_breakpoint_ = {};
+  attached_ = false;
   place_filter();
 }
 
@@ -131,7 +144,15 @@ const DebugTarget::Watch* DebugTarget::watch_before(Core& core) {
 void DebugTarget::resume(std::optional<int> step) {
   stepping_ = step;
   stepped_.reset();
+  attached_ = true;
   if (step) step_level_ = chip_.core(*step).exception();
+  for (int id = 0; id < 2; ++id) {
+    const auto at = std::exchange(at_breakpoint_[static_cast<std::size_t>(id)], std::nullopt);
+    Core& core = chip_.core(id);
+    if (!at || core.reg(15) != *at) continue;
+    core.set_reg(15, *at + 2);
+    if (step == id) stepped_ = *at;
+  }
   for (Watch& watch : watches_) look_at_memory(watch);
 }
 
@@ -141,6 +162,11 @@ Stop DebugTarget::run(Cycle until) {
   chip_.watch_steps(watched ? this : nullptr);
   chip_.run_until(until);
   chip_.watch_steps(nullptr);
+  if (at_breakpoint_[static_cast<std::size_t>(stop_.core)]) {
+    Core& core = chip_.core(stop_.core);
+    core.run_events(core.cycle());
+    halt(core, stop_);
+  }
   if (stop_.reason != Stop::Reason::none) stepping_.reset();
   return stop_;
 }
@@ -152,6 +178,17 @@ bool DebugTarget::halt(Core& core, Stop stop) {
   stop.core = core.id();
   stop_ = stop;
   return false;
+}
+
+/// From inside the execution of a BKPT.
+bool DebugTarget::take_breakpoint(Core& core) {
+  if (!attached_) return false;
+  const std::uint32_t pc = core.reg(15);
+  at_breakpoint_[static_cast<std::size_t>(core.id())] = pc;
+  stop_ = {Stop::Reason::software_breakpoint, core.id(), pc, WatchKind::write};
+  core.request_stop();
+  chip_.halt();
+  return true;
 }
 
 /// The stepped core has made its step and stands in front of the next one.

@@ -8,8 +8,10 @@
 //
 // A step is an instruction of the level that the core is at: an interrupt that comes first runs to
 // its end, breakpoints in it apart. A sleeping core is stepped when it wakes.
-// A core stops in front of the instruction that makes a watched access. What changes watched memory
-// unseen (DMA, functions of the ROM) stops the chip at the next step of a core.
+// BKPT stops a core in front of it, as halting debug does (ARMv6-M, C1.6); going on leaves it out,
+// as debug probes do. Without a debugger, or once it has detached, it is a HardFault. A core stops
+// in front of the instruction that makes a watched access. What changes watched memory unseen (DMA,
+// functions of the ROM) stops the chip at the next step of a core.
 #pragma once
 
 #include <array>
@@ -46,8 +48,8 @@ class DebugTarget final : private StepWatcher {
   /// r0-r12, sp, lr, pc, xpsr, msp, psp, primask, control.
   static constexpr unsigned register_count = 21;
 
-  explicit DebugTarget(Chip& chip) : chip_(chip) {}
-  ~DebugTarget() override { chip_.watch_steps(nullptr); }
+  explicit DebugTarget(Chip& chip);
+  ~DebugTarget() override;
   DebugTarget(const DebugTarget&) = delete;
   DebugTarget& operator=(const DebugTarget&) = delete;
 
@@ -92,6 +94,7 @@ class DebugTarget final : private StepWatcher {
 
   bool before_step(Core& core) override;
   bool halt(Core& core, Stop stop);
+  bool take_breakpoint(Core& core);
   bool step_ends(const Core& core);
   const Breakpoint* breakpoint_at(std::uint32_t address) const;
   const Watch* watch_before(Core& core);
@@ -114,6 +117,9 @@ class DebugTarget final : private StepWatcher {
     Cycle cycle;
   };
   std::optional<Passed> passed_;
+  bool attached_ = false;  ///< the debugger has let the chip go on
+  /// Address of the BKPT in front of which a core stands; it is left out when the core goes on.
+  std::array<std::optional<std::uint32_t>, 2> at_breakpoint_;
   Stop stop_;
 };
 
