@@ -44,6 +44,7 @@ Chip::Chip(const ChipOptions& options)
   system_.ticks.listen(*this);
   clocks_changed();
   for (int id = 0; id < 2; ++id) attach_core(id);
+  attach_gates();
 }
 
 NotModelled Chip::reporter() {
@@ -56,8 +57,8 @@ void Chip::map() {
   Resets& resets = system_.resets;
   system_.map(bus_, gpio_);
   system_.connect(pio_dma_.dreqs());
-  bus_.map_sio(sio_.core(0), sio_.core(1));
   xip_.connect(pio_dma_.dreqs());
+  bus_.map_sio(sio_.core(0), sio_.core(1));
   system_.psm.attach(PsmBit::xip, [this](bool held) {
     if (held) xip_.reset();
   });
@@ -99,9 +100,62 @@ void Chip::attach_core(int id) {
     other.idle_to(wheel_.now());
     if (!other.idle()) cores_[i].request_stop();
   };
+  core.on_deep_sleep = [this, i](bool asleep) {
+    if (!asleep) return wake_up(cores_[i].cycle());
+    may_sleep_ = true;
+    if (runs_alone_ == &cores_[i]) cores_[i].request_stop();
+  };
   core.on_woken = [this, i] {
     if (!held_[i] && runs_alone_ == &cores_[1 - i]) cores_[1 - i].request_stop();
   };
+}
+
+void Chip::attach_gates() {
+  const auto attach = [this](ClockGate gate, ResetBit block, auto set_clock) {
+    system_.clocks.on_gate(gate, [this, block, set_clock](bool runs) {
+      system_.resets.set_clock(block, runs);
+      set_clock(runs);
+    });
+  };
+  attach(ClockGate::sys_dma, ResetBit::dma, [this](bool runs) { pio_dma_.set_dma_clock(runs); });
+  attach(ClockGate::sys_pio0, ResetBit::pio0,
+         [this](bool runs) { pio_dma_.set_pio_clock(0, runs); });
+  attach(ClockGate::sys_pio1, ResetBit::pio1,
+         [this](bool runs) { pio_dma_.set_pio_clock(1, runs); });
+  pio_dma_.dma().on_idle = [this] {
+    may_sleep_ = true;
+    if (runs_alone_ != nullptr && runs_alone_->sleeping_deeply()) runs_alone_->request_stop();
+  };
+}
+
+// Both cores sleep deeply, one that is held in reset included, and the DMA has nothing to do
+// (2.11.2).
+void Chip::fall_asleep() {
+  may_sleep_ = false;
+  const Core* last = nullptr;
+  for (std::size_t i = 0; i < cores_.size(); ++i) {
+    if (held_[i]) continue;
+    if (!cores_[i].sleeping_deeply()) return;
+    if (last == nullptr || last->cycle() < cores_[i].cycle()) last = &cores_[i];
+  }
+  if (asleep_ || last == nullptr || !pio_dma_.dma().idle()) return;
+  // What is due until then may wake one.
+  const Cycle at = std::max(last->cycle(), wheel_.now());
+  for (std::size_t i = 0; i < cores_.size(); ++i) {
+    if (held_[i]) continue;
+    cores_[i].idle_to(at);
+    if (!cores_[i].sleeping_deeply()) return;
+  }
+  wheel_.advance_to(at);
+  asleep_ = true;
+  system_.clocks.set_asleep(true);
+}
+
+void Chip::wake_up(Cycle at) {
+  if (!asleep_) return;
+  wheel_.advance_to(at);
+  asleep_ = false;
+  system_.clocks.set_asleep(false);
 }
 
 void Chip::clocks_changed() {
@@ -146,6 +200,7 @@ void Chip::restart_cores() {
   for (std::size_t i = 0; i < cores_.size(); ++i) {
     if (!restart_[i] || held_[i]) continue;
     restart_[i] = false;
+    wake_up(wheel_.now());
     if (i == 0) rom_.reset();
     cores_[i].reset(rom_vectors);
   }
@@ -158,6 +213,7 @@ void Chip::run_until(Cycle until) {
       halted_ = false;
       return;
     }
+    if (may_sleep_) fall_asleep();
     if (held_[0] && held_[1]) {
       wheel_.advance_to(std::min(until, wheel_.next()));
       if (wheel_.now() >= until) return;

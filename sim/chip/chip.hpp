@@ -104,6 +104,9 @@ class Chip final : private ClockListener, private TickListener {
   void ticks_moved() override;
   void lose_memory();
   void restart_cores();
+  void attach_gates();
+  void fall_asleep();
+  void wake_up(Cycle at);
   void run_both(Cycle until);
   void run_alone(Core& core, Cycle until);
   bool watched_step(Cycle until);
@@ -133,6 +136,8 @@ class Chip final : private ClockListener, private TickListener {
   std::uint64_t seed_;
   StepWatcher* watcher_ = nullptr;
   bool halted_ = false;
+  bool asleep_ = false;     ///< SLEEP_EN decides about the clocks
+  bool may_sleep_ = false;  ///< a core has fallen asleep, or the DMA has come to rest
 };
 
 }  // namespace lamplock::sim::chip

@@ -57,7 +57,7 @@ Adc::Adc(TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_model
       not_modelled_(std::move(not_modelled)),
       interrupts_(offset_intr, interrupt_fifo) {
   clocks_.listen(*this);
-  counter_.set_frequency(clocks_.hz(Clock::adc), now());
+  counter_.set_frequency(clock_hz(), now());
   set_temperature(27);
   reset();
 }
@@ -197,10 +197,15 @@ void Adc::run(Cycle) {
   schedule();
 }
 
+void Adc::set_clock(bool runs) {
+  stopped_ = !runs;
+  clocks_changed();
+}
+
 void Adc::clocks_changed() {
-  if (counter_.hz() == clocks_.hz(Clock::adc)) return;
+  if (counter_.hz() == clock_hz()) return;
   advance();
-  counter_.set_frequency(clocks_.hz(Clock::adc), now());
+  counter_.set_frequency(clock_hz(), now());
   update_lines();
   schedule();
 }

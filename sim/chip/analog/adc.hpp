@@ -51,6 +51,8 @@ class Adc final : public Peripheral, private Timed, private ClockListener {
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
+  /// clk_adc stops or goes on behind its gate.
+  void set_clock(bool runs);
 
  private:
   static constexpr unsigned fifo_depth = 4;  // 4.9.2.2
@@ -61,6 +63,7 @@ class Adc final : public Peripheral, private Timed, private ClockListener {
 
   bool on(std::uint32_t control_bit) const { return (control_ & control_bit) != 0; }
   Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
+  std::uint64_t clock_hz() const { return stopped_ ? 0 : clocks_.hz(Clock::adc); }
   std::uint64_t period() const;
   std::uint64_t trigger(std::uint64_t number) const;
   std::uint32_t selected_input() const { return control_ >> 12 & 7u; }
@@ -87,6 +90,7 @@ class Adc final : public Peripheral, private Timed, private ClockListener {
   IrqLines& irqs_;
   DreqLines* dreqs_ = nullptr;
   NotModelled not_modelled_;
+  bool stopped_ = false;  ///< behind its gate
   ClockCounter counter_;  ///< of clk_adc
 
   std::array<double, pin_inputs + 1> volts_{};

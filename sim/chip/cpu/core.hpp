@@ -96,6 +96,8 @@ class Core {
   bool sleeping() const { return sleep_ != Sleep::awake && !can_wake(); }
   bool locked_up() const { return locked_up_ && !takeable_; }
   bool idle() const { return sleeping() || locked_up(); }
+  /// Asleep with SCR.SLEEPDEEP set.
+  bool sleeping_deeply() const { return sleeping() && (scr_ & scr_sleep_deep) != 0; }
   /// The next step is an exception entry.
   bool exception_waits() const { return takeable_; }
   /// A register at 0xe0000000 as it stands, for debuggers: no side effects, no time. Nothing if
@@ -117,6 +119,8 @@ class Core {
   void set_control(std::uint32_t value);
   std::uint32_t vtor() const { return vtor_; }
   void set_vtor(std::uint32_t value) { vtor_ = value & ~0xffu; }
+  /// SCR, as its register takes it.
+  void set_scr(std::uint32_t value);
   /// Exception number of the handler that runs, 0 in thread mode.
   unsigned exception() const { return ipsr_; }
   int id() const { return id_; }
@@ -144,6 +148,8 @@ class Core {
   /// This core slept and its SysTick has just ended that; called from inside an event, perhaps of
   /// the other core's time.
   std::function<void()> on_woken;
+  /// With SCR.SLEEPDEEP this core falls asleep, or is about to run again.
+  std::function<void(bool asleep)> on_deep_sleep;
   /// BKPT: true if a debugger takes it, and the core stays in front of it; else a HardFault.
   std::function<bool()> on_breakpoint;
   /// AIRCR.SYSRESETREQ was written; see reset().
@@ -156,6 +162,7 @@ class Core {
 
  private:
   enum class Sleep : std::uint8_t { awake, wfi, wfe };
+  static constexpr std::uint32_t scr_sleep_deep = 1u << 2;
 
   // core.cpp: instructions
   // Those that are rare or keep lists of words are not inlined: the loop of run_until() is small.

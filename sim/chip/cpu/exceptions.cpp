@@ -92,6 +92,7 @@ void Core::sleep(Sleep kind) {
   sleep_ = kind;
   update_attention();
   if (listener_ != nullptr) listener_->slept(id_, cycle_);
+  if ((scr_ & scr_sleep_deep) != 0 && on_deep_sleep) on_deep_sleep(true);
 }
 
 void Core::systick_expired() {
@@ -118,6 +119,7 @@ bool Core::attend() {
     sleep_ = Sleep::awake;
     update_attention();
     if (listener_ != nullptr) listener_->woke(id_, cycle_);
+    if ((scr_ & scr_sleep_deep) != 0 && on_deep_sleep) on_deep_sleep(false);
   }
   if (takeable_) {
     enter(nvic_.best(), pc_);

@@ -132,6 +132,8 @@ bool Core::read_system_register(std::uint32_t address, std::uint32_t& value) {
   return true;
 }
 
+void Core::set_scr(std::uint32_t value) { scr_ = value & scr_mask; }
+
 bool Core::write_system(std::uint32_t address, std::uint32_t value) {
   if (!privileged() || address >= ppb_end) return false;
   run_events(cycle_);
@@ -171,7 +173,7 @@ bool Core::write_system(std::uint32_t address, std::uint32_t value) {
         on_reset_request();
       break;
     case scr:
-      scr_ = value & scr_mask;
+      set_scr(value);
       break;
     case shpr2:
       nvic_.set_priority(svcall, priority_of(value, 3));

@@ -85,6 +85,7 @@ void Dma::advance_to(Cycle clock) {
 }
 
 void Dma::clock(Cycle clock) {
+  if (stopped_) return;
   advance_to(clock);
   if (fifo_level_ != 0) write_phase(clock);
   if (busy_mask_ != 0) {
@@ -203,11 +204,29 @@ void Dma::give_credits() {
   }
 }
 
+void Dma::set_clock(bool runs, Cycle next) {
+  if (runs != stopped_) return;
+  stopped_ = !runs;
+  if (stopped_) {
+    advance_to(next - 1);
+    stopped_at_ = next;
+    due_ = never_cycle;
+    return;
+  }
+  const Cycle still = next - stopped_at_;
+  for (Channel& channel : channels_) channel.ready += still;
+  for (InFlight& transfer : fifo_) transfer.ready += still;
+  for (Cycle* at : {&read_free_, &write_free_, &now_}) *at += still;
+  find_due(next - 1);
+}
+
 void Dma::levels_changed(Cycle clock) {
+  if (stopped_) return;
   if (busy_mask_ != 0) due_ = std::min(due_, clock);
 }
 
 void Dma::pulse(unsigned dreq, Cycle clock) {
+  if (stopped_) return;
   advance_to(clock);
   for (Channel& channel : channels_)
     if (channel.busy && channel.treq() == dreq)
@@ -240,6 +259,7 @@ void Dma::find_due(Cycle clock) {
     }
   }
   dreqs_.await_wraps(wraps);
+  if (idle() && on_idle) on_idle();
 }
 
 // ---------------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "sim/chip/bus.hpp"
@@ -53,6 +54,12 @@ class Dma final : public Peripheral {
   void levels_changed(Cycle clock);
   /// A request without a FIFO, in `clock`.
   void pulse(unsigned dreq, Cycle clock);
+  /// Its clock stops with clock `next`, and everything stays; or goes on with it.
+  void set_clock(bool runs, Cycle next);
+  /// No transfers to come on any channel.
+  bool idle() const { return busy_mask_ == 0 && fifo_level_ == 0; }
+  /// Called in clocks that end with idle(), from inside; may be empty.
+  std::function<void()> on_idle;
 
  private:
   struct Channel {
@@ -131,6 +138,8 @@ class Dma final : public Peripheral {
   unsigned last_low_ = dma_channel_count - 1, last_high_ = dma_channel_count - 1;
   Cycle now_ = 0;  ///< credits and timers are up to date through this clock
   Cycle due_ = never_cycle;
+  bool stopped_ = false;  ///< no clock
+  Cycle stopped_at_ = 0;  ///< first clock that it did not have
 };
 
 }  // namespace lamplock::sim::chip

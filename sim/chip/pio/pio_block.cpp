@@ -42,7 +42,8 @@ PioBlock::PioBlock(ClockOwner& clock, unsigned number, IrqLines& irqs, NotModell
 // ---------------------------------------------------------------------------------------------
 // Clocks
 
-void PioBlock::clock(Cycle clock) {
+void PioBlock::clock(Cycle of_system) {
+  const Cycle clock = own(of_system);
   shared_.in = shared_.inputs.seen(clock, pio::input_latency);
   if (shared_.bypass != 0)
     shared_.in = (shared_.in & ~shared_.bypass) |
@@ -72,9 +73,27 @@ void PioBlock::after_change() {
 void PioBlock::find_due() {
   due_ =
       std::min(std::min(shared_.due[0], shared_.due[1]), std::min(shared_.due[2], shared_.due[3]));
+  if (stopped_)
+    due_ = never_cycle;
+  else if (due_ != never_cycle)
+    due_ += without_;
 }
 
-void PioBlock::set_inputs(std::uint32_t levels, Cycle at) {
+void PioBlock::set_clock(bool runs, Cycle next) {
+  if (runs != stopped_) return;
+  if (runs) {
+    stopped_ = false;
+    without_ += next - stopped_at_;
+  } else {
+    stopped_ = true;
+    stopped_at_ = next;
+  }
+  find_due();
+}
+
+void PioBlock::set_inputs(std::uint32_t levels, Cycle at_system) {
+  if (stopped_) return;
+  const Cycle at = own(at_system);
   const std::uint32_t changed = shared_.inputs.set(levels, at);
   if (changed == 0) return;
   for (pio::StateMachine& machine : machines_) machine.inputs_changed(changed, at);
@@ -83,7 +102,7 @@ void PioBlock::set_inputs(std::uint32_t levels, Cycle at) {
 
 void PioBlock::set_every_clock(bool on, Cycle next) {
   shared_.every_clock = on;
-  settle(next);
+  settle(own(next));
 }
 
 /// After a register was written that can matter to any machine: all look again in the next clock.
@@ -201,7 +220,7 @@ std::uint32_t PioBlock::peek(std::uint32_t offset) const {
 }
 
 std::uint32_t PioBlock::read(std::uint32_t offset) {
-  const Cycle next = owner_.bring_up_to_date();
+  const Cycle next = next_clock();
   if (in_range(offset, rxf0, machine_count)) {
     const unsigned i = (offset - rxf0) / 4;
     pio::Fifo& rx = machines_[i].rx();
@@ -270,7 +289,7 @@ void PioBlock::write_machine(std::uint32_t offset, std::uint32_t value, Cycle ne
 }
 
 void PioBlock::write(std::uint32_t offset, std::uint32_t value) {
-  const Cycle next = owner_.bring_up_to_date();
+  const Cycle next = next_clock();
   if (in_range(offset, txf0, machine_count)) {
     push((offset - txf0) / 4, value, next);
     owner_.changed();
@@ -308,7 +327,7 @@ std::uint32_t PioBlock::write_clear_bits(std::uint32_t offset) const {
 }
 
 void PioBlock::reset() {
-  const Cycle next = owner_.bring_up_to_date();
+  const Cycle next = next_clock();
   const pio::InputHistory inputs = shared_.inputs;
   const bool every_clock = shared_.every_clock;
   shared_ = {};

@@ -61,6 +61,8 @@ class PioBlock final : public Peripheral {
   /// True once after FIFO levels have changed.
   bool take_fifo_changed() { return std::exchange(fifo_changed_, false); }
   void set_every_clock(bool on, Cycle next);
+  /// Its clock stops with clock `next`: machines, FIFOs and pins stay; or goes on with it.
+  void set_clock(bool runs, Cycle next);
 
   /// Free words of TX FIFO, words of RX FIFO, for the DREQs.
   unsigned tx_space(unsigned machine) const {
@@ -69,6 +71,9 @@ class PioBlock final : public Peripheral {
   unsigned rx_level(unsigned machine) const { return machines_[machine].rx().level(); }
 
  private:
+  /// Clocks of the machines: those of clk_sys without the ones in which they had none.
+  Cycle own(Cycle clock) const { return (stopped_ ? stopped_at_ : clock) - without_; }
+  Cycle next_clock() { return own(owner_.bring_up_to_date()); }
   std::uint32_t value_of(std::uint32_t offset) const;
   std::uint32_t machine_register(std::uint32_t offset) const;
   void write_machine(std::uint32_t offset, std::uint32_t value, Cycle next);
@@ -89,7 +94,10 @@ class PioBlock final : public Peripheral {
   NotModelled not_modelled_;
   pio::Shared shared_;
   std::array<pio::StateMachine, pio::machine_count> machines_;
-  Cycle due_ = never_cycle;
+  Cycle due_ = never_cycle;  ///< of clk_sys
+  bool stopped_ = false;     ///< no clock
+  Cycle stopped_at_ = 0;     ///< first clock that it did not have
+  Cycle without_ = 0;        ///< clocks that it did not have before that
   std::uint32_t driven_out_ = 0, driven_dirs_ = 0;
   bool fifo_changed_ = false;
   bool reserved_told_ = false;

@@ -29,6 +29,19 @@ void PioDmaClock::set_step_every_clock(bool on) {
   tell_wheel();
 }
 
+void PioDmaClock::set_pio_clock(std::size_t block, bool runs) {
+  bring_up_to_date();
+  pio_[block].set_clock(runs, next_);
+  if (runs) pio_[block].set_inputs(gpio_.inputs(), next_ - 1);
+  tell_wheel();
+}
+
+void PioDmaClock::set_dma_clock(bool runs) {
+  bring_up_to_date();
+  dma_.set_clock(runs, next_);
+  tell_wheel();
+}
+
 Cycle PioDmaClock::next_due() const {
   if (every_clock_ || pio_[0].pins_pending() || pio_[1].pins_pending()) return next_;
   return std::max(next_, std::min({pio_[0].due(), pio_[1].due(), dma_.due()}));

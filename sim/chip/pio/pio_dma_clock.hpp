@@ -46,6 +46,9 @@ class PioDmaClock final : private Timed,
 
   /// Runs every clock of every machine instead of sleeping. Slow; the trace is the same.
   void set_step_every_clock(bool on);
+  /// The clock of PIO0 or PIO1, or of the DMA stops or goes on.
+  void set_pio_clock(std::size_t block, bool runs);
+  void set_dma_clock(bool runs);
 
  private:
   void run(Cycle to) override;

@@ -4,7 +4,7 @@ namespace lamplock::sim::chip {
 
 namespace {
 
-constexpr std::uint32_t vtor_register = 0xe000'ed08;
+constexpr std::uint32_t vtor_register = 0xe000'ed08, scr_register = 0xe000'ed10;
 constexpr std::uint32_t private_space = 0xe000'0000;
 
 /// A core as the ROM wants it.
@@ -18,8 +18,8 @@ class CoreView final : public RomCore {
   }
   Access store(std::uint32_t address, std::uint32_t value, Width width, Cycle at) override {
     if (address < private_space) return bus_.write(address, value, width, master(), at);
-    // SCR.SLEEPDEEP, the other register of the core that the ROM sets, gates clocks only.
     if (address == vtor_register) core_.set_vtor(value);
+    if (address == scr_register) core_.set_scr(value);
     return {};
   }
   unsigned id() const override { return static_cast<unsigned>(core_.id()); }

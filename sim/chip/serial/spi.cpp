@@ -97,6 +97,7 @@ Picoseconds Spi::half_bits(std::uint64_t count) const {
 Picoseconds Spi::bit_time() const { return half_bits(2); }
 
 void Spi::schedule() {
+  if (stopped_) return wheel_.set(slot_, never_cycle);
   Picoseconds first = std::numeric_limits<Picoseconds>::max();
   if (shifting_) first = std::min(first, captured_at_);
   if (on_wires() && wires_are_seen()) first = std::min(first, word_start_ + half_bits(half_ + 1));
@@ -105,6 +106,24 @@ void Spi::schedule() {
   if (timeout_running_) first = std::min(first, timeout_at_);
   const bool waits = first != std::numeric_limits<Picoseconds>::max();
   wheel_.set(slot_, waits ? wheel_.cycle_at(first) : never_cycle);
+}
+
+void Spi::set_clock(bool runs) {
+  if (runs != stopped_) return;
+  if (!runs) shift_wires(wheel_.now());
+  stopped_ = !runs;
+  if (stopped_) {
+    stopped_at_ = now();
+    return schedule();
+  }
+  const Picoseconds still = now() - stopped_at_;
+  for (Picoseconds* at : {&word_start_, &captured_at_, &frame_end_at_, &timeout_at_, &free_at_})
+    *at += still;
+  if (slave()) follow_master();
+  begin();
+  put_wires(wheel_.now());
+  update_lines();
+  schedule();
 }
 
 void Spi::run(Cycle) {
@@ -135,7 +154,7 @@ bool Spi::wants_to_send() const { return enabled() && !slave() && !transmit_.emp
 
 /// A word may have become ready to go.
 void Spi::begin() {
-  if (shifting_ || !wants_to_send() || free_at_ > now()) return;
+  if (stopped_ || shifting_ || !wants_to_send() || free_at_ > now()) return;
   start_word(now());
 }
 
@@ -163,7 +182,7 @@ bool Spi::wires_are_seen() const {
 
 /// Half bits that have passed by `at`. RX is taken before SCK moves.
 void Spi::shift_wires(Cycle at) {
-  if (!on_wires()) return;
+  if (stopped_ || !on_wires()) return;
   const Picoseconds time = wheel_.time_of(at);
   const unsigned before = half_;
   while (half_ < shape_.last_half() && word_start_ + half_bits(half_ + 1) <= time) {
@@ -193,7 +212,7 @@ void Spi::put_wires(Cycle at) {
 }
 
 void Spi::pins_changed(Cycle at) {
-  if (slave()) {
+  if (slave() && !stopped_) {
     follow_master();
     put_wires(at);
     update_lines();
@@ -251,7 +270,7 @@ void Spi::exchange() {
 // --- slave
 
 std::uint16_t Spi::word_from_master(std::uint16_t word) {
-  if (!enabled() || !slave()) return 0;
+  if (stopped_ || !enabled() || !slave()) return 0;
   std::uint16_t answer = 0;
   if (!transmit_.empty()) {
     answer = static_cast<std::uint16_t>(transmit_.front() & word_mask());

@@ -69,6 +69,9 @@ class Spi final : public Peripheral,
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   void reset() override;
+  /// clk_peri stops or goes on behind its gate: a word under way stands still, as a slave no edge
+  /// is seen.
+  void set_clock(bool runs);
 
  private:
   static constexpr std::size_t fifo_depth = 8;
@@ -124,8 +127,10 @@ class Spi final : public Peripheral,
   SpiDevice* device_ = nullptr;
 
   std::deque<std::uint16_t> transmit_, receive_;
-  bool shifting_ = false;    ///< a word is on the wires
-  bool frame_open_ = false;  ///< the chip select is low: until a bit after the last one
+  bool stopped_ = false;        ///< no clock
+  Picoseconds stopped_at_ = 0;  ///< since when
+  bool shifting_ = false;       ///< a word is on the wires
+  bool frame_open_ = false;     ///< the chip select is low: until a bit after the last one
   bool timeout_running_ = false;
   std::uint16_t shift_ = 0;  ///< being sent
   SpiShape shape_;           ///< of that word

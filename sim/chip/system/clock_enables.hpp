@@ -1,11 +1,13 @@
 // WAKE_EN0 and WAKE_EN1 of CLOCKS: which clock each bit lets through, and which block it is of
 // (RP2040 datasheet, 2.15.7).
 //
-// In:  nothing; out: a table. Who: Clocks, to say which clock is not stopped although it should be.
+// In:  nothing; out: a table. Who: Clocks, to say which clock is not stopped although it should be;
+// the blocks that do stop, by their bits.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 
 #include "sim/chip/system/resets.hpp"
@@ -73,5 +75,31 @@ inline constexpr std::array<ClockEnable, 47> clock_enables{{
     {"clk_sys_xip"},
     {"clk_sys_xosc"},
 }};
+
+/// The bits that stop something: numbered as in the table.
+enum class ClockGate : std::uint8_t {
+  adc_adc = 1,
+  sys_adc = 2,
+  sys_dma = 5,
+  sys_pio0 = 12,
+  sys_pio1 = 13,
+  sys_pwm = 17,
+  rtc_rtc = 21,
+  sys_rtc = 22,
+  peri_spi0 = 24,
+  sys_spi0 = 25,
+  peri_spi1 = 26,
+  sys_spi1 = 27,
+  sys_timer = 37,
+  peri_uart0 = 38,
+  sys_uart0 = 39,
+  peri_uart1 = 40,
+  sys_uart1 = 41,
+  sys_watchdog = 44
+};
+
+/// Of the others, those that would be missed while both cores sleep and the DMA rests: I2C0, I2C1,
+/// IO (edges of pins that wake), the two of USB. Memories and the bus are not.
+inline constexpr std::array<std::size_t, 5> clocks_missed_asleep{6, 7, 8, 42, 43};
 
 }  // namespace lamplock::sim::chip

@@ -1,10 +1,10 @@
 #include "sim/chip/system/clocks.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <string>
 #include <utility>
 
-#include "sim/chip/system/clock_enables.hpp"
 #include "sim/chip/wide.hpp"
 
 namespace lamplock::sim::chip {
@@ -88,6 +88,7 @@ void Clocks::reset() {
   counted_hz_ = 0;
   wake_enable_ = sleep_enable_ = enable_masks;
   interrupts_.reset();
+  apply_enables();
   wheel_.set(slot_, never_cycle);
   refresh();
   update_irq();
@@ -330,7 +331,7 @@ std::uint32_t Clocks::peek(std::uint32_t offset) const {
       return sleep_enable_[(offset - offset_sleep) / 4];
     case offset_enabled:
     case offset_enabled + 4:
-      return wake_enable_[(offset - offset_enabled) / 4];
+      return enabled_[(offset - offset_enabled) / 4];
     default:
       return interrupts_.read(offset, raised());
   }
@@ -341,21 +342,43 @@ std::uint32_t Clocks::read(std::uint32_t offset) {
   return peek(offset);
 }
 
+// --- gates (2.15.3.5)
+
+void Clocks::on_gate(ClockGate gate, std::function<void(bool runs)> changed) {
+  gates_[static_cast<std::size_t>(gate)] = std::move(changed);
+}
+
 void Clocks::write_enables(std::uint32_t offset, std::uint32_t value) {
   const std::size_t word = offset / 4 % 2;
-  const bool wake = offset < offset_sleep;
-  auto& enables = wake ? wake_enable_ : sleep_enable_;
-  enables[word] = value & enable_masks[word];
-  const std::uint32_t stopped = ~enables[word] & enable_masks[word];
-  if (!wake && stopped != 0) not_modelled_("CLOCKS SLEEP_EN: in deep sleep all clocks go on");
-  if (!wake) return;
-  for (std::size_t bit = 0; bit < 32; ++bit) {
-    if ((stopped >> bit & 1u) == 0) continue;
-    const ClockEnable& clock = clock_enables[32 * word + bit];
-    if (!clock.has_reset || !held_(clock.reset))
-      not_modelled_("CLOCKS WAKE_EN: " + std::string(clock.clock) +
-                    " is stopped while its block is in use; the block runs on");
+  (offset < offset_sleep ? wake_enable_ : sleep_enable_)[word] = value & enable_masks[word];
+  apply_enables();
+}
+
+void Clocks::set_asleep(bool asleep) {
+  asleep_ = asleep;
+  apply_enables();
+}
+
+void Clocks::apply_enables() {
+  const auto& wanted = asleep_ ? sleep_enable_ : wake_enable_;
+  for (std::size_t bit = 0; bit < clock_enables.size(); ++bit) {
+    const std::size_t word = bit / 32;
+    const std::uint32_t mask = 1u << bit % 32;
+    const bool runs = (wanted[word] & mask) != 0;
+    const bool ran = (enabled_[word] & mask) != 0;
+    enabled_[word] = runs ? enabled_[word] | mask : enabled_[word] & ~mask;
+    if (!gates_[bit] && !runs) report_gate(bit);
+    if (gates_[bit] && runs != ran) gates_[bit](runs);
   }
+}
+
+void Clocks::report_gate(std::size_t bit) const {
+  const ClockEnable& clock = clock_enables[bit];
+  const auto& missed = clocks_missed_asleep;
+  const bool unseen = asleep_ && std::find(missed.begin(), missed.end(), bit) == missed.end();
+  if (unseen || (clock.has_reset && held_(clock.reset))) return;
+  not_modelled_("CLOCKS: " + std::string(clock.clock) +
+                " is stopped while its block is in use; the block runs on");
 }
 
 void Clocks::write(std::uint32_t offset, std::uint32_t value) {

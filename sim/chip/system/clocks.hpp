@@ -2,7 +2,8 @@
 //
 // In:  frequencies of the sources, those on GPIN0 and GPIN1 included; registers.
 // Out: the frequency of each clock; clk_sys is the wheel's. Others are told of changes. GPOUT0-3 on
-//      their pins; the interrupt of the resuscitation of clk_sys.
+//      their pins; the interrupt of the resuscitation of clk_sys. Blocks are told when WAKE_EN or
+//      SLEEP_EN stops their clocks (2.15.3.5); the blocks stop themselves.
 // Who: the bus; UART, tick generator and whoever needs the frequency of a clock.
 #pragma once
 
@@ -15,6 +16,7 @@
 #include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
+#include "sim/chip/system/clock_enables.hpp"
 #include "sim/chip/system/clock_outputs.hpp"
 #include "sim/chip/system/oscillators.hpp"
 #include "sim/chip/system/resets.hpp"
@@ -54,6 +56,10 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
   /// frequency, not by edges; it comes in if the pin has the function. 0: none.
   void set_input_hz(unsigned input, std::uint64_t hz);
   void listen(ClockListener& listener) { listeners_.push_back(&listener); }
+  /// Calls `changed` with false when the clock behind a gate stops, with true when it goes on.
+  void on_gate(ClockGate gate, std::function<void(bool runs)> changed);
+  /// The system sleeps: SLEEP_EN decides, otherwise WAKE_EN (2.11.2).
+  void set_asleep(bool asleep);
 
   std::string_view name() const override { return "CLOCKS"; }
   std::uint32_t read(std::uint32_t offset) override;
@@ -87,6 +93,8 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
   std::uint32_t counter_status() const;
   void write_enables(std::uint32_t offset, std::uint32_t value);
   std::uint32_t raised() const { return resussed_ ? interrupt_resus : 0; }
+  void apply_enables();
+  void report_gate(std::size_t bit) const;
   void update_irq();
 
   TimeWheel& wheel_;
@@ -116,6 +124,9 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
   Picoseconds counter_end_ = 0;
   std::array<std::uint32_t, 2> wake_enable_{}, sleep_enable_{};
   InterruptRegisters interrupts_;
+  std::array<std::uint32_t, 2> enabled_{};  ///< the one of them that counts
+  bool asleep_ = false;
+  std::array<std::function<void(bool)>, clock_enables.size()> gates_;
 };
 
 }  // namespace lamplock::sim::chip

@@ -204,7 +204,7 @@ void Pwm::take_inputs() {
 void Pwm::advance(Cycle to) {
   if (to <= time_) return;
   const std::uint64_t clocks = to - std::exchange(time_, to);
-  if (!running_) return;
+  if (!running_ || stopped_) return;
   for (PwmSlice& slice : slices_) slice.advance(clocks);
   collect_wraps();
 }
@@ -249,7 +249,7 @@ void Pwm::schedule() {
     const bool awaited = ((interrupts_.enabled() & ~raised_) | awaited_) >> slice & 1u;
     if (seen || awaited) first = std::min(first, part.until_event(!seen));
   }
-  wheel_.set(slot_, first == never_cycle ? never_cycle : time_ + first);
+  wheel_.set(slot_, first == never_cycle || stopped_ ? never_cycle : time_ + first);
 }
 
 void Pwm::update_irq() { irqs_.set(Irq::pwm_wrap, interrupts_.status(raised_) != 0); }
@@ -259,6 +259,14 @@ void Pwm::settle(Cycle at) {
   drive(at);
   update_irq();
   schedule();
+}
+
+void Pwm::set_clock(bool runs) {
+  const Cycle now = wheel_.now();
+  advance(now);
+  stopped_ = !runs;
+  if (runs) take_inputs();
+  settle(now);
 }
 
 void Pwm::run(Cycle) {
@@ -274,14 +282,14 @@ void Pwm::catch_up(Cycle at) {
 }
 
 void Pwm::connections_changed(Cycle at) {
-  if (!running_) return;
+  if (!running_ || stopped_) return;
   advance(at);
   take_inputs();
   settle(at);
 }
 
 void Pwm::inputs_changed(Cycle at) {
-  if (!counts_inputs_) return;
+  if (!counts_inputs_ || stopped_) return;
   advance(at);
   take_inputs();
   settle(at);
@@ -290,7 +298,7 @@ void Pwm::inputs_changed(Cycle at) {
 std::uint32_t Pwm::peek(std::uint32_t offset) const {
   if (offset < offset_en) {
     PwmSlice slice = slices_[offset / slice_bytes];
-    slice.advance(wheel_.now() - std::min(time_, wheel_.now()));
+    if (!stopped_) slice.advance(wheel_.now() - std::min(time_, wheel_.now()));
     return slice.read(offset % slice_bytes);
   }
   std::uint32_t enabled_slices = 0;

@@ -89,6 +89,8 @@ class Pwm final : public Peripheral, private Timed, private InputListener, priva
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
+  /// Its clock stops: counters and outputs stay, edges of inputs are not seen; or goes on.
+  void set_clock(bool runs);
 
  private:
   void run(Cycle to) override;
@@ -112,6 +114,7 @@ class Pwm final : public Peripheral, private Timed, private InputListener, priva
   NotModelled not_modelled_;
   std::array<PwmSlice, slice_count> slices_{};
   Cycle time_ = 0;              ///< up to which the slices have run
+  bool stopped_ = false;        ///< no clock
   bool running_ = false;        ///< some slice is enabled
   bool counts_inputs_ = false;  ///< some slice counts or is gated by its pin
   std::uint32_t raised_ = 0;    ///< INTR

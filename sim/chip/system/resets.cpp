@@ -23,7 +23,9 @@ Peripheral& Resets::attach(ResetBit bit, Peripheral& block) {
 }
 
 void Resets::Gate::report() const {
-  resets_.not_modelled_(std::string(block_.name()) + ": accessed while held in reset");
+  resets_.not_modelled_(std::string(block_.name()) +
+                        (resets_.held(bit_) ? ": accessed while held in reset"
+                                            : ": accessed while its clock is stopped"));
 }
 
 void Resets::reset_blocks(std::uint32_t bits) {

@@ -53,6 +53,12 @@ class Resets final : public Peripheral {
   /// Puts a block behind a bit (several may share one). The bus is to reach it through the result.
   Peripheral& attach(ResetBit bit, Peripheral& block);
   bool held(ResetBit bit) const { return (reset_ >> static_cast<unsigned>(bit) & 1u) != 0; }
+  /// The clock of a block's registers stops or goes on (CLOCKS WAKE_EN, SLEEP_EN). What an access
+  /// does without it is not documented: it is reported and without effect.
+  void set_clock(ResetBit bit, bool runs) {
+    const std::uint32_t mask = 1u << static_cast<unsigned>(bit);
+    stopped_ = runs ? stopped_ & ~mask : stopped_ | mask;
+  }
   /// The watchdog has fired: what WDSEL selects is reset.
   void watchdog_fired();
 
@@ -70,13 +76,13 @@ class Resets final : public Peripheral {
         : resets_(resets), bit_(bit), block_(block) {}
     std::string_view name() const override { return block_.name(); }
     std::uint32_t read(std::uint32_t offset) override {
-      if (!resets_.held(bit_)) return block_.read(offset);
+      if (resets_.answers(bit_)) return block_.read(offset);
       report();
       return block_.peek(offset);
     }
     std::uint32_t peek(std::uint32_t offset) const override { return block_.peek(offset); }
     void write(std::uint32_t offset, std::uint32_t value) override {
-      if (!resets_.held(bit_)) return block_.write(offset, value);
+      if (resets_.answers(bit_)) return block_.write(offset, value);
       report();
     }
     std::uint32_t write_clear_bits(std::uint32_t offset) const override {
@@ -92,11 +98,15 @@ class Resets final : public Peripheral {
     Peripheral& block_;
   };
 
+  bool answers(ResetBit bit) const {
+    return ((reset_ | stopped_) >> static_cast<unsigned>(bit) & 1u) == 0;
+  }
   void reset_blocks(std::uint32_t bits);
 
   NotModelled not_modelled_;
   std::deque<Gate> gates_;  ///< references stay valid
   std::uint32_t reset_ = 0, watchdog_select_ = 0;
+  std::uint32_t stopped_ = 0;  ///< blocks whose registers have no clock
 };
 
 }  // namespace lamplock::sim::chip

@@ -72,7 +72,7 @@ Rtc::Rtc(TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_model
       not_modelled_(std::move(not_modelled)),
       interrupts_(offset_intr, interrupt_alarm) {
   clocks_.listen(*this);
-  counter_.set_frequency(clocks_.hz(Clock::rtc), now());
+  counter_.set_frequency(clock_hz(), now());
   reset();
 }
 
@@ -139,10 +139,15 @@ void Rtc::run(Cycle) {
   schedule();
 }
 
+void Rtc::set_clock(bool runs) {
+  stopped_ = !runs;
+  clocks_changed();
+}
+
 void Rtc::clocks_changed() {
-  if (counter_.hz() == clocks_.hz(Clock::rtc)) return;
+  if (counter_.hz() == clock_hz()) return;
   advance();
-  counter_.set_frequency(clocks_.hz(Clock::rtc), now());
+  counter_.set_frequency(clock_hz(), now());
   update_irq();
   schedule();
 }

@@ -44,6 +44,8 @@ class Rtc final : public Peripheral, private Timed, private ClockListener {
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   void reset() override;
+  /// clk_rtc stops or goes on behind its gate.
+  void set_clock(bool runs);
 
  private:
   static constexpr std::uint64_t never = ~std::uint64_t{0};
@@ -58,6 +60,7 @@ class Rtc final : public Peripheral, private Timed, private ClockListener {
   void clocks_changed() override;
 
   Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
+  std::uint64_t clock_hz() const { return stopped_ ? 0 : clocks_.hz(Clock::rtc); }
   std::uint64_t next_event() const;
   void advance();
   void happen(std::uint64_t cycle);
@@ -75,6 +78,7 @@ class Rtc final : public Peripheral, private Timed, private ClockListener {
   Clocks& clocks_;
   IrqLines& irqs_;
   NotModelled not_modelled_;
+  bool stopped_ = false;  ///< behind its gate
   ClockCounter counter_;  ///< of clk_rtc
 
   RtcTime time_{};

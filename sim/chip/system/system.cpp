@@ -45,6 +45,7 @@ System::System(TimeWheel& wheel, Gpio& gpio, Sio& sio, IrqLines& irqs, Callbacks
       adc(wheel, clocks, irqs, not_modelled),
       rtc(wheel, clocks, irqs, not_modelled) {
   attach_stages(sio);
+  attach_gates();
 }
 
 void System::attach_stages(Sio& sio) {
@@ -60,6 +61,37 @@ void System::attach_stages(Sio& sio) {
   psm.attach(PsmBit::vreg_and_chip_reset, reset_when_held(vreg));
   psm.attach(PsmBit::sio, [&sio](bool held) {
     if (held) sio.reset();
+  });
+}
+
+// Blocks with a clock of their own go on without that of their registers (assumed).
+void System::attach_gates() {
+  const auto attach = [this](ClockGate gate, auto& block) {
+    clocks.on_gate(gate, [&block](bool runs) { block.set_clock(runs); });
+  };
+  attach(ClockGate::adc_adc, adc);
+  attach(ClockGate::rtc_rtc, rtc);
+  attach(ClockGate::peri_spi0, spi0);
+  attach(ClockGate::peri_spi1, spi1);
+  attach(ClockGate::peri_uart0, uart0);
+  attach(ClockGate::peri_uart1, uart1);
+  attach(ClockGate::sys_watchdog, watchdog);
+  const auto attach_registers = [this](ClockGate gate, ResetBit bit) {
+    clocks.on_gate(gate, [this, bit](bool runs) { resets.set_clock(bit, runs); });
+  };
+  attach_registers(ClockGate::sys_adc, ResetBit::adc);
+  attach_registers(ClockGate::sys_rtc, ResetBit::rtc);
+  attach_registers(ClockGate::sys_spi0, ResetBit::spi0);
+  attach_registers(ClockGate::sys_spi1, ResetBit::spi1);
+  attach_registers(ClockGate::sys_uart0, ResetBit::uart0);
+  attach_registers(ClockGate::sys_uart1, ResetBit::uart1);
+  clocks.on_gate(ClockGate::sys_pwm, [this](bool runs) {
+    resets.set_clock(ResetBit::pwm, runs);
+    pwm.set_clock(runs);
+  });
+  clocks.on_gate(ClockGate::sys_timer, [this](bool runs) {
+    resets.set_clock(ResetBit::timer, runs);
+    timer.set_clock(runs);
   });
 }
 

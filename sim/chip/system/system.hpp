@@ -80,6 +80,7 @@ class System {
 
  private:
   void attach_stages(Sio& sio);
+  void attach_gates();
 };
 
 }  // namespace lamplock::sim::chip

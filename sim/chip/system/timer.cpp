@@ -51,7 +51,7 @@ void Timer::reset() {
 }
 
 std::uint64_t Timer::time() const {
-  return paused_ ? base_time_ : base_time_ + (ticks_.ticks() - base_ticks_);
+  return paused_ || stopped_ ? base_time_ : base_time_ + (ticks_.ticks() - base_ticks_);
 }
 
 void Timer::set_time(std::uint64_t time) {
@@ -69,11 +69,18 @@ void Timer::arm(std::size_t alarm, std::uint32_t value) {
   armed_ |= 1u << alarm;
 }
 
+void Timer::set_clock(bool runs) {
+  const std::uint64_t now = time();
+  stopped_ = !runs;
+  set_time(now);
+  schedule();
+}
+
 void Timer::schedule() {
   std::uint64_t first = ~0ull;
   for (std::size_t alarm = 0; alarm < alarm_count; ++alarm)
     if ((armed_ >> alarm & 1u) != 0) first = std::min(first, due_[alarm]);
-  wheel_.set(slot_, first == ~0ull || paused_
+  wheel_.set(slot_, first == ~0ull || paused_ || stopped_
                         ? never_cycle
                         : ticks_.cycle_of(base_ticks_ + (first - base_time_)));
 }

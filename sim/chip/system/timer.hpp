@@ -32,6 +32,8 @@ class Timer final : public Peripheral, private Timed, private TickListener {
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   void reset() override;
+  /// Its clock stops, and time with it, or goes on.
+  void set_clock(bool runs);
 
  private:
   static constexpr std::size_t alarm_count = 4;
@@ -56,6 +58,7 @@ class Timer final : public Peripheral, private Timed, private TickListener {
   std::uint32_t armed_ = 0;
   std::uint32_t debug_pause_ = 0;
   bool paused_ = false;
+  bool stopped_ = false;      ///< no clock
   std::uint32_t raised_ = 0;  ///< INTR
   InterruptRegisters interrupts_;
 };

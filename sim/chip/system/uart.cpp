@@ -123,11 +123,31 @@ Picoseconds Uart::bit_time() const {
 Picoseconds Uart::frame_time() const { return format().length(); }
 
 void Uart::schedule() {
+  if (stopped_) return wheel_.set(slot_, never_cycle);
   Picoseconds first = receiver_.due();
   if (sending_) first = std::min(first, tx_is_seen() ? std::min(sent_at_, edge_at_) : sent_at_);
   if (arriving_) first = std::min(first, arrives_at_);
   if (timeout_running_) first = std::min(first, timeout_at_);
   wheel_.set(slot_, first == UartReceiver::never ? never_cycle : wheel_.cycle_at(first));
+}
+
+void Uart::set_clock(bool runs) {
+  if (runs != stopped_) return;
+  stopped_ = !runs;
+  if (stopped_) {
+    stopped_at_ = now();
+    return schedule();
+  }
+  const Picoseconds still = now() - stopped_at_;
+  for (Picoseconds* at : {&sent_at_, &arrives_at_, &arrival_end_, &timeout_at_}) *at += still;
+  frame_.delay(still);
+  receiver_.delay(still);
+  drive_tx(wheel_.now());
+  take_line(wheel_.now());
+  take_clear_to_send();
+  start_frame();
+  update_lines();
+  schedule();
 }
 
 void Uart::run(Cycle) {
@@ -152,7 +172,9 @@ void Uart::run(Cycle) {
 // --- transmitter
 
 void Uart::start_frame() {
-  if (sending_ || transmit_.empty() || !on(control_uart) || !on(control_tx) || breaking_) return;
+  if (stopped_ || sending_ || transmit_.empty() || !on(control_uart) || !on(control_tx) ||
+      breaking_)
+    return;
   if (on(control_cts_flow) && !clear_to_send()) return;
   const UartFormat form = format();
   if (form.bit == 0) return not_modelled_(name_ + ": a byte was sent without a baud rate");
@@ -181,7 +203,7 @@ bool Uart::tx_is_seen() const { return on(control_loop) || pins_.connected(signa
 
 /// Puts TX on its pins as it is at `at`; looped back the pins stay high (assumed).
 void Uart::drive_tx(Cycle at) {
-  const Picoseconds time = wheel_.time_of(at);
+  const Picoseconds time = line_time(at);
   pins_.put(signal(signal_tx), tx_level(time) || on(control_loop), true, at);
   if (sending_) edge_at_ = frame_.next_change(time);
   if (on(control_loop)) take_line(at);
@@ -235,6 +257,7 @@ bool Uart::line_level() const {
 }
 
 void Uart::take_line(Cycle at) {
+  if (stopped_) return;
   const Picoseconds time = wheel_.time_of(at);
   const bool level = on(control_loop) ? tx_level(time) : line_level();
   UartFormat form = format();

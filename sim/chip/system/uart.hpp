@@ -57,6 +57,9 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   void reset() override;
+  /// clk_peri stops or goes on behind its gate: a frame under way stands still with its bit on the
+  /// line, nobody listens. The other end of a line of whole bytes waits (assumed).
+  void set_clock(bool runs);
 
  private:
   static constexpr std::size_t fifo_depth = 32;
@@ -75,6 +78,8 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   Picoseconds bit_time() const;
   UartFormat format() const { return UartFormat::from(line_control_, bit_time()); }
   Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
+  /// The time that TX shows: stands still without a clock.
+  Picoseconds line_time(Cycle at) const { return stopped_ ? stopped_at_ : wheel_.time_of(at); }
   void start_frame();
   void end_frame();
   bool tx_level(Picoseconds at) const;
@@ -112,10 +117,12 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   std::deque<std::uint8_t> transmit_, incoming_;
   std::deque<std::uint16_t> receive_;  ///< with their errors (uart_data)
   bool sending_ = false, arriving_ = false, timeout_running_ = false;
-  bool breaking_ = false;    ///< BRK, after the frame that was under way
-  std::uint8_t shift_ = 0;   ///< being sent
-  UartFrame frame_;          ///< the same on the line
-  Picoseconds edge_at_ = 0;  ///< the next of TX, if it is seen
+  bool stopped_ = false;        ///< no clock
+  Picoseconds stopped_at_ = 0;  ///< since when
+  bool breaking_ = false;       ///< BRK, after the frame that was under way
+  std::uint8_t shift_ = 0;      ///< being sent
+  UartFrame frame_;             ///< the same on the line
+  Picoseconds edge_at_ = 0;     ///< the next of TX, if it is seen
   UartReceiver receiver_;
   Picoseconds sent_at_ = 0, arrives_at_ = 0, timeout_at_ = 0;
   Picoseconds arrival_end_ = 0;     ///< the other end may begin its next byte

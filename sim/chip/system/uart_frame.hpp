@@ -51,6 +51,8 @@ class UartFrame {
   bool level(Picoseconds at) const { return (levels_ >> index(at) & 1u) != 0; }
   /// When the level changes next after `at`; never: it stays high.
   Picoseconds next_change(Picoseconds at) const;
+  /// Time has stood still for so long.
+  void delay(Picoseconds time) { start_ += time; }
 
  private:
   unsigned index(Picoseconds at) const;
@@ -82,6 +84,11 @@ class UartReceiver {
   /// The next sample.
   Picoseconds due() const { return busy_ ? sample_at_ : never; }
   bool level() const { return level_; }
+  /// Time has stood still for so long.
+  void delay(Picoseconds time) {
+    start_ += time;
+    sample_at_ += time;
+  }
 
  private:
   std::optional<std::uint32_t> sample();

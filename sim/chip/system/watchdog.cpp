@@ -52,7 +52,7 @@ void Watchdog::reset() {
 }
 
 std::uint32_t Watchdog::count() const {
-  if ((control_ & control_enable) == 0) return base_count_;
+  if ((control_ & control_enable) == 0 || stopped_) return base_count_;
   const std::uint64_t counted = counts_per_tick * (ticks_.ticks() - base_ticks_);
   return counted >= base_count_ ? 0 : base_count_ - static_cast<std::uint32_t>(counted);
 }
@@ -63,8 +63,14 @@ void Watchdog::hold_count() {
   base_ticks_ = ticks_.ticks();
 }
 
+void Watchdog::set_clock(bool runs) {
+  hold_count();
+  stopped_ = !runs;
+  schedule();
+}
+
 void Watchdog::schedule() {
-  const bool counting = (control_ & control_enable) != 0 && !exhausted_;
+  const bool counting = (control_ & control_enable) != 0 && !exhausted_ && !stopped_;
   const std::uint64_t ticks = (base_count_ + counts_per_tick - 1) / counts_per_tick;
   wheel_.set(slot_,
              counting ? ticks_.cycle_of(base_ticks_ + (ticks == 0 ? 1 : ticks)) : never_cycle);

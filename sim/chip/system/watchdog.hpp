@@ -29,6 +29,8 @@ class Watchdog final : public Peripheral, private Timed, private TickListener {
   void write(std::uint32_t offset, std::uint32_t value) override;
   /// Power-up or RUN.
   void reset() override;
+  /// Its clock stops or goes on: the count stands still, ticks and registers do not (assumed).
+  void set_clock(bool runs);
 
  private:
   static constexpr std::size_t scratch_count = 8;
@@ -53,6 +55,7 @@ class Watchdog final : public Peripheral, private Timed, private TickListener {
   std::uint32_t reason_ = 0;
   std::uint32_t tick_ = 0;
   std::array<std::uint32_t, scratch_count> scratch_{};
+  bool stopped_ = false;    ///< no clock
   bool exhausted_ = false;  ///< has fired and was not loaded since
 };
 
