@@ -90,18 +90,18 @@ TEST(StampReader, FindsTheAcceptedEdgeBetweenRuntsWithinAClock) {
     const auto runts = random() % 4;
     for (std::uint64_t i = 0; i < runts; ++i) {
       const std::uint64_t width = 10 + random() % 230;
-      pulses.push_back({at, at + width});
+      pulses.emplace_back(at, at + width);
       at += width + 40 + random() % 5000;
     }
     const std::uint64_t edge = at;
     const std::uint64_t width = 260 + random() % 2000;
-    pulses.push_back({edge, edge + width});
+    pulses.emplace_back(edge, edge + width);
     at += width + 20;
     // The result is read up to 20 us after the decision; more runts meanwhile.
     const std::uint64_t read = edge + pio::fire_decision_clock + random() % 2500;
     std::uint64_t late = at + 20;
     while (late + 200 < read) {
-      pulses.push_back({late, late + 50 + random() % 100});
+      pulses.emplace_back(late, late + 50 + random() % 100);
       late += 400;
     }
     machine.run(pulses, read);

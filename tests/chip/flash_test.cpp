@@ -25,7 +25,7 @@ struct Bench {
             FlashChip::default_size, {}, [this](const std::string& what) { reports.insert(what); },
             seed) {}
 
-  std::vector<std::uint8_t> command(std::vector<std::uint8_t> out, std::size_t in = 0) {
+  std::vector<std::uint8_t> command(const std::vector<std::uint8_t>& out, std::size_t in = 0) {
     flash.select(now);
     for (const std::uint8_t byte : out) flash.transfer(byte, now);
     std::vector<std::uint8_t> result;
@@ -203,8 +203,8 @@ TEST(FlashChip, ReadsOnOneTwoAndFourLines) {
     b.put(address, 24, address_lanes);
     if (mode) b.put(0xa0, 8, address_lanes);
     for (unsigned i = 0; i < dummies; ++i) b.flash.clock(0xf, b.now);
-    std::vector<std::uint8_t> result;
-    for (int i = 0; i < 8; ++i) result.push_back(b.get(lanes));
+    std::vector<std::uint8_t> result(8);
+    for (std::uint8_t& byte : result) byte = b.get(lanes);
     b.flash.deselect(b.now);
     return result;
   };
@@ -401,8 +401,8 @@ TEST(Ssi, BytesTakeTheTimeOfTheirClocks) {
   w.now = start + 10 * 48;
   EXPECT_EQ(w.read(Wired::ssi + 0x28) & 1u, 0u);
   EXPECT_EQ(w.read(Wired::ssi + 0x24), 10u);
-  std::vector<std::uint32_t> got;
-  for (int i = 0; i < 4; ++i) got.push_back(w.read(Wired::ssi + 0x60));
+  std::vector<std::uint32_t> got(4);
+  for (std::uint32_t& word : got) word = w.read(Wired::ssi + 0x60);
   EXPECT_EQ(got, (std::vector<std::uint32_t>{0xff, 0xef, 0x40, 0x15}));
 }
 

@@ -60,7 +60,7 @@ Bytes elf_file() {
     put(file, at + 20, headers[i].size);
   }
   for (std::uint32_t i = 0; i < 24; ++i) put(file, 160 + i, i + 1, 1);
-  const std::string names("\0_Z4mainv\0$t\0table\0i\0", 22);
+  const std::string names("\0_Z4mainv\0$t\0table\0i\0\0", 22);
   file.resize(200);
   file.insert(file.end(), names.begin(), names.end());
   const auto symbol = [&](std::size_t at, std::uint32_t name, std::uint32_t value,

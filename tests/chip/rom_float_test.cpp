@@ -307,44 +307,44 @@ class RomFloat : public testing::Test {
  protected:
   static constexpr std::uint32_t code = 0x2000'0000;
 
-  explicit RomFloat(unsigned version = 3) : chip(options(version)) { chip.core(0).reset(0); }
+  explicit RomFloat(unsigned version = 3) : chip_(options(version)) { chip_.core(0).reset(0); }
   static ChipOptions options(unsigned version) {
     ChipOptions made;
     made.rom_version = version;
     return made;
   }
   void put(std::uint32_t address, const std::vector<std::uint16_t>& halfwords) {
-    std::memcpy(chip.bus().memory_at(address).data(), halfwords.data(), halfwords.size() * 2);
+    std::memcpy(chip_.bus().memory_at(address).data(), halfwords.data(), halfwords.size() * 2);
   }
   void run_to(std::uint32_t stop) {
-    for (int i = 0; i < 100'000 && chip.core(0).reg(15) != stop; ++i) chip.core(0).step();
-    ASSERT_EQ(chip.core(0).reg(15), stop);
+    for (int i = 0; i < 100'000 && chip_.core(0).reg(15) != stop; ++i) chip_.core(0).step();
+    ASSERT_EQ(chip_.core(0).reg(15), stop);
   }
   /// As pico-sdk's rom_data_lookup(): the half-words at 0x16 and 0x18.
   std::uint32_t data_lookup(std::string_view letters) {
     // MOVS r3, #0x14; LDRH r0, [r3, #2]; LDRH r3, [r3, #4]; BLX r3; B .
     put(code, {0x2314, 0x8858, 0x889b, 0x4798, 0xe7fe});
-    chip.core(0).set_reg(1, static_cast<std::uint32_t>(letters[0] | letters[1] << 8));
-    chip.core(0).set_reg(15, code);
+    chip_.core(0).set_reg(1, static_cast<std::uint32_t>(letters[0] | letters[1] << 8));
+    chip_.core(0).set_reg(15, code);
     run_to(code + 8);
-    return chip.core(0).reg(0);
+    return chip_.core(0).reg(0);
   }
   std::uint32_t word(std::uint32_t address) {
-    return chip.bus().read(address, Width::word, Master::core0, chip.core(0).cycle()).value;
+    return chip_.bus().read(address, Width::word, Master::core0, chip_.core(0).cycle()).value;
   }
   Registers run(std::uint32_t function, const Registers& arguments) {
     put(code, {0x47b8, 0xe7fe});  // BLX r7; B .
-    for (unsigned i = 0; i < 4; ++i) chip.core(0).set_reg(i, arguments[i]);
-    chip.core(0).set_reg(7, function);
-    chip.core(0).set_reg(15, code);
-    const Cycle begin = chip.core(0).cycle();
+    for (unsigned i = 0; i < 4; ++i) chip_.core(0).set_reg(i, arguments[i]);
+    chip_.core(0).set_reg(7, function);
+    chip_.core(0).set_reg(15, code);
+    const Cycle begin = chip_.core(0).cycle();
     run_to(code + 2);
-    cycles = chip.core(0).cycle() - begin - 2;
-    return {chip.core(0).reg(0), chip.core(0).reg(1), chip.core(0).reg(2), chip.core(0).reg(3)};
+    cycles_ = chip_.core(0).cycle() - begin - 2;
+    return {chip_.core(0).reg(0), chip_.core(0).reg(1), chip_.core(0).reg(2), chip_.core(0).reg(3)};
   }
 
-  Chip chip;
-  Cycle cycles = 0;
+  Chip chip_;
+  Cycle cycles_ = 0;
 };
 
 TEST_F(RomFloat, FunctionsAreFoundThroughTheDataTable) {
@@ -353,8 +353,8 @@ TEST_F(RomFloat, FunctionsAreFoundThroughTheDataTable) {
   ASSERT_NE(table_d, 0u);
   EXPECT_EQ(table_f % 4, 0u);
   // pico-sdk compares the byte two before the table, times four, with the 0x80 of version 2.
-  EXPECT_EQ(chip.bus().rom()[table_f - 2] * 4, 0x80);
-  EXPECT_TRUE(chip.not_modelled().empty());
+  EXPECT_EQ(chip_.bus().rom()[table_f - 2] * 4, 0x80);
+  EXPECT_TRUE(chip_.not_modelled().empty());
 
   const Registers operands_f = {bits(1.5f), bits(-0.75f), 3, 0};
   const Registers operands_d = registers(1.5, -0.75);
@@ -365,11 +365,11 @@ TEST_F(RomFloat, FunctionsAreFoundThroughTheDataTable) {
               call(function, Precision::float32, operands_f))
         << i;
     const Cycle flags = function == Function::compare_fast_flags ? 1 : 0;
-    EXPECT_EQ(cycles, timing.float_cycles[i] + flags) << i;
+    EXPECT_EQ(cycles_, timing.float_cycles[i] + flags) << i;
     EXPECT_EQ(run(word(table_d + 4 * i), operands_d),
               call(function, Precision::float64, operands_d))
         << i;
-    EXPECT_EQ(cycles, timing.double_cycles[i] + flags) << i;
+    EXPECT_EQ(cycles_, timing.double_cycles[i] + flags) << i;
   }
   // Offsets of the table (2.8.3.2.2): 0x08 multiplies, 0x1c makes an integer, 0x7c a double.
   EXPECT_EQ(run(word(table_f + 0x08), {bits(3.0f), bits(4.0f)})[0], bits(12.0f));
@@ -387,8 +387,8 @@ TEST_F(RomFloat, FunctionsAreFoundThroughTheDataTable) {
 
 TEST_F(RomFloat, DivisionLeavesTracesInTheDividerAsTheSdkExpects) {
   constexpr std::uint32_t dividend = 0xd000'0060;
-  Core& core = chip.core(0);
-  chip.bus().write(dividend, 1234, Width::word, Master::core0, core.cycle());
+  Core& core = chip_.core(0);
+  chip_.bus().write(dividend, 1234, Width::word, Master::core0, core.cycle());
   const std::uint32_t table = data_lookup("SF");
   run(word(table + 0x00), {bits(1.0f), bits(3.0f)});
   EXPECT_EQ(word(dividend), 1234u) << "addition leaves it alone";
@@ -399,19 +399,19 @@ TEST_F(RomFloat, DivisionLeavesTracesInTheDividerAsTheSdkExpects) {
 TEST_F(RomFloat, AngleBeyondTheRangeIsReported) {
   const std::uint32_t table = data_lookup("SF");
   run(word(table + 0x40), {bits(127.0f)});
-  EXPECT_TRUE(chip.not_modelled().empty());
+  EXPECT_TRUE(chip_.not_modelled().empty());
   run(word(table + 0x40), {bits(128.0f)});
-  ASSERT_EQ(chip.not_modelled().size(), 1u);
-  EXPECT_NE(chip.not_modelled()[0].find("float function of an angle"), std::string::npos);
+  ASSERT_EQ(chip_.not_modelled().size(), 1u);
+  EXPECT_NE(chip_.not_modelled()[0].find("float function of an angle"), std::string::npos);
 }
 
 TEST_F(RomFloat, AnInterruptInTheMiddleComesSoonAndChangesNothing) {
-  Core& core = chip.core(0);
+  Core& core = chip_.core(0);
   const std::uint32_t table = data_lookup("SD");
   const std::uint32_t tangent = word(table + 0x44);
   const Registers wanted = run(tangent, registers(0.7));
   const std::uint32_t handler = 0x2000'0201;
-  std::memcpy(chip.bus().memory_at(0x2000'0140).data(), &handler, 4);
+  std::memcpy(chip_.bus().memory_at(0x2000'0140).data(), &handler, 4);
   // The handler spoils what it may: MOVS r0..r3, #0; BX LR.
   put(0x2000'0200, {0x2000, 0x2100, 0x2200, 0x2300, 0x4770});
   core.set_vtor(0x2000'0100);
@@ -421,8 +421,8 @@ TEST_F(RomFloat, AnInterruptInTheMiddleComesSoonAndChangesNothing) {
   core.set_reg(15, 0x2000'0300);
   core.step();
   constexpr std::uint32_t force = 0x4005'403c, enable = 0x4005'4038, resets_clear = 0x4000'f000;
-  chip.bus().write(resets_clear, 1u << 21, Width::word, Master::core0, core.cycle());
-  chip.bus().write(enable, 0, Width::word, Master::core0, core.cycle());
+  chip_.bus().write(resets_clear, 1u << 21, Width::word, Master::core0, core.cycle());
+  chip_.bus().write(enable, 0, Width::word, Master::core0, core.cycle());
   put(code, {0x47b8, 0xe7fe});
   for (unsigned i = 0; i < 4; ++i) core.set_reg(i, registers(0.7)[i]);
   core.set_reg(7, tangent);
@@ -433,12 +433,12 @@ TEST_F(RomFloat, AnInterruptInTheMiddleComesSoonAndChangesNothing) {
   while (core.reg(15) != code + 2) {
     core.step();
     if (raised == 0 && core.cycle() >= next) {
-      chip.bus().write(force, 1, Width::word, Master::core0, core.cycle());
+      chip_.bus().write(force, 1, Width::word, Master::core0, core.cycle());
       raised = core.cycle();
     }
     if (raised != 0 && core.exception() == 16) {
       longest = std::max(longest, core.cycle() - raised);
-      chip.bus().write(force, 0, Width::word, Master::core0, core.cycle());
+      chip_.bus().write(force, 0, Width::word, Master::core0, core.cycle());
       raised = 0;
       next = core.cycle() + 60 + random() % 60;
       ++taken;
@@ -455,10 +455,10 @@ class RomVersion1 : public RomFloat {
   RomVersion1() : RomFloat(1) {}
 };
 TEST_F(RomVersion1, HasTheShortFloatTableOnly) {
-  EXPECT_EQ(chip.bus().rom()[0x13], 1);
+  EXPECT_EQ(chip_.bus().rom()[0x13], 1);
   EXPECT_EQ(data_lookup("SD"), 0u);
   const std::uint32_t table = data_lookup("SF");
-  EXPECT_EQ(chip.bus().rom()[table - 2] * 4, 0x54);
+  EXPECT_EQ(chip_.bus().rom()[table - 2] * 4, 0x54);
   EXPECT_EQ(run(word(table + 0x50), {bits(1.0f)})[0], bits(0.0f)) << "the last one: logarithm";
 }
 
@@ -467,7 +467,7 @@ class RomVersion2 : public RomFloat {
   RomVersion2() : RomFloat(2) {}
 };
 TEST_F(RomVersion2, HasBothTablesWithoutSineAndCosineTogether) {
-  EXPECT_EQ(chip.bus().rom()[0x13], 2);
+  EXPECT_EQ(chip_.bus().rom()[0x13], 2);
   const std::uint32_t table = data_lookup("SD");
   EXPECT_EQ(run(word(table + 0x54), registers(1, 2))[0], ~0u);
   EXPECT_EQ(word(table + 0x48), BootRom::fault_address | 1u);
@@ -480,14 +480,14 @@ TEST(RomVersions, OthersAreRefused) {
 }
 
 TEST_F(RomFloat, DebugTrampolineEndsAtItsBreakpoint) {  // 2.8.3.1.4
-  const std::uint32_t trampoline = chip.rom().function('D', 'T');
-  const std::uint32_t end = chip.rom().function('D', 'E');
+  const std::uint32_t trampoline = chip_.rom().function('D', 'T');
+  const std::uint32_t end = chip_.rom().function('D', 'E');
   ASSERT_NE(trampoline, 0u);
-  chip.core(0).set_reg(7, chip.rom().function('P', '3'));
-  chip.core(0).set_reg(0, 0xf0f0);
-  chip.core(0).set_reg(15, trampoline & ~1u);
+  chip_.core(0).set_reg(7, chip_.rom().function('P', '3'));
+  chip_.core(0).set_reg(0, 0xf0f0);
+  chip_.core(0).set_reg(15, trampoline & ~1u);
   run_to(end & ~1u);
-  EXPECT_EQ(chip.core(0).reg(0), 8u);
+  EXPECT_EQ(chip_.core(0).reg(0), 8u);
   EXPECT_EQ(word(end & ~3u) >> (end & 2u) * 8 & 0xffffu, 0xbe00u) << "BKPT #0";
 }
 

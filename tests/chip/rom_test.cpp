@@ -29,7 +29,7 @@ namespace {
 
 /// Registers that keep what is written; RESETS answers that everything is done.
 struct PlainBlock final : Peripheral {
-  explicit PlainBlock(bool done_ = false) : done(done_) {}
+  explicit PlainBlock(bool is_done = false) : done(is_done) {}
   std::string_view name() const override { return "PLAIN"; }
   std::uint32_t read(std::uint32_t offset) override { return peek(offset); }
   std::uint32_t peek(std::uint32_t offset) const override {

@@ -29,16 +29,16 @@ constexpr std::uint8_t to_interface = 0x41, from_interface = 0xc1;
 /// A flashing program's end of the protocol.
 class RomUsb : public testing::Test {
  protected:
-  RomUsb() { chip.power_on(); }
+  RomUsb() { chip_.power_on(); }
 
   /// An empty flash: the ROM gives up after half a second.
   void enter() {
     run(700 * ps_per_ms);
-    ASSERT_EQ(chip.rom().state(), RomState::bootsel);
-    ASSERT_TRUE(host.enumerate());
+    ASSERT_EQ(chip_.rom().state(), RomState::bootsel);
+    ASSERT_TRUE(host_.enumerate());
   }
-  void run(Picoseconds time) { host.wait(time); }
-  Picoseconds now() const { return chip.time(); }
+  void run(Picoseconds time) { host_.wait(time); }
+  Picoseconds now() const { return chip_.time(); }
 
   VendorHost::Transfer send(Command command, const std::vector<std::uint32_t>& arguments,
                             std::uint32_t transfer, int size = -1,
@@ -49,19 +49,19 @@ class RomUsb : public testing::Test {
         packet[at + i] = static_cast<std::uint8_t>(value >> 8 * i);
     };
     put(0, magic);
-    put(4, ++token);
+    put(4, ++token_);
     packet[8] = static_cast<std::uint8_t>(command);
     packet[9] =
         static_cast<std::uint8_t>(size >= 0 ? size : static_cast<int>(4 * arguments.size()));
     put(12, transfer);
     for (std::size_t i = 0; i < arguments.size(); ++i) put(16 + 4 * i, arguments[i]);
-    return host.bulk_out(UsbLoader::out_endpoint, packet);
+    return host_.bulk_out(UsbLoader::out_endpoint, packet);
   }
   /// A command without data; what its empty IN packet became.
   End order(Command command, const std::vector<std::uint32_t>& arguments, int size = -1) {
     const VendorHost::Transfer sent = send(command, arguments, 0, size);
     if (!sent.done()) return sent.end;
-    const VendorHost::Transfer answer = host.bulk_in(UsbLoader::in_endpoint, 64);
+    const VendorHost::Transfer answer = host_.bulk_in(UsbLoader::in_endpoint, 64);
     EXPECT_TRUE(answer.data.empty());
     return answer.end;
   }
@@ -69,15 +69,15 @@ class RomUsb : public testing::Test {
     const auto size = static_cast<std::uint32_t>(data.size());
     if (const auto sent = send(Command::write, {address, size}, size); !sent.done())
       return sent.end;
-    if (const auto sent = host.bulk_out(UsbLoader::out_endpoint, data); !sent.done())
+    if (const auto sent = host_.bulk_out(UsbLoader::out_endpoint, data); !sent.done())
       return sent.end;
-    return host.bulk_in(UsbLoader::in_endpoint, 64).end;
+    return host_.bulk_in(UsbLoader::in_endpoint, 64).end;
   }
   Bytes read(std::uint32_t address, std::uint32_t size) {
     EXPECT_TRUE(send(Command::read, {address, size}, size).done());
-    const VendorHost::Transfer answer = host.bulk_in(UsbLoader::in_endpoint, size);
+    const VendorHost::Transfer answer = host_.bulk_in(UsbLoader::in_endpoint, size);
     EXPECT_TRUE(answer.done());
-    EXPECT_TRUE(host.bulk_out(UsbLoader::out_endpoint, {}).done());
+    EXPECT_TRUE(host_.bulk_out(UsbLoader::out_endpoint, {}).done());
     return answer.data;
   }
   struct CommandStatus {
@@ -86,7 +86,7 @@ class RomUsb : public testing::Test {
     std::uint8_t command = 0, in_progress = 0;
   };
   CommandStatus status() {
-    const VendorHost::Transfer answer = host.control({from_interface, 0x42, 0, 0, 0, 0, 16, 0});
+    const VendorHost::Transfer answer = host_.control({from_interface, 0x42, 0, 0, 0, 0, 16, 0});
     EXPECT_EQ(answer.data.size(), picoboot::status_size);
     if (answer.data.size() != picoboot::status_size) return {};
     const auto word = [&](std::size_t at) {
@@ -98,55 +98,55 @@ class RomUsb : public testing::Test {
   }
   /// What a host does after a stall.
   void recover() {
-    EXPECT_TRUE(host.clear_halt(0x80 | UsbLoader::in_endpoint));
-    EXPECT_TRUE(host.clear_halt(UsbLoader::out_endpoint));
-    EXPECT_TRUE(host.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
+    EXPECT_TRUE(host_.clear_halt(0x80 | UsbLoader::in_endpoint));
+    EXPECT_TRUE(host_.clear_halt(UsbLoader::out_endpoint));
+    EXPECT_TRUE(host_.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
   }
   void refused(Command command, const std::vector<std::uint32_t>& arguments, Status why,
                std::uint32_t transfer = 0, int size = -1) {
     send(command, arguments, transfer, size);
-    EXPECT_EQ(host.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
-    EXPECT_EQ(host.bulk_out(UsbLoader::out_endpoint, {}).end, End::stalled);
+    EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
+    EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, {}).end, End::stalled);
     const CommandStatus found = status();
     EXPECT_EQ(found.code, why) << static_cast<int>(command);
-    EXPECT_EQ(found.token, token);
+    EXPECT_EQ(found.token, token_);
     EXPECT_EQ(found.in_progress, 0);
     recover();
     EXPECT_EQ(order(Command::exclusive_access, {0}, 1), End::done) << "works again";
   }
   Bytes noise(std::size_t size) {
     Bytes bytes(size);
-    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random_());
     return bytes;
   }
 
-  Chip chip;
-  VendorHost host{chip.wheel(), chip.usb(), [this](Cycle to) { chip.run_until(to); }};
-  std::uint32_t token = 100;
-  std::mt19937_64 random{21};
+  Chip chip_;
+  VendorHost host_{chip_.wheel(), chip_.usb(), [this](Cycle to) { chip_.run_until(to); }};
+  std::uint32_t token_ = 100;
+  std::mt19937_64 random_{21};
 };
 
 TEST_F(RomUsb, EnumeratesAsTheDatasheetSays) {  // 2.8.5.1 to 2.8.5.3
   enter();
-  const Bytes& device = host.device_descriptor();
+  const Bytes& device = host_.device_descriptor();
   ASSERT_EQ(device.size(), 18u);
   EXPECT_EQ(device[8] | device[9] << 8, 0x2e8a);
   EXPECT_EQ(device[10] | device[11] << 8, 0x0003);
   EXPECT_EQ(device[2] | device[3] << 8, 0x0110);
-  const Bytes& configuration = host.configuration_descriptor();
+  const Bytes& configuration = host_.configuration_descriptor();
   ASSERT_EQ(configuration.size(), 32u);
   EXPECT_EQ(configuration[4], 1) << "one interface";
   EXPECT_EQ(configuration[9 + 5], 0xff) << "vendor specific";
   EXPECT_EQ(configuration[9 + 6] | configuration[9 + 7], 0);
   EXPECT_EQ(configuration[9 + 4], 2) << "two bulk endpoints";
   // Strings, and a request that nobody knows.
-  const VendorHost::Transfer name = host.control({0x80, 6, 2, 3, 9, 4, 255, 0});
+  const VendorHost::Transfer name = host_.control({0x80, 6, 2, 3, 9, 4, 255, 0});
   EXPECT_EQ(name.data.size(), 2u + 2 * 8);
-  EXPECT_EQ(host.control({0x80, 6, 9, 3, 9, 4, 255, 0}).end, End::stalled);
-  EXPECT_EQ(host.control({0x80, 6, 0, 6, 0, 0, 10, 0}).end, End::stalled) << "full speed only";
-  EXPECT_TRUE(chip.usb().violations().empty());
-  ASSERT_EQ(chip.not_modelled().size(), 1u);
-  EXPECT_EQ(chip.not_modelled()[0],
+  EXPECT_EQ(host_.control({0x80, 6, 9, 3, 9, 4, 255, 0}).end, End::stalled);
+  EXPECT_EQ(host_.control({0x80, 6, 0, 6, 0, 0, 10, 0}).end, End::stalled) << "full speed only";
+  EXPECT_TRUE(chip_.usb().violations().empty());
+  ASSERT_EQ(chip_.not_modelled().size(), 1u);
+  EXPECT_EQ(chip_.not_modelled()[0],
             "ROM USB boot loader: mass storage (UF2) is left out, PICOBOOT only");
 }
 
@@ -163,14 +163,14 @@ TEST_F(RomUsb, WritesAndReadsMemory) {
   ASSERT_EQ(write(sram, all), End::done);
   EXPECT_EQ(read(sram, 264 * 1024), all);
   const Bytes rom = read(0, 16 * 1024);
-  EXPECT_TRUE(std::equal(rom.begin(), rom.end(), chip.bus().rom().begin()));
-  EXPECT_TRUE(chip.usb().violations().empty());
+  EXPECT_TRUE(std::equal(rom.begin(), rom.end(), chip_.bus().rom().begin()));
+  EXPECT_TRUE(chip_.usb().violations().empty());
 }
 
 TEST_F(RomUsb, ErasesProgramsAndReadsFlash) {
   enter();
-  const std::span<std::uint8_t> storage = chip.flash().storage();
-  for (std::size_t i = 0; i < 0x40000; ++i) storage[i] = static_cast<std::uint8_t>(random());
+  const std::span<std::uint8_t> storage = chip_.flash().storage();
+  for (std::size_t i = 0; i < 0x40000; ++i) storage[i] = static_cast<std::uint8_t>(random_());
   const Bytes before(storage.begin(), storage.begin() + 0x40000);
   ASSERT_EQ(order(Command::exclusive_access, {1}, 1), End::done);
   ASSERT_EQ(order(Command::exit_xip, {}), End::done);
@@ -195,8 +195,9 @@ TEST_F(RomUsb, ErasesProgramsAndReadsFlash) {
   ASSERT_EQ(order(Command::flash_erase, {flash + 0x1'0000, 0x1'0000}), End::done);
   EXPECT_LE(now() - block, 155 * ps_per_ms);
   EXPECT_EQ(order(Command::enter_command_xip, {}), End::done);
-  EXPECT_EQ(chip.bus().read(flash + 0x8100, Width::byte, Master::core0, chip.now()).value, data[0]);
-  EXPECT_TRUE(chip.usb().violations().empty());
+  EXPECT_EQ(chip_.bus().read(flash + 0x8100, Width::byte, Master::core0, chip_.now()).value,
+            data[0]);
+  EXPECT_TRUE(chip_.usb().violations().empty());
 }
 
 TEST_F(RomUsb, StatusIsReadWhileTheFlashIsBusy) {
@@ -206,12 +207,12 @@ TEST_F(RomUsb, StatusIsReadWhileTheFlashIsBusy) {
   const CommandStatus busy = status();
   EXPECT_EQ(busy.in_progress, 1);
   EXPECT_EQ(busy.command, 0x03);
-  EXPECT_EQ(busy.token, token);
-  EXPECT_EQ(host.bulk_in(UsbLoader::in_endpoint, 64).end, End::done);
+  EXPECT_EQ(busy.token, token_);
+  EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::done);
   EXPECT_EQ(status().in_progress, 0);
   // Reset of the interface in the middle of one: the next command waits for the flash.
   ASSERT_TRUE(send(Command::flash_erase, {flash, 0x1000}, 0).done());
-  EXPECT_TRUE(host.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
+  EXPECT_TRUE(host_.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
   EXPECT_EQ(status().token, 0u);
   EXPECT_EQ(order(Command::exit_xip, {}), End::done);
   EXPECT_EQ(read(flash, 16), Bytes(16, 0xff));
@@ -221,7 +222,7 @@ TEST_F(RomUsb, RefusesWithTheStatusThatFits) {
   enter();
   refused(static_cast<Command>(0x55), {}, Status::unknown_command);
   refused(Command::exec, {sram}, Status::unknown_command);
-  EXPECT_EQ(chip.not_modelled().back(), "ROM USB boot loader: PICOBOOT EXEC refused");
+  EXPECT_EQ(chip_.not_modelled().back(), "ROM USB boot loader: PICOBOOT EXEC refused");
   refused(Command::exit_xip, {}, Status::invalid_command_length, 0, 4);
   refused(Command::read, {sram, 64}, Status::invalid_transfer_length, 32);
   refused(Command::exit_xip, {}, Status::invalid_transfer_length, 1);
@@ -236,12 +237,12 @@ TEST_F(RomUsb, RefusesWithTheStatusThatFits) {
   refused(Command::vectorize_flash, {flash}, Status::invalid_address);
   // A wrong magic number, and a packet that is no command.
   send(Command::exit_xip, {}, 0, 0, 0x431f'd10c);
-  EXPECT_EQ(host.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
+  EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
   recover();
-  host.bulk_out(UsbLoader::out_endpoint, Bytes(31));
-  EXPECT_EQ(host.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
+  host_.bulk_out(UsbLoader::out_endpoint, Bytes(31));
+  EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
   // Without clearing the halts, the interface's reset is enough (2.8.5.5.1).
-  EXPECT_TRUE(host.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
+  EXPECT_TRUE(host_.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
   EXPECT_EQ(order(Command::exclusive_access, {0}, 1), End::done);
 }
 
@@ -263,15 +264,15 @@ TEST_F(RomUsb, FlashesAProgramThatThenRuns) {
   const Picoseconds asked = now();
   ASSERT_EQ(order(Command::reboot, {0, 0, 20}), End::done);
   send(Command::exit_xip, {}, 0);
-  EXPECT_EQ(host.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
+  EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
   EXPECT_EQ(status().code, Status::rebooting);
-  while (chip.rom().state() == RomState::bootsel && now() < asked + 100 * ps_per_ms)
+  while (chip_.rom().state() == RomState::bootsel && now() < asked + 100 * ps_per_ms)
     run(ps_per_ms / 10);
   EXPECT_NEAR(static_cast<double>(now() - asked) / ps_per_ms, 20, 1) << "2.8.5.4.2: dDelayMS";
   run(20 * ps_per_ms);
-  EXPECT_FALSE(host.connected());
-  EXPECT_EQ(chip.rom().state(), RomState::running);
-  EXPECT_EQ(chip.bus().read(sram + 0x100, Width::word, Master::core0, chip.now()).value,
+  EXPECT_FALSE(host_.connected());
+  EXPECT_EQ(chip_.rom().state(), RomState::running);
+  EXPECT_EQ(chip_.bus().read(sram + 0x100, Width::word, Master::core0, chip_.now()).value,
             0x600d'f00du);
 }
 
@@ -281,8 +282,8 @@ TEST_F(RomUsb, RebootsIntoRam) {
   ASSERT_EQ(write(sram + 0x2000, code), End::done);
   ASSERT_EQ(order(Command::reboot, {sram + 0x2001, sram + 0x8000, 1}), End::done);
   run(10 * ps_per_ms);
-  EXPECT_EQ(chip.core(0).reg(15), sram + 0x2000);
-  EXPECT_EQ(chip.core(0).reg(13), sram + 0x8000);
+  EXPECT_EQ(chip_.core(0).reg(15), sram + 0x2000);
+  EXPECT_EQ(chip_.core(0).reg(13), sram + 0x8000);
 }
 
 TEST_F(RomUsb, FlashFunctionsCanBeReplaced) {  // 2.8.5.4.9
@@ -304,7 +305,7 @@ TEST_F(RomUsb, FlashFunctionsCanBeReplaced) {  // 2.8.5.4.9
   ASSERT_EQ(write(sram + 0x1000 + 16, address), End::done);
   ASSERT_EQ(order(Command::flash_erase, {flash, 0x3000}), End::done);
   EXPECT_EQ(read(mark, 4), (Bytes{0, 0x30, 0, 0}));
-  EXPECT_EQ(chip.flash().counts().sectors_erased, 0u);
+  EXPECT_EQ(chip_.flash().counts().sectors_erased, 0u);
 }
 
 TEST(RomUsbOrdinaryHost, FindsADeviceWithoutASerialPort) {
@@ -327,27 +328,27 @@ TEST(RomUsbOrdinaryHost, FindsADeviceWithoutASerialPort) {
 /// A program in SRAM that calls reset_to_usb_boot as images do.
 TEST_F(RomUsb, ResetToUsbBootTakesItsTwoMasks) {  // 2.8.3.1.4
   run(700 * ps_per_ms);
-  ASSERT_EQ(chip.rom().state(), RomState::bootsel);
-  ASSERT_TRUE(host.enumerate());
+  ASSERT_EQ(chip_.rom().state(), RomState::bootsel);
+  ASSERT_TRUE(host_.enumerate());
   // BLX r7 with the arguments loaded: LDR r0, [pc, #8]; LDR r1, [pc, #12]; LDR r7, [pc, #12]; ...
   const std::array<std::uint16_t, 6> code = {0x4802, 0x4903, 0x4f03, 0x47b8, 0xe7fe, 0x46c0};
   Bytes program(24);
   std::memcpy(program.data(), code.data(), sizeof code);
   const std::array<std::uint32_t, 3> words = {1u << 25, UsbLoader::no_mass_storage,
-                                              chip.rom().function('U', 'B')};
+                                              chip_.rom().function('U', 'B')};
   std::memcpy(program.data() + 12, words.data(), sizeof words);
   ASSERT_EQ(write(sram + 0x2000, program), End::done);
   ASSERT_EQ(order(Command::reboot, {sram + 0x2001, sram + 0x8000, 1}), End::done);
   run(3 * ps_per_ms);
-  ASSERT_EQ(chip.rom().state(), RomState::running);
+  ASSERT_EQ(chip_.rom().state(), RomState::running);
   run(30 * ps_per_ms);
-  ASSERT_EQ(chip.rom().state(), RomState::bootsel);
-  ASSERT_TRUE(host.enumerate());
+  ASSERT_EQ(chip_.rom().state(), RomState::bootsel);
+  ASSERT_TRUE(host_.enumerate());
   EXPECT_EQ(order(Command::exit_xip, {}), End::done);
   // The pin for activity is an output, low.
-  EXPECT_EQ(chip.bus().peek(0xd000'0020, Master::core0).value_or(0), 1u << 25);
-  EXPECT_EQ(chip.bus().peek(0xd000'0010, Master::core0).value_or(1), 0u);
-  EXPECT_EQ(chip.bus().peek(0x4001'40cc, Master::core0).value_or(0) & 0x1f, 5u) << "GPIO25: SIO";
+  EXPECT_EQ(chip_.bus().peek(0xd000'0020, Master::core0).value_or(0), 1u << 25);
+  EXPECT_EQ(chip_.bus().peek(0xd000'0010, Master::core0).value_or(1), 0u);
+  EXPECT_EQ(chip_.bus().peek(0x4001'40cc, Master::core0).value_or(0) & 0x1f, 5u) << "GPIO25: SIO";
 }
 
 }  // namespace
