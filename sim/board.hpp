@@ -37,6 +37,9 @@ class Board {
   /// Bytes to the host; returns how many.
   virtual std::size_t read(std::span<std::uint8_t> bytes) = 0;
   virtual bool has_output() const = 0;
+  /// The cable is pulled and plugged in again: what is under way in it is lost, and the board sees
+  /// a new connection.
+  virtual void reconnect() = 0;
 
   virtual void run_until(Picoseconds until) = 0;
   virtual Picoseconds now() const = 0;

@@ -65,6 +65,7 @@ class BadCable : public link::Transport {
     to_host_.clear();
     // Every third attempt finds the cable plugged in again.
     connected_ = !unplugged && ++attempts_ % 3 == 0;
+    if (connected_) machine_reconnected();
     return connected_;
   }
 
@@ -76,6 +77,8 @@ class BadCable : public link::Transport {
  protected:
   /// Takes what has arrived.
   virtual void machine_receive(std::span<const std::uint8_t> bytes) = 0;
+  /// Sees that the connection is a new one.
+  virtual void machine_reconnected() = 0;
   /// Works until now().
   virtual void machine_run() = 0;
   /// Gives what it has to say; returns how many bytes.

@@ -83,6 +83,16 @@ class Link {
     if (status_due_) send_status(sink);
   }
 
+  /// The bytes that follow come from another host, or from the same one after a break: half a line
+  /// or frame of before is never finished by them. Session, counts and answers not yet sent stay:
+  /// a job goes on over it. Cheap; not from within receive().
+  void new_connection() {
+    parser_.reset();
+    frames_spoken_ = false;
+  }
+  /// Drops a line that has not ended, as the reset byte of grbl does. From within on_realtime().
+  void drop_line() { parser_.drop_line(); }
+
   /// Takes bytes to send; returns how many were written to `out`.
   std::size_t transmit(std::span<std::uint8_t> out) { return ring_.pop(out); }
   /// Bytes waiting to be sent.

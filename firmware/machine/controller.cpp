@@ -394,11 +394,14 @@ void Controller::on_realtime(std::uint8_t byte) {
       hold(HoldReason::realtime);
       break;
     case byte_reset:
-      // In a job it may be one flipped bit: nothing is lost but time. Else it is a reset.
-      if (state_ == MachineState::run)
+      // In a job it may be one flipped bit: nothing is lost but time. Else it is a reset, which
+      // throws away what was being typed.
+      if (state_ == MachineState::run) {
         hold(HoldReason::reset);
-      else if (state_ != MachineState::hold && state_ != MachineState::door)
+      } else if (state_ != MachineState::hold && state_ != MachineState::door) {
+        link_.drop_line();
         send_banner();
+      }
       break;
     default:
       break;

@@ -5,6 +5,8 @@
 //
 //   function            called from           at least every    what for
 //   receive, transmit   main loop             1 ms              bytes of the host
+//   new_connection      main loop             on change         before the first bytes of another
+//                                                               host, or of one that was away
 //   prepare             main loop             1 ms              state; true: something to plan
 //   plan                main loop             when so told      planning, long
 //   commit              main loop             after prepare     motion handed out, answers
@@ -86,6 +88,9 @@ class Controller {
 
   // Main loop.
   void receive(std::span<const std::uint8_t> bytes);
+  /// What comes from here on has nothing to do with what came before: half a line or frame is
+  /// dropped, a job goes on. Touches nothing that is shared with interrupts.
+  void new_connection() { link_.new_connection(); }
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
   bool prepare(std::uint64_t clock);
   void plan() { runner_.plan(values_); }

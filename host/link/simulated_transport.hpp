@@ -26,7 +26,10 @@ class SimulatedTransport final : public Transport {
   std::chrono::microseconds now() const override {
     return std::chrono::microseconds(board_.now() / sim::ps_per_us);
   }
-  bool reconnect() override { return true; }
+  bool reconnect() override {
+    board_.reconnect();
+    return true;
+  }
 
  private:
   /// The board is asked this often whether it has sent something: one frame of USB.

@@ -103,6 +103,12 @@ class StreamParser {
     after_cr_ = false;
   }
 
+  /// Forgets a line that has not ended, be it spoilt; a frame goes on. The only call that may be
+  /// made from within an event: on_realtime.
+  void drop_line() {
+    if (state_ == State::line) begin(State::line);
+  }
+
  private:
   enum class State : std::uint8_t { line, frame };
 

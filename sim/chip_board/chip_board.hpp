@@ -50,6 +50,7 @@ class ChipBoard final : public Board,
   std::size_t write(std::span<const std::uint8_t> bytes) override { return host_.write(bytes); }
   std::size_t read(std::span<std::uint8_t> bytes) override { return host_.read(bytes); }
   bool has_output() const override { return host_.has_output(); }
+  void reconnect() override { host_.reset_device(); }
   void run_until(Picoseconds until) override;
   Picoseconds now() const override { return chip_.wheel().time_of(chip_.wheel().now()); }
   PinBus& bus() override { return bus_; }

@@ -50,6 +50,12 @@ std::size_t VirtualBoard::read(std::span<std::uint8_t> bytes) {
   return n;
 }
 
+void VirtualBoard::reconnect() {
+  from_host_.clear();
+  to_host_.clear();
+  controller_->new_connection();
+}
+
 void VirtualBoard::pin_changed(Pin pin, bool level, Picoseconds at) {
   switch (pin) {
     case Pin::lamp_sync:

@@ -36,6 +36,7 @@ class VirtualBoard final : public Board, private PinListener {
   std::size_t write(std::span<const std::uint8_t> bytes) override;
   std::size_t read(std::span<std::uint8_t> bytes) override;
   bool has_output() const override { return !to_host_.empty(); }
+  void reconnect() override;
 
   void run_until(Picoseconds until) override;
   Picoseconds now() const override { return now_; }

@@ -28,6 +28,7 @@ class BoardCable final : public BadCable {
 
  private:
   void machine_receive(std::span<const std::uint8_t> bytes) override { rig_.board.write(bytes); }
+  void machine_reconnected() override { rig_.board.reconnect(); }
   void machine_run() override {
     const sim::Picoseconds until = now().count() * ps_per_us;
     while (!actions_.empty() && actions_.begin()->first <= until) {

@@ -73,6 +73,33 @@ TEST(SettingsText, RandomValuesAreKeptOverARestart) {
   }
 }
 
+TEST(SettingsText, HalfALineIsNotFinishedByANewConnectionNorBehindAReset) {
+  Rig rig(lamp_profile());
+  Terminal user(rig);
+  const auto type = [&rig](std::string_view text) {
+    rig.board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    rig.run(10 * ps_per_ms);
+  };
+  type("$110=6");
+  rig.board.reconnect();
+  EXPECT_EQ(user.answer("0"), "error:20\r\n");
+  type("$110=6");
+  EXPECT_THAT(user.answer("\x18"
+                          "0"),
+              AllOf(HasSubstr("Grbl 1.1"), EndsWith("error:20\r\n")));
+  // A frame that was begun would swallow the line.
+  type(
+      "\x02"
+      "abc");
+  rig.board.reconnect();
+  EXPECT_THAT(user.answer("$I"), EndsWith("ok\r\n"));
+  EXPECT_EQ(rig.board.stored_settings(), lamp_profile().settings);
+  // Unbroken, the two halves are a line.
+  type("$110=6");
+  EXPECT_EQ(user.answer("0"), "ok\r\n");
+  EXPECT_EQ(rig.board.stored_settings().whole(Id::max_rate_x), 60);
+}
+
 TEST(SettingsText, WhatIsNoSettingIsRefusedByNumber) {
   Rig rig(lamp_profile());
   Terminal user(rig);

@@ -41,6 +41,16 @@ class SerialCable final : public link::Transport, private sim::chip::ByteLine {
   bool connected() const override { return true; }
   bool reconnect() override { return true; }
 
+  void type(std::string_view text) {
+    write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+  /// What has come since the last call.
+  std::string heard() {
+    const std::string text(heard_.begin(), heard_.end());
+    heard_.clear();
+    return text;
+  }
+
  private:
   void byte_sent(std::uint8_t byte, sim::chip::Cycle /*at*/) override { heard_.push_back(byte); }
 
@@ -121,27 +131,32 @@ TEST(CutMap, WhoSpeaksIsAnsweredAndTheOtherLinkNotInAJob) {
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   SerialCable cable(rig);
-  const auto heard_by_uart = [&cable] {
-    std::array<std::uint8_t, 4096> bytes;
-    return std::string(bytes.begin(),
-                       bytes.begin() + static_cast<std::ptrdiff_t>(cable.read(bytes)));
-  };
-  const auto say = [&cable](std::string_view text) {
-    cable.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-  };
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
-  EXPECT_EQ(heard_by_uart(), "");
+  EXPECT_EQ(cable.heard(), "");
   rig.heard.clear();
-  say("$I\n");
+  cable.type("$I\n");
   rig.run(20 * ps_per_ms);
   rig.listen();
-  EXPECT_THAT(heard_by_uart(), HasSubstr("[VER:"));
+  EXPECT_THAT(cable.heard(), HasSubstr("[VER:"));
   EXPECT_EQ(rig.heard, "");
   RunningJob running(rig, job::make_job(chip_points(60, 5), profile, {}), 1);
   ASSERT_TRUE(running.run_until_fired(5));
-  say("$X\n?\x18");
+  cable.type("$X\n?\x18");
   EXPECT_EQ(running.finish(), link::JobEnd::done);
-  EXPECT_EQ(heard_by_uart(), "");
+  EXPECT_EQ(cable.heard(), "");
+}
+
+TEST(CutMap, HalfALineIsNotFinishedByTheOtherLink) {
+  const job::Profile profile = cut_profile(3);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  SerialCable cable(rig);
+  rig.type("$110=6");
+  rig.run(10 * ps_per_ms);
+  cable.type("0\n");
+  rig.run(20 * ps_per_ms);
+  EXPECT_THAT(cable.heard(), HasSubstr("error:20"));
+  EXPECT_EQ(rig.board.stored_settings(), profile.settings);
 }
 
 }  // namespace

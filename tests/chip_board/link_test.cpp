@@ -79,6 +79,21 @@ TEST(ChipLink, PulledAndPluggedInAJobAtRandomMoments) {
   expect_no_violations(rig);
 }
 
+TEST(ChipLink, HalfALineIsNotFinishedByANewConnection) {
+  const job::Profile profile = chip_profile();
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  rig.type("$110=6");
+  rig.run(10 * ps_per_ms);
+  rig.board.usb_host().unplug();
+  rig.run(5 * ps_per_ms);
+  rig.board.usb_host().plug();
+  ASSERT_TRUE(rig.board.run_until_found(1000 * ps_per_ms));
+  EXPECT_THAT(rig.answer("0"), HasSubstr("error:20"));
+  EXPECT_EQ(rig.board.stored_settings(), profile.settings);
+  expect_no_violations(rig);
+}
+
 TEST(ChipLink, TheBootLoaderStartsAtRestWithEverythingOff) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);

@@ -23,6 +23,7 @@ class FaultyTransport : public BadCable {
   void machine_receive(std::span<const std::uint8_t> bytes) override {
     link.receive(bytes, machine);
   }
+  void machine_reconnected() override { link.new_connection(); }
   void machine_run() override {
     if (now().count() % 1000 == 0) machine.fire(points_per_ms);
     link.poll(machine);

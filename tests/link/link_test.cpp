@@ -109,6 +109,29 @@ TEST(Link, OnlyTheNextFrameIsAccepted) {
   EXPECT_EQ(status.link.out_of_order, 2u);
 }
 
+TEST(Link, ANewConnectionForgetsWhatHasNotEndedAndNothingElse) {
+  Bench bench;
+  bench.begin();
+  bench.frame(FrameType::data, 1, one_point);
+  bench.text("$110=6");
+  bench.link->new_connection();
+  bench.text("0\n");
+  bench.text("\x02half a frame");
+  bench.link->new_connection();
+  bench.text("$$\n");
+  EXPECT_EQ(bench.machine->lines, std::vector<std::string>({"0", "$$"}));
+  EXPECT_EQ(bench.machine->lost_lines, 0);
+  bench.frame(FrameType::data, 2, one_point);
+  const auto status = bench.last_status();
+  EXPECT_EQ(status.session, session);
+  EXPECT_EQ(status.next_number, 3u);
+  // A host that speaks text sees no STATUS because the one before it spoke frames.
+  bench.link->new_connection();
+  bench.machine->state = wire::MachineState::hold;
+  bench.link->poll(*bench.machine);
+  EXPECT_TRUE(bench.messages().empty());
+}
+
 TEST(Link, DataWithoutAJobIsIgnored) {
   Bench bench;
   bench.frame(FrameType::data, 1, one_point, 0);

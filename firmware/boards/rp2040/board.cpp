@@ -85,6 +85,7 @@ void Board::receive() {
   std::array<std::uint8_t, piece> bytes;
   for (int i = 0; i < 16; ++i) {
     const std::size_t n = ports_.read(bytes, tied);
+    if (ports_.take_new_connection()) core_.new_connection();
     if (n == 0) return;
     core_.receive(std::span<const std::uint8_t>(bytes).first(n));
   }

@@ -16,11 +16,15 @@
 #include "firmware/boards/rp2040/last_run.hpp"
 #include "firmware/boards/rp2040/ports.hpp"
 #include "firmware/boards/rp2040/real_time.hpp"
+#include "firmware/boards/rp2040/uart/uart_hardware.hpp"
+#include "firmware/boards/rp2040/usb/usb_hardware.hpp"
 #include "firmware/boards/rp2040/watchdog.hpp"
 #include "firmware/machine/controller.hpp"
 #include "firmware/settings/store.hpp"
 
 namespace lamplock::rp2040 {
+
+using Ports = BasicPorts<UsbSerial, UartSerial>;
 
 class Board {
  public:

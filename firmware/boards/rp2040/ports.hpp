@@ -5,28 +5,35 @@
 //
 // Whoever speaks is listened to. While a job runs the other one is not: two hosts at once would
 // break each other's frames. What it says is thrown away, real-time bytes too.
+// The first bytes of the other port, and those that come after USB was reset or configured anew,
+// are a new connection's: half a line of before must not become a whole one with them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include "firmware/boards/rp2040/uart/uart_hardware.hpp"
-#include "firmware/boards/rp2040/usb/usb_hardware.hpp"
-
 namespace lamplock::rp2040 {
 
-class Ports {
+/// `Usb` and `Uart` are UsbSerial and UartSerial, or a test's.
+template <class Usb, class Uart>
+class BasicPorts {
  public:
-  explicit Ports(unsigned uart_send_gpio) : uart_(uart_send_gpio) {}
+  explicit BasicPorts(unsigned uart_send_gpio) : uart_(uart_send_gpio) {}
 
-  UsbSerial& usb() { return usb_; }
-  UartSerial& uart() { return uart_; }
+  Usb& usb() { return usb_; }
+  Uart& uart() { return uart_; }
 
   /// Takes received bytes; returns how many. `tied`: only from the one listened to last.
   std::size_t read(std::span<std::uint8_t> out, bool tied) {
     if (const std::size_t n = read_from(usb_, false, out, tied); n != 0) return n;
     return read_from(uart_, true, out, tied);
+  }
+  /// True once for each new connection; to be asked after each read(), before its bytes are used.
+  bool take_new_connection() {
+    const bool is_new = new_connection_;
+    new_connection_ = false;
+    return is_new;
   }
   /// How many bytes can be sent now, and sending them.
   std::size_t room() const { return on_uart_ ? uart_.room() : usb_.room(); }
@@ -44,16 +51,26 @@ class Ports {
  private:
   template <class Port>
   std::size_t read_from(Port& port, bool is_uart, std::span<std::uint8_t> out, bool tied) {
+    std::uint32_t& seen = generations_[is_uart ? 1 : 0];
+    const std::uint32_t generation = port.generation();
+    if (generation != seen && on_uart_ == is_uart) new_connection_ = true;
+    seen = generation;
     const std::size_t n = port.read(out);
-    if (n == 0 || on_uart_ == is_uart) return n;
+    // The interrupt has ended the connection meanwhile: the bytes were its last. A host takes far
+    // longer than this to send the first ones over a new one.
+    if (n == 0 || port.generation() != generation) return 0;
+    if (on_uart_ == is_uart) return n;
     if (tied) return 0;
     on_uart_ = is_uart;
+    new_connection_ = true;
     return n;
   }
 
-  UsbSerial usb_;
-  UartSerial uart_;
+  Usb usb_;
+  Uart uart_;
+  std::uint32_t generations_[2] = {};  ///< last seen of USB and UART
   bool on_uart_ = false;
+  bool new_connection_ = false;
 };
 
 }  // namespace lamplock::rp2040

@@ -1,0 +1,113 @@
+// The two links as one: whose bytes come through, and where a new connection begins.
+#include "firmware/boards/rp2040/ports.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace lamplock::test {
+namespace {
+
+/// A port that says what it is told to.
+struct FakePort {
+  FakePort() = default;
+  explicit FakePort(unsigned /*gpio*/) {}
+
+  std::size_t read(std::span<std::uint8_t> out) {
+    const std::size_t n = std::min(out.size(), waiting.size());
+    std::copy_n(waiting.begin(), n, out.begin());
+    waiting.erase(0, n);
+    if (breaks_in_read) ++now;
+    breaks_in_read = false;
+    return n;
+  }
+  std::size_t room() const { return 64; }
+  void write(std::span<const std::uint8_t> bytes) { sent.append(bytes.begin(), bytes.end()); }
+  void poll() {}
+  std::uint32_t generation() const { return now; }
+
+  std::string waiting, sent;
+  std::uint32_t now = 0;
+  bool breaks_in_read = false;
+};
+
+struct Desk {
+  rp2040::BasicPorts<FakePort, FakePort> ports{0};
+  bool is_new = false;
+
+  /// What one pass of the main loop hears.
+  std::string hear(bool tied = false) {
+    std::array<std::uint8_t, 64> bytes;
+    const std::size_t n = ports.read(bytes, tied);
+    is_new = ports.take_new_connection();
+    return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)};
+  }
+  std::string hear_usb(std::string_view text, bool tied = false) {
+    ports.usb().waiting += text;
+    return hear(tied);
+  }
+  std::string hear_uart(std::string_view text, bool tied = false) {
+    ports.uart().waiting += text;
+    return hear(tied);
+  }
+};
+
+TEST(Ports, TheFirstBytesOfTheOtherOneAreANewConnection) {
+  Desk desk;
+  EXPECT_EQ(desk.hear_usb("$110=6"), "$110=6");
+  EXPECT_FALSE(desk.is_new);
+  EXPECT_EQ(desk.hear_uart("0\n"), "0\n");
+  EXPECT_TRUE(desk.is_new);
+  EXPECT_EQ(desk.hear_uart("$I\n"), "$I\n");
+  EXPECT_FALSE(desk.is_new);
+  EXPECT_EQ(desk.hear_usb("?"), "?");
+  EXPECT_TRUE(desk.is_new);
+}
+
+TEST(Ports, ABreakOfUsbIsANewConnectionEvenBeforeItsFirstBytes) {
+  Desk desk;
+  desk.hear_usb("$110=6");
+  ++desk.ports.usb().now;
+  EXPECT_EQ(desk.hear(), "");
+  EXPECT_TRUE(desk.is_new);
+  EXPECT_EQ(desk.hear_usb("0\n"), "0\n");
+  EXPECT_FALSE(desk.is_new);
+  ++desk.ports.usb().now;
+  EXPECT_EQ(desk.hear_usb("0\n"), "0\n");
+  EXPECT_TRUE(desk.is_new);
+}
+
+TEST(Ports, ABreakOfUsbIsNothingToTheHostAtTheUart) {
+  Desk desk;
+  desk.hear_uart("$11");
+  ++desk.ports.usb().now;
+  EXPECT_EQ(desk.hear_uart("0\n"), "0\n");
+  EXPECT_FALSE(desk.is_new);
+}
+
+TEST(Ports, LastBytesOfAConnectionThatEndsMeanwhileAreVoid) {
+  Desk desk;
+  desk.ports.usb().breaks_in_read = true;
+  EXPECT_EQ(desk.hear_usb("$110=6"), "");
+  EXPECT_EQ(desk.hear_usb("0\n"), "0\n");
+  EXPECT_TRUE(desk.is_new);
+}
+
+TEST(Ports, TiedTheOtherOneIsNotHeardNorAnswered) {
+  Desk desk;
+  desk.hear_usb("?");
+  EXPECT_EQ(desk.hear_uart("!", true), "");
+  EXPECT_FALSE(desk.is_new);
+  desk.ports.write(std::array<std::uint8_t, 1>{'x'});
+  EXPECT_EQ(desk.ports.usb().sent, "x");
+  EXPECT_EQ(desk.ports.uart().sent, "");
+  EXPECT_EQ(desk.hear_usb("~", true), "~");
+  // What was said meanwhile is not heard later.
+  EXPECT_EQ(desk.hear(), "");
+}
+
+}  // namespace
+}  // namespace lamplock::test
