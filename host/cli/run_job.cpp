@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <exception>
 #include <iostream>
 #include <optional>
 #include <utility>
@@ -52,7 +53,13 @@ link::JobResult send(link::Transport& transport, const Work& work, const BoardOp
   link::JobSender sender(transport, work.job, sending);
   Steering steering(sender, progress, clocking);
   // Looked after at every step: simulated time runs fast, and a hold should be seen at once.
-  while (sender.step()) steering.look();
+  while (sender.step()) {
+    try {
+      steering.look();
+    } catch (...) {  // a terminal that has gone must not leave the machine running
+      sender.fail(std::current_exception());
+    }
+  }
   return sender.result();
 }
 
@@ -218,8 +225,10 @@ Exit tell_end(const link::JobResult& result, const BoardOptions& options) {
     }
     case JobEnd::lost:
       throw Error(Exit::job_failed, options.board,
-                  fmt::format("connection lost, the last point heard of is {}", next),
-                  "check the cable and " + go_on_text(result));
+                  fmt::format("connection lost, so that the machine could not be stopped; the last "
+                              "point heard of is {}",
+                              next),
+                  "see that it stands, check the cable and " + go_on_text(result));
     case JobEnd::restarted:
       throw Error(Exit::job_failed, options.board,
                   fmt::format("the machine has restarted, its position is lost; the last point "

@@ -84,6 +84,18 @@ JobResult JobSender::run() {
 
 bool JobSender::step() {
   if (phase_ == Phase::ended) return false;
+  try {
+    advance();
+  } catch (...) {
+    const bool stopping = phase_ == Phase::stopping;
+    fail(std::current_exception());
+    if (stopping) throw_not_stopped();
+  }
+  return phase_ != Phase::ended;
+}
+
+/// One round.
+void JobSender::advance() {
   receive();
   keep_connected();
   if (phase_ == Phase::stream) {
@@ -93,11 +105,11 @@ bool JobSender::step() {
   } else if (phase_ == Phase::begin) {
     begin();
   }
-  if (phase_ == Phase::ended) return false;
+  if (phase_ == Phase::stopping) insist_on_stop();
+  if (phase_ == Phase::ended) return;
   ask();
   connection_.flush();
   transport_.wait(pause_length());
-  return true;
 }
 
 std::size_t JobSender::points_fired() const {
@@ -121,6 +133,7 @@ void JobSender::handle(const std::string& text) {
 }
 
 void JobSender::handle(const wire::Status& status) {
+  if (phase_ == Phase::stopping && status.version != wire::protocol_version) return;
   if (status.version != wire::protocol_version)
     throw Error(Exit::no_device, "machine",
                 fmt::format("its firmware speaks protocol version {}, this program {}",
@@ -146,7 +159,7 @@ void JobSender::handle(const wire::Status& status) {
   const std::uint32_t acknowledged = built_ - static_cast<std::uint32_t>(frames_.size());
   if (status.session != session_ || status.next_number > built_ + 1 ||
       status.next_number <= acknowledged)
-    return end(JobEnd::restarted);
+    return begin_stop(JobEnd::restarted);
   acknowledge(status);
 }
 
@@ -183,11 +196,11 @@ void JobSender::handle(const RefusedFrame& frame) {
   }
   const bool numbered =
       refused.type == wire::FrameType::data || refused.type == wire::FrameType::end;
-  if (!numbered || phase_ != Phase::stream || stop_sent_) return;
+  if (!numbered || phase_ != Phase::stream) return;
   if (is_soft(refused.result) && ++soft_refusals_ < most_soft_refusals) return;
-  command(wire::Command::stop);
-  connection_.flush();
-  refuse_job(frame);
+  // Thrown once the machine stands: only then is it known where to go on.
+  stop_refusal_ = frame;
+  begin_stop(JobEnd::stopped);
 }
 
 /// Throws what a refusal means to the user.
@@ -252,8 +265,9 @@ void JobSender::keep_connected() {
     lost_at_ = heard_at_;
     reconnect_at_ = now;
   }
-  if (wish_ == Wish::stop) return end(JobEnd::stopped);
-  if (now - lost_at_ >= options_.give_up) return end(JobEnd::lost);
+  const bool begun = phase_ == Phase::stream || phase_ == Phase::stopping;
+  if (wish_ == Wish::stop && !begun) return end(JobEnd::stopped);
+  if (phase_ != Phase::stopping && now - lost_at_ >= options_.give_up) return end(JobEnd::lost);
   if (now < reconnect_at_) return;
   reconnect_at_ = now + reconnect_interval;
   if (!connection_.reconnect()) return;
@@ -317,19 +331,14 @@ void JobSender::take_over() {
 
 /// Brings the machine to what the user wishes.
 void JobSender::steer() {
+  if (wish_ == Wish::stop) return begin_stop(JobEnd::stopped);
   if (cut_ || !synced_) return;
   const Time now = transport_.now();
   const bool taken = status_.last_command >= command_number_;
   if (now - command_at_ < (taken ? options_.status_interval : options_.reply_timeout) &&
-      command_number_ > 0 && !(wish_ == Wish::stop && !stop_sent_))
+      command_number_ > 0)
     return;
-  if (wish_ == Wish::stop && !stop_sent_) {
-    stop_sent_ = true;
-    finish_by_ = now + rest_timeout;
-    return command(wire::Command::stop);
-  }
   if (!taken) return send_command();
-  if (stop_sent_) return;
   const bool held = status_.state == wire::MachineState::hold;
   // A hold for another reason might end by itself or by a stray byte: ours does not.
   const bool firmly_held = held && status_.hold_reason == wire::HoldReason::host;
@@ -362,7 +371,7 @@ void JobSender::send_command() {
 
 /// Writes frames as far as window and the machine's space go.
 void JobSender::stream() {
-  if (cut_ || !synced_ || stop_sent_) return;
+  if (phase_ != Phase::stream || cut_ || !synced_) return;
   const std::size_t limit = std::size_t{status_.received} + status_.free_points;
   while (connection_.backlog() < most_backlog) {
     if (cursor_ == frames_.size() && !build_frame()) return;
@@ -401,14 +410,12 @@ void JobSender::check_end() {
   const bool moving = state == MachineState::run;
   const bool all_taken = end_built_ && frames_.empty();
   const bool all_done = all_taken && status_.first_unfired >= job_.targets.size();
-  const bool stop_taken = stop_sent_ && status_.last_command >= command_number_;
   const bool unfinished = status_.first_unfired < job_.targets.size();
-  if (state == MachineState::idle && unfinished && !stop_sent_) throw_ended();
-  if (!all_done && !stop_sent_) return;
+  if (state == MachineState::idle && unfinished) throw_ended();
+  if (!all_done) return;
   if (!finish_by_) finish_by_ = transport_.now() + rest_timeout;
-  const bool rested = stop_sent_ ? stop_taken && state == MachineState::idle : !moving;
-  if (!rested && transport_.now() < *finish_by_) return;
-  end(all_done ? JobEnd::done : JobEnd::stopped);
+  if (moving && transport_.now() < *finish_by_) return;
+  end(JobEnd::done);
 }
 
 void JobSender::end(JobEnd how) {
@@ -416,6 +423,69 @@ void JobSender::end(JobEnd how) {
   elapsed_ = transport_.now() - started_at_;
   end_ = how;
   phase_ = Phase::ended;
+}
+
+void JobSender::fail(std::exception_ptr error) {
+  if (phase_ == Phase::stream) return begin_stop(JobEnd::stopped, std::move(error));
+  if (phase_ != Phase::stopping) std::rethrow_exception(error);
+  if (!stop_error_) stop_error_ = std::move(error);
+}
+
+/// From here on only one thing matters: that the machine stands. Then the job ends in this way, or
+/// `error` is thrown.
+void JobSender::begin_stop(JobEnd how, std::exception_ptr error) {
+  phase_ = Phase::stopping;
+  stop_end_ = how;
+  stop_error_ = std::move(error);
+  stop_by_ = transport_.now() + rest_timeout;
+  command(wire::Command::stop);
+}
+
+/// A stop that nobody has acknowledged is sent again: the machine executes it once.
+void JobSender::insist_on_stop() {
+  using wire::MachineState;
+  const Time now = transport_.now();
+  const MachineState state = status_.state;
+  // Out of these only another job or the user at the machine leads to motion.
+  const bool stands =
+      state == MachineState::idle || state == MachineState::alarm || state == MachineState::estop;
+  if (stands || status_.session != session_) return finish_stop();
+  if (now >= stop_by_) throw_not_stopped();
+  const bool taken = status_.last_command >= command_number_;
+  if (!cut_ && !taken && now - command_at_ >= options_.reply_timeout) send_command();
+}
+
+void JobSender::finish_stop() {
+  using wire::MachineState;
+  const bool ours = status_.session == session_;
+  const bool idle = status_.state == MachineState::idle;
+  if (ours && idle && status_.first_unfired >= job_.targets.size())
+    end(JobEnd::done);
+  else
+    end(!ours ? JobEnd::restarted : idle ? stop_end_ : JobEnd::alarm);
+  throw_reason();
+}
+
+/// Throws why the job ended early, if by an error.
+void JobSender::throw_reason() const {
+  if (stop_refusal_) refuse_job(*stop_refusal_);
+  if (stop_error_) std::rethrow_exception(stop_error_);
+}
+
+/// The first error stays to be read.
+void JobSender::throw_not_stopped() {
+  end(stop_end_);
+  const std::string where = "machine", what = "could not be stopped, it may still move and fire",
+                    remedy = "press its emergency stop or switch it off";
+  try {
+    throw_reason();
+  } catch (const Error& error) {
+    throw Error(error.exit(), where, fmt::format("{} after '{}'", what, error.what()), remedy);
+  } catch (const std::exception& error) {
+    throw Error(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.what()), remedy);
+  }
+  throw Error(Exit::job_failed, where, what,
+              fmt::format("{}; the last point heard of is {}", remedy, status_.first_unfired));
 }
 
 JobSender::Time JobSender::pause_length() const {

@@ -6,6 +6,10 @@
 //
 // The sender never guesses what the machine has: what STATUS says is what it has. A QUERY behind
 // each burst tells for certain which frames were lost; they are sent again, no others.
+//
+// Whatever ends a running job early - the user, a refusal, an error of our own - the machine is
+// told to stop, again and again, until its STATUS says that it stands. Only then is the reason
+// told; if no such STATUS comes in time, the error says that too.
 #pragma once
 
 #include <atomic>
@@ -13,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
@@ -66,11 +71,16 @@ class JobSender {
   JobSender(Transport& transport, const job::Job& job, SenderOptions options = {});
 
   /// Runs the job to its end. Throws Error: no_device (no answer, other version), bad_input (the
-  /// machine refuses the job or a point), job_failed (busy, locked, door open, ended by itself).
+  /// machine refuses the job or a point), job_failed (busy, locked, door open, ended by itself, or
+  /// stopped by the user and not heard to stand).
   JobResult run();
 
   /// One round: read, answer, send, wait a little. False once the job has ended. Throws as run().
   bool step();
+
+  /// Something else has gone wrong while the job was looked after: steps go on until the machine
+  /// stands, then step() throws `error`. Thrown at once if there is nothing to stop.
+  void fail(std::exception_ptr error);
 
   /// Wishes of the user; safe in a signal handler.
   void pause() noexcept { wish_.store(Wish::hold); }
@@ -88,7 +98,7 @@ class JobSender {
 
  private:
   using Time = std::chrono::microseconds;
-  enum class Phase : std::uint8_t { hello, begin, stream, ended };
+  enum class Phase : std::uint8_t { hello, begin, stream, stopping, ended };
   enum class Wish : std::uint8_t { run, hold, stop };
   static_assert(std::atomic<Wish>::is_always_lock_free);
 
@@ -104,6 +114,8 @@ class JobSender {
     std::uint32_t tag;
     std::uint32_t number;
   };
+
+  void advance();
 
   // What comes in.
   void receive();
@@ -128,6 +140,13 @@ class JobSender {
   bool build_frame();
   void check_end();
   void end(JobEnd how);
+
+  // A job that ends early.
+  void begin_stop(JobEnd how, std::exception_ptr error = {});
+  void insist_on_stop();
+  void finish_stop();
+  void throw_reason() const;
+  [[noreturn]] void throw_not_stopped();
   Time pause_length() const;
 
   std::uint32_t next_to_write() const;
@@ -168,9 +187,13 @@ class JobSender {
   wire::Command command_ = wire::Command::hold;
   std::uint32_t command_number_ = 0;
   Time command_at_{};
-  bool stop_sent_ = false;
   std::optional<Time> finish_by_;  ///< all done but the machine still moves
   int soft_refusals_ = 0;
+
+  JobEnd stop_end_ = JobEnd::stopped;         ///< what the job ends with once the machine stands
+  std::exception_ptr stop_error_;             ///< what is thrown then,
+  std::optional<RefusedFrame> stop_refusal_;  ///< or this, with what the machine says then
+  Time stop_by_{};                            ///< until when it has to stand
 
   Time elapsed_{};
   std::uint64_t resent_ = 0;

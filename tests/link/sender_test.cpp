@@ -4,8 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/error.hpp"
 #include "tests/link/faulty_transport.hpp"
@@ -317,6 +320,130 @@ TEST(Sender, APointThatIsRefusedStopsTheJobAndIsNamed) {
   const Failure failure = failure_of(*board, job);
   EXPECT_EQ(failure.exit, Exit::bad_input);
   EXPECT_THAT(failure.text, HasSubstr("point 4321"));
+}
+
+/// A cable that loses the first commands whole, and can be made to say something odd.
+class LosesCommands : public FaultyTransport {
+ public:
+  LosesCommands(int count, Faults faults) : FaultyTransport(faults, 21), left_(count) {}
+  explicit LosesCommands(int count) : LosesCommands(count, {}) {}
+  std::size_t write(std::span<const std::uint8_t> bytes) override {
+    constexpr std::array<std::uint8_t, 2> start{
+        wire::frame_start, static_cast<std::uint8_t>(wire::FrameType::command)};
+    const bool command =
+        std::search(bytes.begin(), bytes.end(), start.begin(), start.end()) != bytes.end();
+    if (!command || left_ == 0) return FaultyTransport::write(bytes);
+    --left_;
+    return bytes.size();
+  }
+  std::size_t read(std::span<std::uint8_t> bytes) override {
+    if (odd_status.empty()) return FaultyTransport::read(bytes);
+    const std::size_t size = wire::encode_frame(odd_status, bytes);
+    odd_status.clear();
+    return size;
+  }
+  /// All the rest of them.
+  static constexpr int all = 1'000'000;
+  std::vector<std::uint8_t> odd_status;
+
+ private:
+  int left_;
+};
+
+job::Job job_with_a_bad_point(const FaultyTransport& board) {
+  job::Job job = random_job(5000, 12);
+  job.targets[4321].steps[2] = board.machine.limits.max[2] + 1;
+  return job;
+}
+
+TEST(Sender, AStopIsRepeatedUntilTheMachineStands) {
+  LosesCommands board(5);
+  const Failure failure = failure_of(board, job_with_a_bad_point(board));
+  EXPECT_EQ(board.machine.state, wire::MachineState::idle);
+  EXPECT_EQ(failure.exit, Exit::bad_input);
+  EXPECT_THAT(failure.text, HasSubstr("error: point 4321"));
+}
+
+TEST(Sender, ARefusedPointStopsTheMachineWhateverTheCableDoes) {
+  for (int seed = 0; seed < test::scaled(10); ++seed) {
+    auto board = cable({.drop = 1e-3, .flip = 1e-3, .cuts = 5}, static_cast<std::uint64_t>(seed));
+    job::Job job = random_job(2000, 12);
+    job.targets[1500].steps[2] = board->machine.limits.max[2] + 1;
+    const Failure failure = failure_of(*board, job, fixed_session());
+    ASSERT_EQ(board->machine.state, wire::MachineState::idle) << "seed " << seed;
+    ASSERT_THAT(failure.text, HasSubstr("point 1500"));
+  }
+}
+
+TEST(Sender, AMachineThatCannotBeStoppedIsSaidSoWithTheFirstError) {
+  LosesCommands board(LosesCommands::all);
+  const Failure failure = failure_of(board, job_with_a_bad_point(board));
+  EXPECT_EQ(failure.exit, Exit::bad_input);
+  EXPECT_THAT(failure.text, HasSubstr("could not be stopped"));
+  EXPECT_THAT(failure.text, HasSubstr("emergency stop"));
+  EXPECT_THAT(failure.text, HasSubstr("point 4321"));
+  EXPECT_LT(board.now(), 20s);
+}
+
+TEST(Sender, AnErrorOfAnyKindInAJobStopsTheMachine) {
+  LosesCommands board(2);
+  const job::Job job = random_job(50'000, 17);
+  JobSender sender(board, job, fixed_session());
+  while (board.machine.fired.size() < 500) ASSERT_TRUE(sender.step());
+  std::array<std::uint8_t, 16> content{};
+  wire::ByteWriter out(content);
+  wire::write_header(out, {wire::FrameType::status, 0, 1});
+  out.put(static_cast<std::uint16_t>(wire::protocol_version + 1));
+  board.odd_status.assign(out.written().begin(), out.written().end());
+  std::string text;
+  try {
+    sender.run();
+  } catch (const Error& error) {
+    text = error.what();
+  }
+  EXPECT_THAT(text, HasSubstr("protocol version 2"));
+  EXPECT_EQ(board.machine.state, wire::MachineState::idle);
+  EXPECT_FALSE(sender.step());
+}
+
+TEST(Sender, WhereToGoOnIsWhereTheMachineStandsInTheEnd) {
+  LosesCommands board(3);
+  const job::Job job = random_job(50'000, 18);
+  JobSender sender(board, job, fixed_session());
+  while (board.machine.fired.size() < 500) ASSERT_TRUE(sender.step());
+  board.machine.data_result = Result::locked;
+  std::string text;
+  try {
+    sender.run();
+  } catch (const Error& error) {
+    text = error.what();
+  }
+  EXPECT_EQ(board.machine.state, wire::MachineState::idle);
+  EXPECT_THAT(text, HasSubstr("--from " + std::to_string(board.machine.fired.size())));
+}
+
+TEST(Sender, AStopOfTheUserWaitsForACutCable) {
+  for (const bool plugged_in_again : {true, false}) {
+    auto board = cable({.cuts = 1, .cut_span = 100ms}, 11);
+    board->unplugged = !plugged_in_again;
+    const job::Job job = random_job(50'000, 11);
+    JobSender sender(*board, job, fixed_session());
+    while (board->connected()) ASSERT_TRUE(sender.step());
+    sender.stop();
+    if (plugged_in_again) {
+      EXPECT_EQ(sender.run().end, JobEnd::stopped);
+      EXPECT_EQ(board->machine.state, wire::MachineState::idle);
+      continue;
+    }
+    try {
+      sender.run();
+      ADD_FAILURE() << "nobody knows whether it stands";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit(), Exit::job_failed);
+      EXPECT_THAT(error.what(), HasSubstr("could not be stopped"));
+    }
+    EXPECT_LT(board->now(), 20s);
+  }
 }
 
 TEST(Sender, APassingRefusalDoesNotHangTheJob) {
