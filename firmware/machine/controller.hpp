@@ -133,6 +133,13 @@ class Controller {
   FireTiming fire_timing() const;
   const settings::Values& values() const { return values_; }
   wire::MachineState state() const { return state_; }
+  /// A job is under way, in hold or behind an open door too, or still coming to rest: one host has
+  /// begun it, and no other may speak into it. An alarm ends that: nothing moves, and whoever
+  /// unlocks ends the job.
+  bool job_unfinished() const {
+    return state_ == wire::MachineState::run || state_ == wire::MachineState::hold ||
+           state_ == wire::MachineState::door;
+  }
   const lamp::BeatClock& clock() const { return clock_; }
   const lamp::ShotScheduler& shots() const { return shots_; }
   const JobRunner& runner() const { return runner_; }

@@ -146,6 +146,34 @@ TEST(CutMap, WhoSpeaksIsAnsweredAndTheOtherLinkNotInAJob) {
   EXPECT_EQ(cable.heard(), "");
 }
 
+TEST(CutMap, NoiseOnTheOtherLinkDoesNotReachAJobInHoldOrBehindTheDoor) {
+  const job::Profile profile = cut_profile(3);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  SerialCable cable(rig);
+  RunningJob running(rig, job::make_job(chip_points(60, 5), profile, {}), 1);
+  ASSERT_TRUE(running.run_until_fired(5));
+  const auto expect_state = [&](wire::MachineState state) {
+    const Picoseconds end = rig.now() + 200 * ps_per_ms;
+    while (rig.now() < end) {
+      cable.type("~?$I\n");
+      ASSERT_TRUE(running.sender.step());
+    }
+    EXPECT_EQ(running.sender.status().state, state);
+    EXPECT_EQ(cable.heard(), "");
+  };
+  running.sender.pause();
+  ASSERT_NO_FATAL_FAILURE(expect_state(wire::MachineState::hold));
+  rig.board.world().schedule(sim::Pin::door, true, rig.now() + ps_per_ms);
+  ASSERT_NO_FATAL_FAILURE(expect_state(wire::MachineState::door));
+  rig.board.world().schedule(sim::Pin::door, false, rig.now() + ps_per_ms);
+  ASSERT_NO_FATAL_FAILURE(expect_state(wire::MachineState::hold));
+  running.sender.resume();
+  EXPECT_EQ(running.finish(), link::JobEnd::done);
+  expect_fired(rig, running.job);
+  EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+}
+
 TEST(CutMap, HalfALineIsNotFinishedByTheOtherLink) {
   const job::Profile profile = cut_profile(3);
   ChipRig rig(profile);

@@ -81,10 +81,10 @@ void Board::pass() {
 }
 
 void Board::receive() {
-  const bool tied = core_.state() == wire::MachineState::run;
   std::array<std::uint8_t, piece> bytes;
   for (int i = 0; i < 16; ++i) {
-    const std::size_t n = ports_.read(bytes, tied);
+    // Asked each time: the bytes before may have begun a job.
+    const std::size_t n = ports_.read(bytes, core_.job_unfinished());
     if (ports_.take_new_connection()) core_.new_connection();
     if (n == 0) return;
     core_.receive(std::span<const std::uint8_t>(bytes).first(n));

@@ -3,8 +3,10 @@
 // In:  bytes of both. Out: bytes of the one that is being listened to; answers go there.
 // Who: main loop.
 //
-// Whoever speaks is listened to. While a job runs the other one is not: two hosts at once would
-// break each other's frames. What it says is thrown away, real-time bytes too.
+// Whoever speaks is listened to. While a job is unfinished the other one is not: two hosts at once
+// would break each other's frames, and noise on an open line would take the answers over or, by a
+// stray `~`, end a hold. What it says is thrown away, real-time bytes too, however long the first
+// one is silent: noise cannot be told from a host by waiting.
 // The first bytes of the other port, and those that come after USB was reset or configured anew,
 // are a new connection's: half a line of before must not become a whole one with them.
 #pragma once
