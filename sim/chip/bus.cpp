@@ -17,7 +17,9 @@ namespace {
 constexpr std::uint32_t xip_base = 0x1000'0000;
 constexpr std::uint32_t xip_control_base = 0x1400'0000;
 constexpr std::uint32_t ssi_base = 0x1800'0000;
-constexpr std::uint32_t sram_base = 0x2000'0000;
+constexpr std::uint32_t rom_base = 0x0000'0000;
+constexpr std::uint32_t sram_base = 0x2000'0000, sram_base_single = 0x2100'0000;
+constexpr std::uint32_t striped_size = 256 * 1024, small_bank_size = 4 * 1024;
 constexpr std::uint32_t apb_base = 0x4000'0000;
 constexpr std::uint32_t ahb_base = 0x5000'0000;
 constexpr std::uint32_t sio_base = 0xd000'0000;
@@ -101,11 +103,13 @@ Bus::Bus(TimeWheel& wheel, const Timing& timing, NotModelled not_modelled)
     : wheel_(wheel), not_modelled_(std::move(not_modelled)), sram_(sram_size), rom_(rom_size) {
   for (std::size_t i = 0; i < apb_names.size(); ++i) {
     apb_[i].name = apb_names[i];
+    apb_[i].port = BusPort::apb;
     apb_[i].read_wait = timing.apb_read_wait;
     apb_[i].write_wait = timing.apb_write_wait;
   }
   for (const AhbName& entry : ahb_names) {
     ahb_[entry.index].name = entry.name;
+    ahb_[entry.index].port = BusPort::fast_peripherals;
     ahb_[entry.index].read_wait = ahb_[entry.index].write_wait = timing.ahb_wait;
   }
   xip_control_.name = "XIP_CTRL";
@@ -149,19 +153,88 @@ void Bus::map_memory(std::uint32_t base, std::span<std::uint8_t> memory, bool wr
   if (base == xip_base) {
     if (!std::has_single_bit(size)) throw std::invalid_argument("flash size not a power of two");
     window.mask = size - 1;
-    for (unsigned i = 0; i < xip_alias_count; ++i) windows_[(base >> 24) + i] = window;
+    for (unsigned i = 0; i < xip_alias_count; ++i) memories_[(base >> 24) + i] = window;
+    for (unsigned i = 0; i < xip_alias_count; ++i) show((base >> 24) + i);
   } else {
-    windows_[base >> 24] = window;
+    memories_[base >> 24] = window;
+    show(base >> 24);
   }
   map_changed();
 }
 
 void Bus::unmap_memory(std::uint32_t base) {
-  if (base == xip_base)
-    for (unsigned i = 0; i < xip_alias_count; ++i) windows_[(base >> 24) + i] = {};
-  else
-    windows_[base >> 24] = {};
+  for (unsigned i = 0; i < (base == xip_base ? xip_alias_count : 1); ++i) {
+    memories_[(base >> 24) + i] = {};
+    show((base >> 24) + i);
+  }
   map_changed();
+}
+
+// --- Two masters ---------------------------------------------------------------------------------
+
+void Bus::contend(bool two_cores, bool streaming) {
+  if (contended_ == (two_cores || streaming)) return;
+  contended_ = two_cores || streaming;
+  show(rom_base >> 24);
+  show(sram_base >> 24);
+  map_changed();
+}
+
+// Memory is reached directly, but for what is contended for.
+void Bus::show(std::uint32_t top) {
+  const bool asked = contended_ && memory_port(top << 24).has_value();
+  windows_[top] = asked ? Window{} : memories_[top];
+}
+
+// The port of a memory (2.1.1, 2.6.2): banks 0 to 3 by the word, or one after the other.
+std::optional<BusPort> Bus::memory_port(std::uint32_t address) {
+  const auto bank = [](std::uint32_t number) {
+    return static_cast<BusPort>(static_cast<std::uint32_t>(BusPort::sram0) - number);
+  };
+  switch (address >> 24) {
+    case rom_base >> 24:
+      return BusPort::rom;
+    case sram_base >> 24: {
+      const std::uint32_t offset = address - sram_base;
+      if (offset < striped_size) return bank(offset >> 2 & 3u);
+      return offset - striped_size < small_bank_size ? BusPort::sram4 : BusPort::sram5;
+    }
+    case sram_base_single >> 24:
+      return bank(address >> 16 & 3u);
+    default:
+      return std::nullopt;
+  }
+}
+
+// Cycles that an access with `wait` wait states waits for its port. A core's data follow a cycle
+// after the address, which it gives out in the first cycle of its instruction.
+std::uint32_t Bus::clash(BusPort port, Master master, bool write, Cycle at, std::uint32_t wait) {
+  if (!contended_) return 0;
+  if (master == Master::dma)
+    return arbiter_.request(port, write ? Requester::dma_write : Requester::dma_read, at, 1 + wait);
+  return arbiter_.request(port, static_cast<Requester>(master), at + 1, 1 + wait);
+}
+
+std::uint32_t Bus::slot_wait(const Slot& slot, Master master, bool write, Cycle at) {
+  const std::uint32_t wait = write ? slot.write_wait : slot.read_wait;
+  return wait + (slot.port ? clash(*slot.port, master, write, at, wait) : 0);
+}
+
+std::uint8_t* Bus::contended_byte(std::uint32_t address, bool write) {
+  const Window& memory = memories_[address >> 24];
+  if (!contended_ || windows_[address >> 24].size != 0) return nullptr;
+  const std::uint32_t offset = address & memory.mask;
+  return offset < (write ? memory.writable_size : memory.size) ? memory.bytes + offset : nullptr;
+}
+
+Access Bus::fetch(std::uint32_t address, Master master, Cycle at) {
+  if (const std::uint8_t* byte = contended_byte(address, false)) {
+    // Fetched in the cycle before the instruction runs, unless the port is taken.
+    const auto requester = static_cast<Requester>(master);
+    return {load(byte, Width::word), arbiter_.request(*memory_port(address), requester, at, 1),
+            false};
+  }
+  return read(address, Width::word, master, at);
 }
 
 void Bus::watch_memory(std::uint32_t base, Stored stored) {
@@ -176,7 +249,7 @@ void Bus::map_changed() {
 }
 
 std::span<std::uint8_t> Bus::memory_at(std::uint32_t address) {
-  const Window& window = windows_[address >> 24];
+  const Window& window = memories_[address >> 24];
   const std::uint32_t offset = address & window.mask;
   if (offset < window.size) return {window.bytes + offset, window.size - offset};
   if (is_xip(address)) return xip_->flash_at(address);
@@ -203,7 +276,7 @@ Bus::CodeWindow Bus::code_at(std::uint32_t address) const {
 
 std::uint8_t* Bus::bank_byte(std::uint32_t address) {
   // Bank b of the four holds every fourth word of the striped region (datasheet, 2.6.2).
-  if ((address >> 18) != (0x2100'0000u >> 18)) return nullptr;
+  if ((address >> 18) != (sram_base_single >> 18)) return nullptr;
   const std::uint32_t bank = (address >> 16) & 3;
   const std::uint32_t word = (address & 0xffff) >> 2;
   return sram_.data() + (((word << 2) | bank) << 2) + (address & 3);
@@ -246,7 +319,10 @@ void Bus::report(const Slot& slot, std::uint32_t address, std::string_view what)
 
 Access Bus::read_block(std::uint32_t address, Width width, Master master, Cycle at) {
   if (is_xip(address)) return xip_->read(address, width, master, at);
-  if (const std::uint8_t* byte = bank_byte(address)) return {load(byte, width), 0, false};
+  const std::uint8_t* byte = contended_byte(address, false);
+  if (byte == nullptr) byte = bank_byte(address);
+  if (byte != nullptr)
+    return {load(byte, width), clash(*memory_port(address), master, false, at, 0), false};
   std::uint32_t offset = 0;
   const Slot* slot = slot_at(address, master, offset);
   if (slot == nullptr) {
@@ -255,14 +331,14 @@ Access Bus::read_block(std::uint32_t address, Width width, Master master, Cycle 
     return {0, 0, true};
   }
   if (offset < slot->memory.size())
-    return {load(slot->memory.data() + offset, width), slot->read_wait, false};
+    return {load(slot->memory.data() + offset, width), slot_wait(*slot, master, false, at), false};
   if (slot->block == nullptr) {
     report(*slot, address, "read");
-    return {0, slot->read_wait, false};
+    return {0, slot_wait(*slot, master, false, at), false};
   }
   if (offset > register_mask + 3 && !slot->aliases) return {0, 0, true};
   if (master != Master::dma) wheel_.advance_to(at);
-  std::uint32_t wait = slot->read_wait;
+  std::uint32_t wait = slot_wait(*slot, master, false, at);
   // A read of FLUSH holds the bus until the flush is done (2.6.3.6).
   if (slot == &xip_control_ && xip_ != nullptr && (offset & register_mask) == xip_flush)
     wait += xip_->flush_wait(at);
@@ -273,11 +349,13 @@ Access Bus::read_block(std::uint32_t address, Width width, Master master, Cycle 
 Access Bus::write_block(std::uint32_t address, std::uint32_t value, Width width, Master master,
                         Cycle at) {
   if (is_xip(address)) return xip_->write(address, master, at);
-  if (std::uint8_t* byte = bank_byte(address)) {
+  std::uint8_t* byte = contended_byte(address, true);
+  if (byte == nullptr) byte = bank_byte(address);
+  if (byte != nullptr) {
     store(byte, value, width);
-    return {};
+    return {0, clash(*memory_port(address), master, true, at, 0), false};
   }
-  const Window& window = windows_[address >> 24];
+  const Window& window = memories_[address >> 24];
   if ((address & window.mask) < window.size) {
     // Read-only memory. A write through the caching alias of flash only drops the cache line;
     // the other aliases answer with an error (XIP_CTRL CTRL.ERR_BADWRITE at its reset value;
@@ -290,11 +368,13 @@ Access Bus::write_block(std::uint32_t address, std::uint32_t value, Width width,
   if (offset < slot->memory.size()) {
     // Who watches the memory sees the store in its cycle, as with a register.
     if (slot->stored && master != Master::dma) wheel_.advance_to(at);
-    return store_in_slot(*slot, offset, value, width);
+    Access access = store_in_slot(*slot, offset, value, width);
+    access.wait = slot_wait(*slot, master, true, at);
+    return access;
   }
   if (slot->block == nullptr) {
     report(*slot, address, "written");
-    return {0, slot->write_wait, false};
+    return {0, slot_wait(*slot, master, true, at), false};
   }
   const std::uint32_t alias = offset >> 12;
   if (alias != 0 && !slot->aliases) return {0, 0, true};
@@ -307,7 +387,7 @@ Access Bus::write_block(std::uint32_t address, std::uint32_t value, Width width,
   }
   slot->block->write(offset & register_mask, word);
   const std::uint32_t port_wait = behind_xip_port(*slot) ? xip_->port_wait(master, at) : 0;
-  return {0, slot->write_wait + port_wait, false};
+  return {0, slot_wait(*slot, master, true, at) + port_wait, false};
 }
 
 Access Bus::store_in_slot(Slot& slot, std::uint32_t offset, std::uint32_t value, Width width) {
@@ -316,7 +396,7 @@ Access Bus::store_in_slot(Slot& slot, std::uint32_t offset, std::uint32_t value,
   const std::uint32_t before = load(word, Width::word);
   store(slot.memory.data() + offset, value, width);
   if (slot.stored) slot.stored(offset & ~3u, before, load(word, Width::word));
-  return {0, slot.write_wait, false};
+  return {0, 0, false};
 }
 
 }  // namespace lamplock::sim::chip

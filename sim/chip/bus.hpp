@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/chip/arbiter.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/time_wheel.hpp"
 #include "sim/chip/timing.hpp"
@@ -86,6 +87,21 @@ class Bus {
     return write_block(address, value, width, master, at);
   }
 
+  /// The aligned word of code at an address.
+  Access fetch(std::uint32_t address, Master master, Cycle at);
+
+  /// Both cores are awake, or the DMA streams: each access asks for its port of the crossbar and
+  /// may wait for it (2.1.1). Otherwise nobody does: one core alone has nothing to wait for, and
+  /// single transfers of the DMA now and then are taken to cost it nothing.
+  void set_two_cores(bool on) {
+    if (two_cores_ != on) contend(two_cores_ = on, streaming_);
+  }
+  void set_streaming(bool on) {
+    if (streaming_ != on) contend(two_cores_, streaming_ = on);
+  }
+  bool contended() const { return contended_; }
+  Arbiter& arbiter() { return arbiter_; }
+
   /// The memory behind an address, for loaders, debuggers and the USB controller; empty if the
   /// address is not memory. Runs to the end of the region.
   std::span<std::uint8_t> memory_at(std::uint32_t address);
@@ -127,6 +143,7 @@ class Bus {
     std::string_view name;  ///< of a block that exists; empty: nobody there
     std::uint32_t read_wait = 0;
     std::uint32_t write_wait = 0;
+    std::optional<BusPort> port;
   };
 
   static std::uint32_t load(const std::uint8_t* at, Width width) {
@@ -149,6 +166,13 @@ class Bus {
     std::memcpy(at, &value, static_cast<std::size_t>(width));
   }
 
+  void contend(bool two_cores, bool streaming);
+  void show(std::uint32_t top);
+  std::uint32_t slot_wait(const Slot& slot, Master master, bool write, Cycle at);
+  std::uint32_t clash(BusPort port, Master master, bool write, Cycle at, std::uint32_t wait);
+  static std::optional<BusPort> memory_port(std::uint32_t address);
+  /// Memory that is contended for, behind an address; null: none.
+  std::uint8_t* contended_byte(std::uint32_t address, bool write);
   Access read_block(std::uint32_t address, Width width, Master master, Cycle at);
   Access write_block(std::uint32_t address, std::uint32_t value, Width width, Master master,
                      Cycle at);
@@ -170,6 +194,9 @@ class Bus {
   TimeWheel& wheel_;
   NotModelled not_modelled_;
   std::array<Window, 256> windows_{};
+  std::array<Window, 256> memories_{};  ///< all; windows_ without what is contended for
+  Arbiter arbiter_;
+  bool two_cores_ = false, streaming_ = false, contended_ = false;
   std::array<Slot, 32> apb_{};    ///< 0x40000000, 16 KiB each
   std::array<Slot, 0x41> ahb_{};  ///< 0x50000000, by bits 23..16
   Slot xip_control_, ssi_;

@@ -249,11 +249,13 @@ void Chip::run_both(Cycle until) {
     run_alone(core1, until);
     bring_along(0);
   } else {
+    bus_.set_two_cores(true);
     Core::run_two(core0, core1, until);
   }
 }
 
 void Chip::run_alone(Core& core, Cycle until) {
+  bus_.set_two_cores(false);
   runs_alone_ = &core;
   core.run_until(until);
   runs_alone_ = nullptr;
@@ -275,6 +277,7 @@ bool Chip::watched_step(Cycle until) {
                         : cores_[0].cycle() <= cores_[1].cycle() ? 0
                                                                  : 1;
   Core& core = cores_[i];
+  bus_.set_two_cores(!(only0 && !held_[0]) && !(only1 && !held_[1]));
   if (core.idle()) {
     const Cycle before = core.cycle();
     core.idle_to(until);

@@ -172,7 +172,7 @@ void Core::cut_natives(std::uint32_t pc, Bus::CodeWindow& window) const {
 // instructions in it. The core waits for it when it comes to that word; that it asks up to two
 // cycles earlier, while an instruction runs, is not modelled.
 bool Core::fetch_word(std::uint32_t pc, std::uint16_t& instruction) {
-  const Access access = bus_.read(pc & ~3u, Width::word, master_, cycle_);
+  const Access access = bus_.fetch(pc & ~3u, master_, cycle_);
   if (access.fault) {
     window_.size = 0;
     hard_fault();
@@ -912,8 +912,19 @@ inline void Core::execute() {
 
 // --- Many instructions ---------------------------------------------------------------------------
 
+// Who goes first may do so again and again.
+void Core::give_back() {
+  if (!bus_.contended()) return;
+  run_events(cycle_);
+  while (owes()) {
+    cycle_ += bus_.arbiter().take_owed(static_cast<Requester>(master_));
+    run_events(cycle_);
+  }
+}
+
 Cycle Core::step() {
   const Cycle start = cycle_;
+  give_back();
   if (attention_needed() && attend()) return cycle_ - start;
   execute();
   notice_access();
@@ -922,10 +933,12 @@ Cycle Core::step() {
 
 void Core::run_until(Cycle limit) {
   if (irqs_.changes() != seen_changes_) run_events(cycle_);
+  give_back();
   while (cycle_ < limit) {
     if (attention_needed()) [[unlikely]] {
       notice_access();
       run_events(cycle_);
+      give_back();
       if (stop_) break;
       if (idle()) {
         idle_to(limit);
@@ -945,7 +958,7 @@ void Core::run_two(Core& first, Core& second, Cycle limit) {
   for (;;) {
     Core& core = first.cycle_ <= second.cycle_ ? first : second;
     if (core.cycle_ >= limit) return;
-    if (core.attention_needed()) [[unlikely]] {
+    if (core.attention_needed() || core.owes()) [[unlikely]] {
       core.step();
     } else {
       core.execute();

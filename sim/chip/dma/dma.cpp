@@ -87,12 +87,21 @@ void Dma::advance_to(Cycle clock) {
 void Dma::clock(Cycle clock) {
   if (stopped_) return;
   advance_to(clock);
+  if (bus_.contended()) give_back(clock);
   if (fifo_level_ != 0) write_phase(clock);
   if (busy_mask_ != 0) {
     read_phase(clock);
     give_credits();
   }
   find_due(clock);
+}
+
+/// Accesses of a core went before some of the DMA's after all.
+void Dma::give_back(Cycle clock) {
+  if (const Cycle owed = bus_.arbiter().take_owed(Requester::dma_read); owed != 0)
+    read_free_ = std::max(read_free_, clock) + owed;
+  if (const Cycle owed = bus_.arbiter().take_owed(Requester::dma_write); owed != 0)
+    write_free_ = std::max(write_free_, clock) + owed;
 }
 
 void Dma::write_phase(Cycle clock) {
@@ -235,6 +244,7 @@ void Dma::pulse(unsigned dreq, Cycle clock) {
 }
 
 void Dma::find_due(Cycle clock) {
+  bus_.set_streaming((streams_ & busy_mask_) != 0);
   due_ = never_cycle;
   const auto by = [this, clock](Cycle when) { due_ = std::min(due_, std::max(when, clock + 1)); };
   if (fifo_level_ != 0) by(std::max(fifo_[fifo_head_].ready, write_free_));
@@ -271,6 +281,8 @@ void Dma::trigger(unsigned i, Cycle clock) {
   if (!channel.enabled() || channel.busy) return;
   channel.busy = true;
   busy_mask_ |= 1u << i;
+  const bool stream = channel.treq() == permanent && channel.reload > fifo_depth;
+  streams_ = stream ? streams_ | 1u << i : streams_ & ~(1u << i);
   channel.count = channel.to_read = channel.reload;
   channel.credits = 0;
   channel.arriving = 0;

@@ -1,5 +1,6 @@
 #include "sim/chip/system/config.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -24,6 +25,13 @@ constexpr std::uint32_t priority_mask = 0x1111;
 constexpr std::uint32_t perfsel_reset = 0x1f;
 constexpr std::uint32_t offset_perfctr0 = 0x08;
 constexpr std::uint32_t busctrl_end = 0x28;
+constexpr std::uint32_t most_count = 0xff'ffff;  // 24 bits, saturating
+
+// Even events are contested accesses of a port (2.1.5, PERFSEL).
+constexpr bool counts(std::uint32_t event) {
+  return event < 2 * bus_port_count && event % 2 == 0 &&
+         event / 2 != static_cast<std::uint32_t>(BusPort::xip);
+}
 
 }  // namespace
 
@@ -87,20 +95,32 @@ Busctrl::Busctrl(NotModelled not_modelled) : not_modelled_(std::move(not_modelle
 
 void Busctrl::reset() {
   priority_ = 0;
+  if (arbiter_ != nullptr) arbiter_->set_priorities(0);
   select_.fill(perfsel_reset);
+}
+
+// Contested accesses since the counter was cleared or its event chosen; other events are 0.
+std::uint32_t Busctrl::count(std::size_t counter) const {
+  const std::uint32_t event = select_[counter];
+  if (arbiter_ == nullptr || !counts(event)) return 0;
+  const std::uint32_t since =
+      arbiter_->contested(static_cast<BusPort>(event / 2)) - cleared_[counter];
+  return std::min(since, most_count);
 }
 
 std::uint32_t Busctrl::peek(std::uint32_t offset) const {
   if (offset == 0x0) return priority_;
   if (offset == 0x4) return 1;  // the arbiters have taken the priorities over
-  const bool is_select = offset >= offset_perfctr0 && offset < busctrl_end && offset % 8 == 4;
-  return is_select ? select_[(offset - offset_perfctr0) / 8] : 0;
+  if (offset < offset_perfctr0 || offset >= busctrl_end) return 0;
+  const std::size_t counter = (offset - offset_perfctr0) / 8;
+  return offset % 8 == 4 ? select_[counter] : count(counter);
 }
 
 std::uint32_t Busctrl::read(std::uint32_t offset) {
   if (offset >= busctrl_end)
     not_modelled_("BUSCTRL: no register at this offset");
-  else if (offset >= offset_perfctr0 && offset % 8 == 0)
+  else if (offset >= offset_perfctr0 && offset % 8 == 0 &&
+           !counts(select_[(offset - offset_perfctr0) / 8]))
     not_modelled_("BUSCTRL PERFCTR: accesses are not counted");
   return peek(offset);
 }
@@ -108,11 +128,15 @@ std::uint32_t Busctrl::read(std::uint32_t offset) {
 void Busctrl::write(std::uint32_t offset, std::uint32_t value) {
   if (offset == 0x0) {
     priority_ = value & priority_mask;
-    if (priority_ != 0) not_modelled_("BUSCTRL BUS_PRIORITY: does not change arbitration");
+    if (arbiter_ != nullptr) arbiter_->set_priorities(priority_);
   } else if (offset >= busctrl_end) {
     not_modelled_("BUSCTRL: no register at this offset");
-  } else if (offset >= offset_perfctr0 && offset % 8 == 4) {
-    select_[(offset - offset_perfctr0) / 8] = value & 0x1fu;
+  } else if (offset >= offset_perfctr0) {
+    const std::size_t counter = (offset - offset_perfctr0) / 8;
+    if (offset % 8 == 4) select_[counter] = value & 0x1fu;
+    const std::uint32_t event = select_[counter];
+    if (arbiter_ != nullptr && counts(event))
+      cleared_[counter] = arbiter_->contested(static_cast<BusPort>(event / 2));
   }
 }
 

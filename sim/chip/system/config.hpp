@@ -12,6 +12,7 @@
 #include <span>
 #include <string_view>
 
+#include "sim/chip/arbiter.hpp"
 #include "sim/chip/peripheral.hpp"
 
 namespace lamplock::sim::chip {
@@ -58,7 +59,8 @@ class Syscfg final : public Peripheral {
   std::array<std::uint32_t, 7> registers_{};
 };
 
-/// BUSCTRL: priorities are acknowledged, counters of the bus fabric do not count.
+/// BUSCTRL: priorities of the masters. Of the events that its counters count, the contested
+/// accesses of all ports but XIP are modelled.
 class Busctrl final : public Peripheral {
  public:
   explicit Busctrl(NotModelled not_modelled);
@@ -67,10 +69,16 @@ class Busctrl final : public Peripheral {
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   void reset() override;
+  /// Whose priorities and counts these are.
+  void connect(Arbiter& arbiter) { arbiter_ = &arbiter; }
 
  private:
+  std::uint32_t count(std::size_t counter) const;
+
   NotModelled not_modelled_;
+  Arbiter* arbiter_ = nullptr;
   std::uint32_t priority_ = 0;
+  std::array<std::uint32_t, 4> cleared_{};  ///< the port's count when the counter was cleared
   std::array<std::uint32_t, 4> select_{};
 };
 

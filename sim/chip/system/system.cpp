@@ -107,6 +107,7 @@ void System::map(Bus& bus, Gpio& gpio) {
   bus.map(0x40024000, xosc);
   bus.map(0x40028000, resets.attach(ResetBit::pll_sys, pll_sys));
   bus.map(0x4002c000, resets.attach(ResetBit::pll_usb, pll_usb));
+  busctrl.connect(bus.arbiter());
   bus.map(0x40030000, resets.attach(ResetBit::busctrl, busctrl));
   bus.map(0x40034000, resets.attach(ResetBit::uart0, uart0));
   bus.map(0x40038000, resets.attach(ResetBit::uart1, uart1));

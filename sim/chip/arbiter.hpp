@@ -1,0 +1,137 @@
+// Who gets a port of the crossbar when two masters want it in the same cycle (RP2040 datasheet,
+// 2.1.1).
+//
+// In:  accesses, in the order in which the simulation comes to them, which is not quite the order
+//      of time; priorities from BUSCTRL.
+// Out: the cycles that an access waits for its port, and the cycles that one which had been granted
+//      already must give back to another that goes first; counts of contested accesses.
+// Rules: high priority before low; between equals the master whose last access to the port is
+// longer ago (round-robin; what decides among those that never had it is assumed: the lower
+// number). The loser of a clash on SRAM takes one cycle more, as others have measured with two
+// cores in step (Z. Madaoui, rp2040-experiments, bus_behavior). Asked only while there are two
+// masters: Bus::contend(). XIP has its own rule: XipMemory.
+// Not modelled: reads and writes of the DMA that meet at one port, and counts of what passes
+// without a clash.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip {
+
+/// Ports in the order of the events of BUSCTRL PERFSEL: 2 n contested accesses, 2 n + 1 all.
+enum class BusPort : std::uint8_t {
+  apb,
+  fast_peripherals,
+  sram5,
+  sram4,
+  sram3,
+  sram2,
+  sram1,
+  sram0,
+  xip,
+  rom
+};
+inline constexpr std::size_t bus_port_count = 10;
+
+/// The four upstream ports, in the order of BUSCTRL BUS_PRIORITY's fields.
+enum class Requester : std::uint8_t { core0, core1, dma_read, dma_write };
+
+class Arbiter {
+ public:
+  /// Bits 0, 4, 8, 12: high priority of core 0, core 1, DMA reads, DMA writes.
+  void set_priorities(std::uint32_t bus_priority) { priorities_ = bus_priority; }
+
+  /// An access that occupies its port in `cycles` cycles from `at` on if it gets it; the cycles it
+  /// waits before.
+  std::uint32_t request(BusPort port, Requester requester, Cycle at, std::uint32_t cycles) {
+    Port& here = ports_[static_cast<std::size_t>(port)];
+    const auto me = static_cast<std::size_t>(requester);
+    Cycle start = at;
+    bool contested = false;
+    for (int moved = 0; moved < most_moves; ++moved) {
+      const std::size_t other = occupant(here, me, start);
+      if (other == nobody) break;
+      contested = true;
+      if (start == at && here.users[other].begun == at && wins(here, me, other)) {
+        owed_[other] += cycles;
+        here.users[other].put_off(cycles);
+        break;
+      }
+      ++start;
+    }
+    if (contested) ++here.contested;
+    here.users[me].occupy(start, cycles);
+    return static_cast<std::uint32_t>(start - at);
+  }
+  /// Cycles that a master must add because another one went first after all.
+  bool owes(Requester requester) const { return owed_[static_cast<std::size_t>(requester)] != 0; }
+  std::uint32_t take_owed(Requester requester) {
+    return std::exchange(owed_[static_cast<std::size_t>(requester)], 0);
+  }
+
+  std::uint32_t contested(BusPort port) const {
+    return ports_[static_cast<std::size_t>(port)].contested;
+  }
+
+ private:
+  static constexpr std::size_t nobody = 4;
+  static constexpr int most_moves = 64;
+  /// The cycles in which a master has a port: a bit for each, bit 0 the latest.
+  struct User {
+    std::uint64_t bits = 0;
+    Cycle latest = 0;
+    Cycle begun = 0, before = 0;  ///< the last two accesses
+    std::uint32_t length = 0;     ///< of the last one
+    bool has(Cycle at) const {
+      return at <= latest && latest - at < 64 && (bits >> (latest - at) & 1u) != 0;
+    }
+    void occupy(Cycle start, std::uint32_t cycles) {
+      before = std::exchange(begun, start);
+      length = cycles;
+      for (std::uint32_t i = 0; i < cycles; ++i) mark(start + i);
+    }
+    /// The last access takes place later.
+    void put_off(std::uint32_t cycles) {
+      for (std::uint32_t i = 0; i < length; ++i)
+        if (const Cycle at = begun + i; latest - at < 64)
+          bits &= ~(std::uint64_t{1} << (latest - at));
+      begun += cycles;
+      for (std::uint32_t i = 0; i < length; ++i) mark(begun + i);
+    }
+    void mark(Cycle at) {
+      if (at > latest) {
+        bits = at - latest < 64 ? bits << (at - latest) : 0;
+        latest = at;
+      }
+      if (latest - at < 64) bits |= std::uint64_t{1} << (latest - at);
+    }
+  };
+  struct Port {
+    std::array<User, 4> users{};
+    std::uint32_t contested = 0;
+  };
+
+  static constexpr bool is_dma(std::size_t requester) { return requester >= 2; }
+  static std::size_t occupant(const Port& port, std::size_t me, Cycle at) {
+    for (std::size_t other = 0; other < port.users.size(); ++other)
+      if (other != me && !(is_dma(me) && is_dma(other)) && port.users[other].has(at)) return other;
+    return nobody;
+  }
+  bool high(std::size_t requester) const { return (priorities_ >> (4 * requester) & 1u) != 0; }
+  /// Of two that began in the same cycle, one of which has been granted the port already.
+  bool wins(const Port& port, std::size_t me, std::size_t granted) const {
+    if (high(me) != high(granted)) return high(me);
+    const Cycle mine = port.users[me].begun, its = port.users[granted].before;
+    return mine != its ? mine < its : me < granted;
+  }
+
+  std::array<Port, bus_port_count> ports_{};
+  std::array<std::uint32_t, 4> owed_{};
+  std::uint32_t priorities_ = 0;
+};
+
+}  // namespace lamplock::sim::chip
