@@ -6,15 +6,18 @@
 // Out: the cycles that an access waits for its port, and the cycles that one which had been granted
 //      already must give back to another that goes first; counts of contested accesses.
 // Rules: high priority before low; between equals the master whose last access to the port is
-// longer ago (round-robin; what decides among those that never had it is assumed: the lower
-// number). The loser of a clash on SRAM takes one cycle more, as others have measured with two
-// cores in step (Z. Madaoui, rp2040-experiments, bus_behavior). Asked only while there are two
+// longer ago (2.1.1.1 says round-robin and no more: that three take turns so, and that the lower
+// number goes first among those that never had the port, is assumed). An access that has begun is
+// not interrupted. The loser of a clash on SRAM takes one cycle more, as others have measured with
+// two cores in step (Z. Madaoui, rp2040-experiments, bus_behavior). Asked only while there are two
 // masters: Bus::contend(). XIP has its own rule: XipMemory.
-// Not modelled: reads and writes of the DMA that meet at one port, and counts of what passes
-// without a clash.
+// Not modelled: counts of what passes without a clash.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -52,19 +55,26 @@ class Arbiter {
     const auto me = static_cast<std::size_t>(requester);
     Cycle start = at;
     bool contested = false;
+    if (at > here.latest) {  // the usual case
+      here.latest = at + cycles - 1;
+      here.users[me].occupy(at, cycles);
+      return 0;
+    }
     for (int moved = 0; moved < most_moves; ++moved) {
       const std::size_t other = occupant(here, me, start);
       if (other == nobody) break;
       contested = true;
-      if (start == at && here.users[other].begun == at && wins(here, me, other)) {
+      if (start == at && here.users[other].begins(at) && wins(here, me, other, at)) {
         owed_[other] += cycles;
-        here.users[other].put_off(cycles);
+        here.users[other].put_off(at, cycles);
+        here.latest = std::max(here.latest, here.users[other].latest);
         break;
       }
       ++start;
     }
     if (contested) ++here.contested;
     here.users[me].occupy(start, cycles);
+    here.latest = std::max(here.latest, here.users[me].latest);
     return static_cast<std::uint32_t>(start - at);
   }
   /// Cycles that a master must add because another one went first after all.
@@ -94,13 +104,25 @@ class Arbiter {
       length = cycles;
       for (std::uint32_t i = 0; i < cycles; ++i) mark(start + i);
     }
-    /// The last access takes place later.
-    void put_off(std::uint32_t cycles) {
-      for (std::uint32_t i = 0; i < length; ++i)
-        if (const Cycle at = begun + i; latest - at < 64)
-          bits &= ~(std::uint64_t{1} << (latest - at));
-      begun += cycles;
-      for (std::uint32_t i = 0; i < length; ++i) mark(begun + i);
+    /// An access begins then: the last one, or one of a list of words, a cycle each.
+    bool begins(Cycle at) const { return begun == at || length == 1; }
+    /// The cycle of the access before the one that begins then.
+    Cycle before_that(Cycle at) const {
+      if (begun < at) return begun;
+      if (before < at) return before;
+      const Cycle back = latest - at + 1;
+      const std::uint64_t older = back < 64 ? bits >> back : 0;
+      return older != 0 ? at - 1 - static_cast<Cycle>(std::countr_zero(older)) : 0;
+    }
+    /// The access that begins then takes place later. Words that follow it keep their cycles: that
+    /// they, too, are later shows in the next ones.
+    void put_off(Cycle at, std::uint32_t cycles) {
+      for (std::uint32_t i = 0; i < length; ++i) clear(at + i);
+      if (begun == at) begun += cycles;
+      for (std::uint32_t i = 0; i < length; ++i) mark(at + cycles + i);
+    }
+    void clear(Cycle at) {
+      if (at <= latest && latest - at < 64) bits &= ~(std::uint64_t{1} << (latest - at));
     }
     void mark(Cycle at) {
       if (at > latest) {
@@ -112,20 +134,20 @@ class Arbiter {
   };
   struct Port {
     std::array<User, 4> users{};
+    Cycle latest = 0;  ///< cycle that anybody has
     std::uint32_t contested = 0;
   };
 
-  static constexpr bool is_dma(std::size_t requester) { return requester >= 2; }
   static std::size_t occupant(const Port& port, std::size_t me, Cycle at) {
     for (std::size_t other = 0; other < port.users.size(); ++other)
-      if (other != me && !(is_dma(me) && is_dma(other)) && port.users[other].has(at)) return other;
+      if (other != me && port.users[other].has(at)) return other;
     return nobody;
   }
   bool high(std::size_t requester) const { return (priorities_ >> (4 * requester) & 1u) != 0; }
   /// Of two that began in the same cycle, one of which has been granted the port already.
-  bool wins(const Port& port, std::size_t me, std::size_t granted) const {
+  bool wins(const Port& port, std::size_t me, std::size_t granted, Cycle at) const {
     if (high(me) != high(granted)) return high(me);
-    const Cycle mine = port.users[me].begun, its = port.users[granted].before;
+    const Cycle mine = port.users[me].begun, its = port.users[granted].before_that(at);
     return mine != its ? mine < its : me < granted;
   }
 

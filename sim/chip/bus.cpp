@@ -172,12 +172,22 @@ void Bus::unmap_memory(std::uint32_t base) {
 
 // --- Two masters ---------------------------------------------------------------------------------
 
-void Bus::contend(bool two_cores, bool streaming) {
-  if (contended_ == (two_cores || streaming)) return;
-  contended_ = two_cores || streaming;
+void Bus::contend(bool two_cores, bool dma_active) {
+  if (contended_ == (two_cores || dma_active)) return;
+  contended_ = two_cores || dma_active;
   show(rom_base >> 24);
   show(sram_base >> 24);
-  map_changed();
+  if (!contended_) return;
+  for (const Fetcher& fetcher : fetchers_) leave_fetched_word(fetcher);
+}
+
+// Of a window of many instructions the word that the core has fetched already.
+void Bus::leave_fetched_word(const Fetcher& fetcher) {
+  CodeWindow& window = *fetcher.window;
+  if (!memory_port(window.first)) return;
+  const std::uint32_t word = *fetcher.pc & ~3u;
+  const bool inside = word >= window.first && word + 4 - window.first <= window.size;
+  window = inside ? CodeWindow{window.bytes + (word - window.first), word, 4} : CodeWindow{};
 }
 
 // Memory is reached directly, but for what is contended for.
@@ -245,7 +255,7 @@ void Bus::watch_memory(std::uint32_t base, Stored stored) {
 }
 
 void Bus::map_changed() {
-  for (CodeWindow* window : code_windows_) window->size = 0;
+  for (const Fetcher& fetcher : fetchers_) fetcher.window->size = 0;
 }
 
 std::span<std::uint8_t> Bus::memory_at(std::uint32_t address) {

@@ -90,14 +90,14 @@ class Bus {
   /// The aligned word of code at an address.
   Access fetch(std::uint32_t address, Master master, Cycle at);
 
-  /// Both cores are awake, or the DMA streams: each access asks for its port of the crossbar and
-  /// may wait for it (2.1.1). Otherwise nobody does: one core alone has nothing to wait for, and
-  /// single transfers of the DMA now and then are taken to cost it nothing.
+  /// Both cores are awake, or the DMA has transfers to make: each access asks for its port of the
+  /// crossbar and may wait for it (2.1.1). Otherwise nobody does: one core alone has nothing to
+  /// wait for.
   void set_two_cores(bool on) {
-    if (two_cores_ != on) contend(two_cores_ = on, streaming_);
+    if (two_cores_ != on) contend(two_cores_ = on, dma_active_);
   }
-  void set_streaming(bool on) {
-    if (streaming_ != on) contend(two_cores_, streaming_ = on);
+  void set_dma_active(bool on) {
+    if (dma_active_ != on) contend(two_cores_, dma_active_ = on);
   }
   bool contended() const { return contended_; }
   Arbiter& arbiter() { return arbiter_; }
@@ -119,8 +119,11 @@ class Bus {
     std::uint32_t size = 0;
   };
   CodeWindow code_at(std::uint32_t address) const;
-  /// The core keeps its window here for as long as the bus is used.
-  void share_code_window(CodeWindow& window) { code_windows_.push_back(&window); }
+  /// The core keeps its window and the address of its present instruction there for as long as the
+  /// bus is used.
+  void share_code_window(CodeWindow& window, const std::uint32_t& pc) {
+    fetchers_.push_back({&window, &pc});
+  }
 
   std::span<std::uint8_t> sram() { return sram_; }
   std::span<std::uint8_t> rom() { return rom_; }
@@ -145,6 +148,10 @@ class Bus {
     std::uint32_t write_wait = 0;
     std::optional<BusPort> port;
   };
+  struct Fetcher {
+    CodeWindow* window;
+    const std::uint32_t* pc;
+  };
 
   static std::uint32_t load(const std::uint8_t* at, Width width) {
     switch (width) {
@@ -166,7 +173,7 @@ class Bus {
     std::memcpy(at, &value, static_cast<std::size_t>(width));
   }
 
-  void contend(bool two_cores, bool streaming);
+  void contend(bool two_cores, bool dma_active);
   void show(std::uint32_t top);
   std::uint32_t slot_wait(const Slot& slot, Master master, bool write, Cycle at);
   std::uint32_t clash(BusPort port, Master master, bool write, Cycle at, std::uint32_t wait);
@@ -190,20 +197,21 @@ class Bus {
   std::uint8_t* bank_byte(std::uint32_t address);
   void report(const Slot& slot, std::uint32_t address, std::string_view what);
   void map_changed();
+  void leave_fetched_word(const Fetcher& fetcher);
 
   TimeWheel& wheel_;
   NotModelled not_modelled_;
   std::array<Window, 256> windows_{};
   std::array<Window, 256> memories_{};  ///< all; windows_ without what is contended for
   Arbiter arbiter_;
-  bool two_cores_ = false, streaming_ = false, contended_ = false;
+  bool two_cores_ = false, dma_active_ = false, contended_ = false;
   std::array<Slot, 32> apb_{};    ///< 0x40000000, 16 KiB each
   std::array<Slot, 0x41> ahb_{};  ///< 0x50000000, by bits 23..16
   Slot xip_control_, ssi_;
   XipMemory* xip_ = nullptr;
   std::array<Slot, 2> sio_{};
   std::vector<std::uint8_t> sram_, rom_;
-  std::vector<CodeWindow*> code_windows_;
+  std::vector<Fetcher> fetchers_;
 };
 
 }  // namespace lamplock::sim::chip

@@ -263,8 +263,10 @@ TEST_F(DmaTest, LevelOfAnotherBlockGivesThatManyTransfers) {
 }
 
 TEST_F(DmaTest, HighPriorityHasItsTurnBeforeEachOther) {
+  // Reads from bank 0, writes to bank 1 (2.6.2): they do not meet.
   for (unsigned i = 0; i < 4; ++i)
-    prepare(i, ram, ram + 0x100 + 4 * i, 100'000, {.chain = i, .write = false, .high = i == 1});
+    prepare(i, ram, ram + 0x104 + 16 * i, 100'000,
+            {.chain = i, .read = false, .write = false, .high = i == 1});
   rig.dma(multi, 0xf);
   rig.run(6000);
   const auto done = [&](unsigned i) {

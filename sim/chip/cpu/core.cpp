@@ -47,7 +47,7 @@ Core::Core(int id, Bus& bus, TimeWheel& wheel, IrqLines& irqs, const Timing& tim
       timing_(timing),
       not_modelled_(std::move(not_modelled)),
       systick_(wheel, [this] { systick_expired(); }) {
-  bus_.share_code_window(window_);
+  bus_.share_code_window(window_, pc_);
 }
 
 void Core::reset(std::uint32_t vector_table) {
@@ -914,7 +914,7 @@ inline void Core::execute() {
 
 // Who goes first may do so again and again.
 void Core::give_back() {
-  if (!bus_.contended()) return;
+  if (!bus_.contended() && !owes()) return;
   run_events(cycle_);
   while (owes()) {
     cycle_ += bus_.arbiter().take_owed(static_cast<Requester>(master_));

@@ -193,9 +193,7 @@ class Core {
   bool store_block(std::uint32_t address, unsigned count, const Words& words);
   bool abandon_for_interrupt();
   /// An access of the other master went before one of this core after all (Arbiter).
-  bool owes() const {
-    return bus_.contended() && bus_.arbiter().owes(static_cast<Requester>(master_));
-  }
+  bool owes() const { return bus_.arbiter().owes(static_cast<Requester>(master_)); }
   void give_back();
   bool complete(std::uint32_t address, const Access& access);
   bool load(std::uint32_t address, Width width, std::uint32_t& value);

@@ -201,11 +201,14 @@ bool Core::push_frame(std::uint32_t return_address, std::uint32_t& waits) {
                              : uses_psp() ? return_to_thread_psp
                                           : return_to_thread_msp;
   bool good = true;
+  const Cycle start = cycle_;
   for (std::uint32_t i = 0; i < words.size() && good; ++i) {
+    cycle_ = start + i + waits;  // a word a cycle, from the first on (assumed)
     const Access access = write_bus(frame + 4 * i, Width::word, words[i]);
     good = !access.fault;
     waits += access.wait;
   }
+  cycle_ = start;
   r_[13] = frame;
   if (uses_psp()) std::swap(r_[13], other_sp_);
   control_ &= ~control_spsel;
@@ -283,8 +286,11 @@ bool Core::pop_frame(std::uint32_t exc_return, std::uint32_t& waits) {
   const bool psp = exc_return == return_to_thread_psp;
   const std::uint32_t frame = psp ? other_sp_ : r_[13];
   std::array<std::uint32_t, 8> words{};
+  const Cycle start = cycle_;
   for (std::uint32_t i = 0; i < words.size(); ++i) {
+    cycle_ = start + i + waits;
     const Access access = read_bus(frame + 4 * i, Width::word);
+    cycle_ = start;
     if (access.fault) return false;
     words[i] = access.value;
     waits += access.wait;

@@ -87,7 +87,7 @@ void Dma::advance_to(Cycle clock) {
 void Dma::clock(Cycle clock) {
   if (stopped_) return;
   advance_to(clock);
-  if (bus_.contended()) give_back(clock);
+  give_back();
   if (fifo_level_ != 0) write_phase(clock);
   if (busy_mask_ != 0) {
     read_phase(clock);
@@ -96,12 +96,16 @@ void Dma::clock(Cycle clock) {
   find_due(clock);
 }
 
-/// Accesses of a core went before some of the DMA's after all.
-void Dma::give_back(Cycle clock) {
-  if (const Cycle owed = bus_.arbiter().take_owed(Requester::dma_read); owed != 0)
-    read_free_ = std::max(read_free_, clock) + owed;
-  if (const Cycle owed = bus_.arbiter().take_owed(Requester::dma_write); owed != 0)
-    write_free_ = std::max(write_free_, clock) + owed;
+/// Another master's access went before the last read or write after all.
+void Dma::give_back() {
+  Arbiter& arbiter = bus_.arbiter();
+  if (arbiter.owes(Requester::dma_read)) {
+    const Cycle was = read_free_;
+    read_free_ += arbiter.take_owed(Requester::dma_read);
+    InFlight& last = fifo_[(fifo_head_ + fifo_level_ + fifo_depth - 1) % fifo_depth];
+    if (fifo_level_ != 0 && last.ready == was) last.ready = read_free_;
+  }
+  if (arbiter.owes(Requester::dma_write)) write_free_ += arbiter.take_owed(Requester::dma_write);
 }
 
 void Dma::write_phase(Cycle clock) {
@@ -244,10 +248,12 @@ void Dma::pulse(unsigned dreq, Cycle clock) {
 }
 
 void Dma::find_due(Cycle clock) {
-  bus_.set_streaming((streams_ & busy_mask_) != 0);
   due_ = never_cycle;
   const auto by = [this, clock](Cycle when) { due_ = std::min(due_, std::max(when, clock + 1)); };
   if (fifo_level_ != 0) by(std::max(fifo_[fifo_head_].ready, write_free_));
+  // A request is known Timing::dma_start clocks before its read: in time for what the cores do in
+  // that clock.
+  bool active = fifo_level_ != 0;
   std::uint32_t wraps = 0;
   for (std::uint32_t rest = busy_mask_; rest != 0; rest &= rest - 1) {
     const Channel& channel = channels_[static_cast<unsigned>(std::countr_zero(rest))];
@@ -255,8 +261,11 @@ void Dma::find_due(Cycle clock) {
     if (is_pwm(treq)) wraps |= 1u << (treq - static_cast<unsigned>(Dreq::pwm_wrap0));
     if (channel.count == 0) by(channel.ready);
     if (channel.enabled() && channel.to_read != 0 && fifo_level_ != fifo_depth &&
-        (treq == permanent || channel.credits != 0))
+        (treq == permanent || channel.credits != 0)) {
       by(std::max(channel.ready, read_free_));
+      active = true;
+    }
+    active = active || channel.arriving != 0;
     if (channel.arriving != 0) by(now_ + static_cast<unsigned>(std::countr_zero(channel.arriving)));
     if (treq >= first_timer && treq != permanent) {
       const Timer& timer = timers_[treq - first_timer];
@@ -269,6 +278,7 @@ void Dma::find_due(Cycle clock) {
     }
   }
   dreqs_.await_wraps(wraps);
+  bus_.set_dma_active(active);
   if (idle() && on_idle) on_idle();
 }
 
@@ -281,8 +291,6 @@ void Dma::trigger(unsigned i, Cycle clock) {
   if (!channel.enabled() || channel.busy) return;
   channel.busy = true;
   busy_mask_ |= 1u << i;
-  const bool stream = channel.treq() == permanent && channel.reload > fifo_depth;
-  streams_ = stream ? streams_ | 1u << i : streams_ & ~(1u << i);
   channel.count = channel.to_read = channel.reload;
   channel.credits = 0;
   channel.arriving = 0;

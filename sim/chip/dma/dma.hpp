@@ -91,7 +91,7 @@ class Dma final : public Peripheral {
   };
 
   void advance_to(Cycle clock);
-  void give_back(Cycle clock);
+  void give_back();
   void write_phase(Cycle clock);
   void read_phase(Cycle clock);
   void finish(unsigned channel, Cycle clock);
@@ -129,8 +129,6 @@ class Dma final : public Peripheral {
   std::array<InterruptRegisters, 2> interrupts_;
   std::uint32_t raised_ = 0;  ///< INTR
   std::uint32_t busy_mask_ = 0;
-  /// Channels that, busy, take the bus as often as they can: unpaced, more than the FIFO holds.
-  std::uint32_t streams_ = 0;
 
   /// Depth of the transfer data FIFO (assumed; FIFO_LEVELS does not say).
   static constexpr unsigned fifo_depth = 4;

@@ -97,15 +97,18 @@ void Busctrl::reset() {
   priority_ = 0;
   if (arbiter_ != nullptr) arbiter_->set_priorities(0);
   select_.fill(perfsel_reset);
+  held_ = since_ = {};
 }
 
-// Contested accesses since the counter was cleared or its event chosen; other events are 0.
-std::uint32_t Busctrl::count(std::size_t counter) const {
+// Events of a counter's port so far, whenever it began to look at them.
+std::uint32_t Busctrl::events(std::size_t counter) const {
   const std::uint32_t event = select_[counter];
   if (arbiter_ == nullptr || !counts(event)) return 0;
-  const std::uint32_t since =
-      arbiter_->contested(static_cast<BusPort>(event / 2)) - cleared_[counter];
-  return std::min(since, most_count);
+  return arbiter_->contested(static_cast<BusPort>(event / 2));
+}
+
+std::uint32_t Busctrl::count(std::size_t counter) const {
+  return std::min(held_[counter] + events(counter) - since_[counter], most_count);
 }
 
 std::uint32_t Busctrl::peek(std::uint32_t offset) const {
@@ -133,10 +136,10 @@ void Busctrl::write(std::uint32_t offset, std::uint32_t value) {
     not_modelled_("BUSCTRL: no register at this offset");
   } else if (offset >= offset_perfctr0) {
     const std::size_t counter = (offset - offset_perfctr0) / 8;
+    // Any value clears the counter; another event goes on from the same count.
+    held_[counter] = offset % 8 == 4 ? count(counter) : 0;
     if (offset % 8 == 4) select_[counter] = value & 0x1fu;
-    const std::uint32_t event = select_[counter];
-    if (arbiter_ != nullptr && counts(event))
-      cleared_[counter] = arbiter_->contested(static_cast<BusPort>(event / 2));
+    since_[counter] = events(counter);
   }
 }
 

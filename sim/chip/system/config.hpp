@@ -73,12 +73,14 @@ class Busctrl final : public Peripheral {
   void connect(Arbiter& arbiter) { arbiter_ = &arbiter; }
 
  private:
+  std::uint32_t events(std::size_t counter) const;
   std::uint32_t count(std::size_t counter) const;
 
   NotModelled not_modelled_;
   Arbiter* arbiter_ = nullptr;
   std::uint32_t priority_ = 0;
-  std::array<std::uint32_t, 4> cleared_{};  ///< the port's count when the counter was cleared
+  std::array<std::uint32_t, 4> held_{};   ///< the count when its event was chosen
+  std::array<std::uint32_t, 4> since_{};  ///< events of the port up to then
   std::array<std::uint32_t, 4> select_{};
 };
 
