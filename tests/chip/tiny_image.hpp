@@ -43,8 +43,8 @@ inline std::vector<std::uint8_t> tiny_image(const std::vector<std::uint16_t>& th
   return image;
 }
 
-/// Out of reset (2.14.3): IO_BANK0, PADS_BANK0, PWM, UART0.
-inline constexpr Store leave_reset{0x4000'f000, 1u << 5 | 1u << 8 | 1u << 14 | 1u << 22};
+/// Out of reset (2.14.3): IO_BANK0, PADS_BANK0, PWM, UART0, UART1.
+inline constexpr Store leave_reset{0x4000'f000, 1u << 5 | 1u << 8 | 1u << 14 | 1u << 22 | 1u << 23};
 
 /// gpio9 follows gpio8, looked at every 5 cycles (LDR and STR to SIO 1 each, LSLS 1, B 2); gpio25
 /// is PWM with a period of 65 cycles, 10 us, high for 32 of them (4.5.2).
