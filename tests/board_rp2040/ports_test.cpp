@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -25,7 +27,9 @@ struct FakePort {
     return n;
   }
   std::size_t room() const { return 64; }
-  void write(std::span<const std::uint8_t> bytes) { sent.append(bytes.begin(), bytes.end()); }
+  void write(std::span<const std::uint8_t> bytes) {
+    for (const std::uint8_t byte : bytes) sent.push_back(static_cast<char>(byte));
+  }
   void poll() {}
   std::uint32_t generation() const { return now; }
 
