@@ -17,7 +17,7 @@ using Word [[gnu::may_alias]] = std::uint32_t;
 extern "C" {
 
 // By hand: 13 cycles for four words, some 40 for a call that copies as many. Forwards, so that
-// `to` may also overlap `from` from below.
+// `to` may also overlap `from` from below. The directives let a debugger unwind from its middle.
 [[gnu::naked]] void* memcpy(void* /*to*/, const void* /*from*/, std::size_t /*size*/) {
   asm volatile(
       ".syntax unified\n"
@@ -29,11 +29,19 @@ extern "C" {
       "subs r2, #16\n"
       "blo 2f\n"
       "push {r4, r5, r6}\n"
+      ".cfi_def_cfa_offset 12\n"
+      ".cfi_offset r4, -12\n"
+      ".cfi_offset r5, -8\n"
+      ".cfi_offset r6, -4\n"
       "1: ldmia r1!, {r3, r4, r5, r6}\n"
       "stmia r0!, {r3, r4, r5, r6}\n"
       "subs r2, #16\n"
       "bhs 1b\n"
       "pop {r4, r5, r6}\n"
+      ".cfi_def_cfa_offset 0\n"
+      ".cfi_restore r4\n"
+      ".cfi_restore r5\n"
+      ".cfi_restore r6\n"
       "2: adds r2, #12\n"  // words
       "blo 4f\n"
       "3: ldmia r1!, {r3}\n"
