@@ -66,6 +66,7 @@ class Arbiter {
       contested = true;
       if (start == at && here.users[other].begins(at) && wins(here, me, other, at)) {
         owed_[other] += cycles;
+        if (told_[other] != nullptr) *told_[other] = true;
         here.users[other].put_off(at, cycles);
         here.latest = std::max(here.latest, here.users[other].latest);
         break;
@@ -77,6 +78,8 @@ class Arbiter {
     here.latest = std::max(here.latest, here.users[me].latest);
     return static_cast<std::uint32_t>(start - at);
   }
+  /// Sets `flag` whenever that master owes cycles.
+  void tell(Requester requester, bool& flag) { told_[static_cast<std::size_t>(requester)] = &flag; }
   /// Cycles that a master must add because another one went first after all.
   bool owes(Requester requester) const { return owed_[static_cast<std::size_t>(requester)] != 0; }
   std::uint32_t take_owed(Requester requester) {
@@ -153,6 +156,7 @@ class Arbiter {
 
   std::array<Port, bus_port_count> ports_{};
   std::array<std::uint32_t, 4> owed_{};
+  std::array<bool*, 4> told_{};
   std::uint32_t priorities_ = 0;
 };
 

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstring>
+#include <random>
+#include <vector>
 
 #include "sim/chip/chip.hpp"
 #include "tests/chip/core_rig.hpp"
@@ -286,6 +289,88 @@ TEST(DmaAndALoneCore, PriorityOfTheCoreSparesItTheWaiting) {
   rig.chip.run_until(rig.chip.now() + 20);
   EXPECT_EQ(rig.loads(), 2 * load_count);
   EXPECT_GT(rig.contested(), 30u);
+}
+
+/// How a run can be looked at.
+enum class Way : std::uint8_t { plain, watched, every_clock, slices };
+
+/// The cycles in which a core jumps.
+struct Jumps final : CoreListener {
+  void exception_entered(int, unsigned, Cycle, Cycle) override {}
+  void exception_left(int, unsigned, Cycle) override {}
+  void called(int, std::uint32_t, std::uint32_t, Cycle) override {}
+  void branched(int, std::uint32_t, Cycle at) override { cycles.push_back(at); }
+  void slept(int, Cycle) override {}
+  void woke(int, Cycle) override {}
+  void masked(int, bool, Cycle) override {}
+  std::vector<Cycle> cycles;
+};
+
+/// Loops of one core or two beside two paced channels, all over SRAM, at random.
+struct Meeting : LoneCore {
+  explicit Meeting(unsigned seed) : random(seed) {
+    write(busctrl_base, any(0x1'0000) & 0x1111u);
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      write(dma_base + 0x420 + 4 * i, 1u << 16 | (2 + any(20)));
+      const std::uint32_t channel = dma_base + 0x40 * i;
+      write(channel + 0x0, bank4 + 4 * any(16));
+      write(channel + 0x4, 0x2000'0000 + 4 * any(16));
+      write(channel + 0x8, 100'000);
+      write(channel + 0xc, (treq_timer0 + i) << 15 | i << 11 | control_word | any(2) << 4);
+    }
+    loop(0);
+    if (any(2) != 0) {
+      loop(1);
+      chip.core(1).send_event();
+    }
+  }
+  std::uint32_t any(std::uint32_t below) { return static_cast<std::uint32_t>(random() % below); }
+  void loop(int id) {
+    // ldr r1, [r0]; ldm r0!, {r2-r4}; subs r0, #12; str r1, [r5]; nop; mov pc, r6
+    constexpr std::array<std::uint16_t, 6> code = {0x6801, 0xc81c, 0x380c, 0x6029, 0xbf00, 0x46b7};
+    const std::uint32_t place = (any(2) == 0 ? bank5 : bank4) + 0x400;
+    for (std::uint32_t i = 0; i < code.size(); ++i) put(place + 2 * i, code[i]);
+    Core& core = chip.core(id);
+    core.set_reg(0, bank4 + 4 * any(8));
+    core.set_reg(5, 0x2000'0000 + 4 * any(16));
+    core.set_reg(6, place);
+    core.set_reg(15, place);
+  }
+  std::mt19937 random;
+};
+
+/// Cycles of the rounds of core 0, of core 1.
+using Rounds = std::array<std::vector<Cycle>, 2>;
+
+Rounds rounds(Way way, unsigned seed) {
+  struct Onlooker final : StepWatcher {
+    bool before_step(Core&) override { return true; }
+  };
+  Onlooker onlooker;
+  Meeting rig(seed);
+  if (way == Way::watched) rig.chip.watch_steps(&onlooker);
+  if (way == Way::every_clock) rig.chip.pio_dma().set_step_every_clock(true);
+  std::array<Jumps, 2> jumps;
+  for (int id = 0; id < 2; ++id) rig.chip.core(id).listen(&jumps[static_cast<std::size_t>(id)]);
+  const Cycle end = rig.chip.now() + 5000;
+  while (rig.chip.now() < end)
+    rig.chip.run_until(way == Way::slices ? std::min(end, rig.chip.now() + 1 + rig.any(9)) : end);
+  // A run may end an instruction later than another.
+  for (Jumps& each : jumps) std::erase_if(each.cycles, [end](Cycle at) { return at >= end - 10; });
+  return {jumps[0].cycles, jumps[1].cycles};
+}
+
+TEST(CoresAndDma, MeetInTheSameCyclesHoweverTheyAreRun) {
+  unsigned two = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const Rounds plain = rounds(Way::plain, seed);
+    EXPECT_GT(plain[0].size(), 100u);
+    if (plain[1].size() > 100) ++two;
+    EXPECT_EQ(rounds(Way::watched, seed), plain) << seed;
+    EXPECT_EQ(rounds(Way::every_clock, seed), plain) << seed;
+    EXPECT_EQ(rounds(Way::slices, seed), plain) << seed;
+  }
+  EXPECT_GT(two, 10u);
 }
 
 // 2.1.1: reads and writes of the DMA are two masters. One access a clock at the one port of a bank:

@@ -48,6 +48,7 @@ Core::Core(int id, Bus& bus, TimeWheel& wheel, IrqLines& irqs, const Timing& tim
       not_modelled_(std::move(not_modelled)),
       systick_(wheel, [this] { systick_expired(); }) {
   bus_.share_code_window(window_, pc_);
+  bus_.arbiter().tell(static_cast<Requester>(master_), attention_);
 }
 
 void Core::reset(std::uint32_t vector_table) {
@@ -920,6 +921,7 @@ void Core::give_back() {
     cycle_ += bus_.arbiter().take_owed(static_cast<Requester>(master_));
     run_events(cycle_);
   }
+  update_attention();
 }
 
 Cycle Core::step() {
@@ -958,7 +960,7 @@ void Core::run_two(Core& first, Core& second, Cycle limit) {
   for (;;) {
     Core& core = first.cycle_ <= second.cycle_ ? first : second;
     if (core.cycle_ >= limit) return;
-    if (core.attention_needed() || core.owes()) [[unlikely]] {
+    if (core.attention_needed()) [[unlikely]] {
       core.step();
     } else {
       core.execute();

@@ -46,7 +46,7 @@ void Core::refresh(Cycle when) {
 }
 
 void Core::update_attention() {
-  attention_ = takeable_ || stop_ || locked_up_ || !thumb_ || sleep_ != Sleep::awake;
+  attention_ = takeable_ || stop_ || locked_up_ || !thumb_ || sleep_ != Sleep::awake || owes();
 }
 
 void Core::sample(Cycle when) {
