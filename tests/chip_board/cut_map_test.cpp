@@ -46,7 +46,7 @@ class SerialCable final : public link::Transport, private sim::chip::ByteLine {
   }
   /// What has come since the last call.
   std::string heard() {
-    const std::string text(heard_.begin(), heard_.end());
+    std::string text(heard_.begin(), heard_.end());
     heard_.clear();
     return text;
   }
