@@ -14,7 +14,7 @@ TEST(ChipLampTrigger, EchoEndsInItsCycle) {
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   struct Sync final : sim::PinListener {
     void pin_changed(sim::Pin, bool level, Picoseconds) override {
-      edges.push_back({level, chip.time()});
+      edges.emplace_back(level, chip.time());
     }
     explicit Sync(sim::chip::Chip& watched) : chip(watched) {}
     sim::chip::Chip& chip;
