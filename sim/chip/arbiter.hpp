@@ -53,30 +53,11 @@ class Arbiter {
   std::uint32_t request(BusPort port, Requester requester, Cycle at, std::uint32_t cycles) {
     Port& here = ports_[static_cast<std::size_t>(port)];
     const auto me = static_cast<std::size_t>(requester);
-    Cycle start = at;
-    bool contested = false;
-    if (at > here.latest) {  // the usual case
-      here.latest = at + cycles - 1;
-      here.users[me].occupy(at, cycles);
-      return 0;
-    }
-    for (int moved = 0; moved < most_moves; ++moved) {
-      const std::size_t other = occupant(here, me, start);
-      if (other == nobody) break;
-      contested = true;
-      if (start == at && here.users[other].begins(at) && wins(here, me, other, at)) {
-        owed_[other] += cycles;
-        if (told_[other] != nullptr) *told_[other] = true;
-        here.users[other].put_off(at, cycles);
-        here.latest = std::max(here.latest, here.users[other].latest);
-        break;
-      }
-      ++start;
-    }
-    if (contested) ++here.contested;
-    here.users[me].occupy(start, cycles);
-    here.latest = std::max(here.latest, here.users[me].latest);
-    return static_cast<std::uint32_t>(start - at);
+    if (at <= here.latest && occupant(here, me, at) != nobody) [[unlikely]]
+      return clash(here, me, at, cycles);
+    here.users[me].occupy(at, cycles);
+    here.latest = std::max(here.latest, at + cycles - 1);
+    return 0;
   }
   /// Sets `flag` whenever that master owes cycles.
   void tell(Requester requester, bool& flag) { told_[static_cast<std::size_t>(requester)] = &flag; }
@@ -105,7 +86,8 @@ class Arbiter {
     void occupy(Cycle start, std::uint32_t cycles) {
       before = std::exchange(begun, start);
       length = cycles;
-      for (std::uint32_t i = 0; i < cycles; ++i) mark(start + i);
+      mark(start);
+      for (std::uint32_t i = 1; i < cycles; ++i) mark(start + i);
     }
     /// An access begins then: the last one, or one of a list of words, a cycle each.
     bool begins(Cycle at) const { return begun == at || length == 1; }
@@ -152,6 +134,28 @@ class Arbiter {
     if (high(me) != high(granted)) return high(me);
     const Cycle mine = port.users[me].begun, its = port.users[granted].before_that(at);
     return mine != its ? mine < its : me < granted;
+  }
+
+  /// Somebody else has the port in that cycle.
+  [[gnu::noinline]] std::uint32_t clash(Port& here, std::size_t me, Cycle at,
+                                        std::uint32_t cycles) {
+    Cycle start = at;
+    for (int moved = 0; moved < most_moves; ++moved) {
+      const std::size_t other = occupant(here, me, start);
+      if (other == nobody) break;
+      if (start == at && here.users[other].begins(at) && wins(here, me, other, at)) {
+        owed_[other] += cycles;
+        if (told_[other] != nullptr) *told_[other] = true;
+        here.users[other].put_off(at, cycles);
+        here.latest = std::max(here.latest, here.users[other].latest);
+        break;
+      }
+      ++start;
+    }
+    ++here.contested;
+    here.users[me].occupy(start, cycles);
+    here.latest = std::max(here.latest, here.users[me].latest);
+    return static_cast<std::uint32_t>(start - at);
   }
 
   std::array<Port, bus_port_count> ports_{};

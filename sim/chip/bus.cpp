@@ -238,12 +238,8 @@ std::uint8_t* Bus::contended_byte(std::uint32_t address, bool write) {
 }
 
 Access Bus::fetch(std::uint32_t address, Master master, Cycle at) {
-  if (const std::uint8_t* byte = contended_byte(address, false)) {
-    // Fetched in the cycle before the instruction runs, unless the port is taken.
-    const auto requester = static_cast<Requester>(master);
-    return {load(byte, Width::word), arbiter_.request(*memory_port(address), requester, at, 1),
-            false};
-  }
+  if (const std::uint8_t* byte = contended_byte(address, false))
+    return {load(byte, Width::word), fetch_wait(address, master, at), false};
   return read(address, Width::word, master, at);
 }
 
@@ -255,7 +251,7 @@ void Bus::watch_memory(std::uint32_t base, Stored stored) {
 }
 
 void Bus::map_changed() {
-  for (const Fetcher& fetcher : fetchers_) fetcher.window->size = 0;
+  for (const Fetcher& fetcher : fetchers_) fetcher.window->size = fetcher.memory->size = 0;
 }
 
 std::span<std::uint8_t> Bus::memory_at(std::uint32_t address) {
@@ -282,6 +278,13 @@ Bus::CodeWindow Bus::code_at(std::uint32_t address) const {
   const std::uint32_t offset = address & window.mask;
   if (offset >= window.size) return {};
   return {window.bytes, address - offset, window.size};
+}
+
+Bus::CodeWindow Bus::memory_code_at(std::uint32_t address) const {
+  const Window& memory = memories_[address >> 24];
+  const std::uint32_t offset = address & memory.mask;
+  if (!memory_port(address) || offset >= memory.size) return {};
+  return {memory.bytes, address - offset, memory.size};
 }
 
 std::uint8_t* Bus::bank_byte(std::uint32_t address) {

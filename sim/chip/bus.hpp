@@ -89,6 +89,11 @@ class Bus {
 
   /// The aligned word of code at an address.
   Access fetch(std::uint32_t address, Master master, Cycle at);
+  /// Cycles that a core waits for its port before it has the word of code in ROM or SRAM that it
+  /// wants in cycle `at`, while contended().
+  std::uint32_t fetch_wait(std::uint32_t address, Master master, Cycle at) {
+    return arbiter_.request(*memory_port(address), static_cast<Requester>(master), at, 1);
+  }
 
   /// Both cores are awake, or the DMA has transfers to make: each access asks for its port of the
   /// crossbar and may wait for it (2.1.1). Otherwise nobody does: one core alone has nothing to
@@ -119,10 +124,12 @@ class Bus {
     std::uint32_t size = 0;
   };
   CodeWindow code_at(std::uint32_t address) const;
-  /// The core keeps its window and the address of its present instruction there for as long as the
-  /// bus is used.
-  void share_code_window(CodeWindow& window, const std::uint32_t& pc) {
-    fetchers_.push_back({&window, &pc});
+  /// The same of ROM and SRAM, contended for or not; size 0: something else.
+  CodeWindow memory_code_at(std::uint32_t address) const;
+  /// What a core keeps for as long as the bus is used: its window, what of memory_code_at() it
+  /// takes words from while they are contended for, and the address of its present instruction.
+  void share_code_windows(CodeWindow& window, CodeWindow& memory, const std::uint32_t& pc) {
+    fetchers_.push_back({&window, &memory, &pc});
   }
 
   std::span<std::uint8_t> sram() { return sram_; }
@@ -150,6 +157,7 @@ class Bus {
   };
   struct Fetcher {
     CodeWindow* window;
+    CodeWindow* memory;
     const std::uint32_t* pc;
   };
 

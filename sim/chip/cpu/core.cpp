@@ -47,7 +47,7 @@ Core::Core(int id, Bus& bus, TimeWheel& wheel, IrqLines& irqs, const Timing& tim
       timing_(timing),
       not_modelled_(std::move(not_modelled)),
       systick_(wheel, [this] { systick_expired(); }) {
-  bus_.share_code_window(window_, pc_);
+  bus_.share_code_windows(window_, memory_, pc_);
   bus_.arbiter().tell(static_cast<Requester>(master_), attention_);
 }
 
@@ -66,7 +66,7 @@ void Core::reset(std::uint32_t vector_table) {
   nvic_.reset();
   cycle_ = std::max(cycle_, wheel_.now());
   systick_.reset(cycle_);
-  window_.size = 0;
+  forget_code();
   const Access stack = read_bus(vector_table, Width::word);
   const Access entry = read_bus(vector_table + 4, Width::word);
   r_[13] = stack.value & ~3u;
@@ -125,7 +125,7 @@ std::vector<Core::NativeRange>::const_iterator Core::native_above(std::uint32_t 
 
 void Core::add_native(std::uint32_t first, std::uint32_t last, NativeFunction function) {
   natives_.insert(native_above(first), {first, last, std::move(function)});
-  window_.size = 0;
+  forget_code();
 }
 
 // --- Fetch ---------------------------------------------------------------------------------------
@@ -133,6 +133,7 @@ void Core::add_native(std::uint32_t first, std::uint32_t last, NativeFunction fu
 // The instruction is not in the window: another region, a native function, or nothing at all.
 // False: something else than the instruction happened.
 bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
+  if (fetch_from_memory(pc, instruction)) return true;
   const auto above = native_above(pc);
   if (above != natives_.begin() && pc <= std::prev(above)->last) {
     call_native(std::prev(above)->function);
@@ -145,6 +146,11 @@ bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
   }
   // Regions of the MPU are larger than a word, which is fetched, and permitted, as one.
   if (mpu_.enabled()) return fetch_word(pc, instruction);
+  if (bus_.contended()) {
+    memory_ = bus_.memory_code_at(pc);
+    if (memory_.size != 0) cut_natives(pc, memory_);
+    if (fetch_from_memory(pc, instruction)) return true;
+  }
   window_ = bus_.code_at(pc);
   if (window_.size == 0) return fetch_word(pc, instruction);
   cut_natives(pc, window_);
@@ -157,6 +163,24 @@ bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
   instruction = static_cast<std::uint16_t>(access.value);
   return true;
 }
+
+// Where ROM or SRAM is contended for: a word at a time, in the cycle in which the core comes to it.
+// False: it is not the memory in which words were fetched last.
+bool Core::fetch_from_memory(std::uint32_t pc, std::uint16_t& instruction) {
+  const std::uint32_t word = (pc & ~3u) - memory_.first;
+  if (word >= memory_.size || memory_.size - word < 4) return false;
+  if (bus_.contended()) {
+    cycle_ += bus_.fetch_wait(pc, master_, cycle_);
+    window_ = {memory_.bytes + word, pc & ~3u, 4};
+  } else {
+    window_ = memory_;
+  }
+  std::memcpy(&instruction, memory_.bytes + word + (pc & 2), sizeof instruction);
+  return true;
+}
+
+// What is where, or who may fetch it, has changed.
+void Core::forget_code() { window_.size = memory_.size = 0; }
 
 // Leaves the part of the window around pc that has no native function in it.
 void Core::cut_natives(std::uint32_t pc, Bus::CodeWindow& window) const {
@@ -193,6 +217,7 @@ bool Core::fetch_second(std::uint32_t pc, std::uint16_t& instruction) {
     std::memcpy(&instruction, window_.bytes + place, sizeof instruction);
     return true;
   }
+  if (fetch_from_memory(pc, instruction)) return true;
   if (mpu_.enabled() && !permits(pc, MpuAccess::fetch)) {
     hard_fault();
     return false;

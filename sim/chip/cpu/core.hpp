@@ -169,6 +169,8 @@ class Core {
   [[gnu::always_inline]] void execute();
   [[gnu::noinline]] bool fetch_outside(std::uint32_t pc, std::uint16_t& instruction);
   bool fetch_word(std::uint32_t pc, std::uint16_t& instruction);
+  bool fetch_from_memory(std::uint32_t pc, std::uint16_t& instruction);
+  void forget_code();
   [[gnu::noinline]] void cut_natives(std::uint32_t pc, Bus::CodeWindow& window) const;
   bool fetch_second(std::uint32_t pc, std::uint16_t& instruction);
   void call_native(const NativeFunction& function);
@@ -306,6 +308,8 @@ class Core {
   };
   std::vector<NativeRange> natives_;  ///< in the order of their addresses
   std::vector<NativeRange>::const_iterator native_above(std::uint32_t address) const;
+  /// ROM or SRAM around the last word that was contended for, without native functions.
+  Bus::CodeWindow memory_;
   /// The word fetched last, where code is fetched word by word; window_ shows it.
   std::array<std::uint8_t, 4> fetched_{};
 };

@@ -200,7 +200,7 @@ bool Core::write_system(std::uint32_t address, std::uint32_t value) {
 void Core::write_mpu(std::uint32_t offset, std::uint32_t value) {
   mpu_.write(offset, value);
   unchecked_end_ = mpu_.enabled() ? 0 : ppb_base;
-  window_.size = 0;
+  forget_code();
 }
 
 // True if the offset is one of the NVIC.
