@@ -161,6 +161,20 @@ TEST(TwoCoresInStep, FetchTheSameCodeATurnApart) {
   EXPECT_EQ(pair.bus.arbiter().contested(BusPort::sram4), 1u);
 }
 
+// Eight words of a frame (ARMv6-M ARM, B1.5.6), a cycle each: who comes with the first waits for
+// all.
+TEST(TwoCoresInStep, AFrameTakesItsPortForEightCycles) {
+  Pair pair;
+  pair.code(bank5, 0xdf00, 1);  // svc 0
+  pair.bus.arbiter().set_priorities(high_core0);
+  pair.core0.set_reg(15, bank5);
+  pair.core0.set_reg(13, bank4 + 0x100);
+  const Cycle entry = pair.core0.cycle();
+  pair.core0.step();
+  ASSERT_EQ(pair.core0.exception(), 11u);
+  EXPECT_EQ(pair.bus.read(bank4, Width::word, Master::core1, entry).wait, 8u);
+}
+
 TEST(TwoCoresInStep, DoNotMeetInDifferentBanks) {
   Pair pair;
   pair.code(bank4, 0x6801, 100);
@@ -218,12 +232,13 @@ struct LoneCore {
     write(dma_base + 0xc, treq << 15 | control_word);
   }
   /// Cycles of the loads.
-  Cycle loads() {
+  Cycle loads() { return run(bank5, end); }
+  Cycle run(std::uint32_t first, std::uint32_t last) {
     Core& core = chip.core(0);
     core.set_reg(0, bank4);
-    core.set_reg(15, bank5);
+    core.set_reg(15, first);
     const Cycle from = core.cycle();
-    while (core.reg(15) != end) chip.run_until(core.cycle() + 1);
+    while (core.reg(15) != last) chip.run_until(core.cycle() + 1);
     return core.cycle() - from;
   }
   std::uint32_t contested() { return read(busctrl_base + 0x8); }
@@ -279,6 +294,18 @@ TEST(DmaAndALoneCore, PacedTransfersCostACycleWhereTheyMeet) {
       EXPECT_LE(cycles, 2 * load_count + 1);
     EXPECT_NEAR(rig.contested() - before, static_cast<double>(cycles - 2 * load_count), 1.0);
   }
+}
+
+// Code without branches is a word every two cycles, as the loads above.
+TEST(DmaAndALoneCore, FetchesMeetTransfersToo) {
+  constexpr std::uint32_t nops = 400;
+  LoneCore rig;
+  for (std::uint32_t i = 0; i <= nops; ++i) rig.put(bank4 + 2 * i, i == nops ? 0xe7fe : 0xbf00);
+  EXPECT_EQ(rig.run(bank4, bank4 + 2 * nops), nops);
+  rig.write(dma_base + 0x420, 1u << 16 | 5u);
+  rig.start_dma(bank4 + 0x800, 0x2000'0000, 10'000, treq_timer0);
+  rig.run(bank4, bank4 + 2 * nops);
+  EXPECT_NEAR(static_cast<double>(rig.run(bank4, bank4 + 2 * nops)), nops * 5.0 / 4.0, 1.0);
 }
 
 TEST(DmaAndALoneCore, PriorityOfTheCoreSparesItTheWaiting) {
@@ -371,6 +398,25 @@ TEST(CoresAndDma, MeetInTheSameCyclesHoweverTheyAreRun) {
     EXPECT_EQ(rounds(Way::slices, seed), plain) << seed;
   }
   EXPECT_GT(two, 10u);
+}
+
+// A read that another master goes before has its word a clock later, and so is its write.
+TEST(DmaAndALoneCore, AReadThatWaitsEndsItsTransferLater) {
+  const auto clocks = [](std::uint32_t code, Cycle offset) {
+    LoneCore rig;
+    for (std::uint32_t i = 0; i < 400; ++i) rig.put(code + 2 * i, 0xbf00);
+    rig.write(busctrl_base, high_core0);
+    rig.chip.core(0).set_reg(15, code);
+    rig.chip.run_until(rig.chip.now() + 10 + offset);
+    const Cycle from = rig.chip.now();
+    rig.start_dma(bank4 + 0x800, 0x2000'0000, 1, treq_permanent);
+    while ((rig.read(dma_base + 0xc) >> 24 & 1u) != 0) rig.chip.run_until(rig.chip.now() + 1);
+    return rig.chip.now() - from;
+  };
+  const Cycle alone = clocks(bank5, 0);
+  EXPECT_EQ(clocks(bank5, 1), alone);
+  // The core fetches a word in every second cycle.
+  EXPECT_EQ(clocks(bank4, 0) + clocks(bank4, 1), 2 * alone + 1);
 }
 
 // 2.1.1: reads and writes of the DMA are two masters. One access a clock at the one port of a bank:
