@@ -68,6 +68,25 @@ class Bus {
       std::function<void(std::uint32_t offset, std::uint32_t before, std::uint32_t after)>;
   void watch_memory(std::uint32_t base, Stored stored);
 
+  /// Memory that costs nothing beyond the one cycle; false: nothing was done, ask read() or
+  /// write(), or the access is not aligned.
+  bool load_plain(std::uint32_t address, Width width, std::uint32_t& value) const {
+    const Window& window = windows_[address >> 24];
+    const std::uint32_t offset = address & window.mask;
+    if (offset >= window.size || !aligned(address, width)) return false;
+    value = load(window.bytes + offset, width);
+    return true;
+  }
+  bool store_plain(std::uint32_t address, Width width, std::uint32_t value) {
+    const Window& window = windows_[address >> 24];
+    const std::uint32_t offset = address & window.mask;
+    if (offset >= window.writable_size || !aligned(address, width)) return false;
+    store(window.bytes + offset, value, width);
+    return true;
+  }
+  static bool aligned(std::uint32_t address, Width width) {
+    return (address & (static_cast<std::uint32_t>(width) - 1)) == 0;
+  }
   /// An aligned access. A core has brought time up to `at` (TimeWheel::advance_to) before a
   /// register is touched: Bus does it for cores; DMA runs inside time and does not.
   Access read(std::uint32_t address, Width width, Master master, Cycle at) {

@@ -30,9 +30,19 @@ constexpr unsigned low_m(unsigned op) { return (op >> 6) & 7; }
 constexpr unsigned imm5(unsigned op) { return (op >> 6) & 31; }
 constexpr unsigned register8(unsigned op) { return (op >> 8) & 7; }
 constexpr unsigned imm8(unsigned op) { return op & 0xff; }
+constexpr unsigned high_d(unsigned op) { return (op & 7) | (op >> 4 & 8); }
+constexpr unsigned high_m(unsigned op) { return op >> 3 & 15; }
 constexpr std::uint32_t sign_extend(std::uint32_t value, unsigned bits) {
   const std::uint32_t sign = 1u << (bits - 1);
   return ((value & ((sign << 1) - 1)) ^ sign) - sign;
+}
+/// How far BL branches.
+constexpr std::uint32_t link_offset(unsigned first, unsigned second) {
+  const std::uint32_t s = first >> 10 & 1u, j1 = second >> 13 & 1u, j2 = second >> 11 & 1u;
+  const std::uint32_t i1 = ~(j1 ^ s) & 1u, i2 = ~(j2 ^ s) & 1u;
+  return sign_extend(
+      (s << 24) | (i1 << 23) | (i2 << 22) | ((first & 0x3ffu) << 12) | ((second & 0x7ffu) << 1),
+      25);
 }
 
 }  // namespace
@@ -131,52 +141,52 @@ void Core::add_native(std::uint32_t first, std::uint32_t last, NativeFunction fu
 // --- Fetch ---------------------------------------------------------------------------------------
 
 // The instruction is not in the window: another region, a native function, or nothing at all.
-// False: something else than the instruction happened.
-bool Core::fetch_outside(std::uint32_t pc, std::uint16_t& instruction) {
-  if (fetch_from_memory(pc, instruction)) return true;
+// Nothing: something else than the instruction happened.
+std::optional<std::uint16_t> Core::fetch_outside(std::uint32_t pc) {
+  if (const auto instruction = fetch_from_memory(pc)) return instruction;
   const auto above = native_above(pc);
   if (above != natives_.begin() && pc <= std::prev(above)->last) {
     call_native(std::prev(above)->function);
-    return false;
+    return std::nullopt;
   }
   if (!executable(pc) || (mpu_.enabled() && !permits(pc, MpuAccess::fetch))) {
     window_.size = 0;
     hard_fault();
-    return false;
+    return std::nullopt;
   }
   // Regions of the MPU are larger than a word, which is fetched, and permitted, as one.
-  if (mpu_.enabled()) return fetch_word(pc, instruction);
+  if (mpu_.enabled()) return fetch_word(pc);
   if (bus_.contended()) {
     memory_ = bus_.memory_code_at(pc);
     if (memory_.size != 0) cut_natives(pc, memory_);
-    if (fetch_from_memory(pc, instruction)) return true;
+    if (const auto instruction = fetch_from_memory(pc)) return instruction;
   }
   window_ = bus_.code_at(pc);
-  if (window_.size == 0) return fetch_word(pc, instruction);
+  if (window_.size == 0) return fetch_word(pc);
   cut_natives(pc, window_);
   const Access access = bus_.read(pc, Width::half, master_, cycle_);
   if (access.fault) {
     hard_fault();
-    return false;
+    return std::nullopt;
   }
   cycle_ += access.wait;
-  instruction = static_cast<std::uint16_t>(access.value);
-  return true;
+  return static_cast<std::uint16_t>(access.value);
 }
 
 // Where ROM or SRAM is contended for: a word at a time, in the cycle in which the core comes to it.
-// False: it is not the memory in which words were fetched last.
-bool Core::fetch_from_memory(std::uint32_t pc, std::uint16_t& instruction) {
+// Nothing: it is not the memory in which words were fetched last.
+std::optional<std::uint16_t> Core::fetch_from_memory(std::uint32_t pc) {
   const std::uint32_t word = (pc & ~3u) - memory_.first;
-  if (word >= memory_.size || memory_.size - word < 4) return false;
+  if (word >= memory_.size || memory_.size - word < 4) return std::nullopt;
   if (bus_.contended()) {
     cycle_ += bus_.fetch_wait(pc, master_, cycle_);
     window_ = {memory_.bytes + word, pc & ~3u, 4};
   } else {
     window_ = memory_;
   }
+  std::uint16_t instruction;
   std::memcpy(&instruction, memory_.bytes + word + (pc & 2), sizeof instruction);
-  return true;
+  return instruction;
 }
 
 // What is where, or who may fetch it, has changed.
@@ -196,43 +206,41 @@ void Core::cut_natives(std::uint32_t pc, Bus::CodeWindow& window) const {
 // Code that is not plain memory is fetched as the core does it: a word at a time, with two
 // instructions in it. The core waits for it when it comes to that word; that it asks up to two
 // cycles earlier, while an instruction runs, is not modelled.
-bool Core::fetch_word(std::uint32_t pc, std::uint16_t& instruction) {
+std::optional<std::uint16_t> Core::fetch_word(std::uint32_t pc) {
   const Access access = bus_.fetch(pc & ~3u, master_, cycle_);
   if (access.fault) {
     window_.size = 0;
     hard_fault();
-    return false;
+    return std::nullopt;
   }
   cycle_ += access.wait;
   std::memcpy(fetched_.data(), &access.value, fetched_.size());
   window_ = {fetched_.data(), pc & ~3u, 4};
   cut_natives(pc, window_);
-  instruction = static_cast<std::uint16_t>(access.value >> (8 * (pc & 2)));
-  return true;
+  return static_cast<std::uint16_t>(access.value >> (8 * (pc & 2)));
 }
 
-bool Core::fetch_second(std::uint32_t pc, std::uint16_t& instruction) {
+std::optional<std::uint16_t> Core::fetch_second(std::uint32_t pc) {
   const std::uint32_t place = pc - window_.first;
   if (place < window_.size) {
+    std::uint16_t instruction;
     std::memcpy(&instruction, window_.bytes + place, sizeof instruction);
-    return true;
+    return instruction;
   }
-  if (fetch_from_memory(pc, instruction)) return true;
+  if (const auto instruction = fetch_from_memory(pc)) return instruction;
   if (mpu_.enabled() && !permits(pc, MpuAccess::fetch)) {
     hard_fault();
-    return false;
+    return std::nullopt;
   }
-  if (executable(pc) && (mpu_.enabled() || bus_.code_at(pc).size == 0))
-    return fetch_word(pc, instruction);
+  if (executable(pc) && (mpu_.enabled() || bus_.code_at(pc).size == 0)) return fetch_word(pc);
   const Access access =
       executable(pc) ? bus_.read(pc, Width::half, master_, cycle_) : Access{0, 0, true};
   if (access.fault) {
     hard_fault();
-    return false;
+    return std::nullopt;
   }
   cycle_ += access.wait;
-  instruction = static_cast<std::uint16_t>(access.value);
-  return true;
+  return static_cast<std::uint16_t>(access.value);
 }
 
 void Core::call_native(const NativeFunction& function) {
@@ -291,7 +299,7 @@ inline bool Core::complete(std::uint32_t address, const Access& access) {
   return true;
 }
 
-inline bool Core::load(std::uint32_t address, Width width, std::uint32_t& value) {
+bool Core::load(std::uint32_t address, Width width, std::uint32_t& value) {
   Access access{0, 0, true};
   if ((address & (static_cast<std::uint32_t>(width) - 1)) == 0) [[likely]]
     access = read_bus(address, width);
@@ -300,7 +308,7 @@ inline bool Core::load(std::uint32_t address, Width width, std::uint32_t& value)
   return true;
 }
 
-inline bool Core::store(std::uint32_t address, Width width, std::uint32_t value) {
+bool Core::store(std::uint32_t address, Width width, std::uint32_t value) {
   Access access{0, 0, true};
   if ((address & (static_cast<std::uint32_t>(width) - 1)) == 0) [[likely]]
     access = write_bus(address, width, value);
@@ -502,31 +510,50 @@ bool Core::unpredictable(std::uint16_t instruction) {
   return undefined();
 }
 
-// ADD, CMP and MOV on all registers.
-bool Core::execute_high(std::uint16_t op, std::uint32_t& next, std::uint32_t& cycles) {
-  const unsigned d = (op & 7u) | (op >> 4 & 8u), m = op >> 3 & 15u;
+// BX, BLX.
+void Core::execute_exchange(std::uint16_t op) {
+  const bool link = decode(op) == Op::blx;
+  const unsigned m = high_m(op);
+  if ((op & 7) != 0 || (link && m == 15)) {
+    unpredictable(op);
+    return;
+  }
+  const std::uint32_t target = m == 15 ? pc_ + 4 : r_[m];
+  if (!link) return branch_exchange(target);
+  const std::uint32_t from = pc_;
+  r_[14] = (pc_ + 2) | 1;
+  pc_ = target & ~1u;
+  cycle_ += 2;
+  thumb_ = (target & 1) != 0;
+  update_attention();
+  if (listener_ != nullptr) listener_->called(id_, from, pc_, cycle_);
+}
+
+// ADD and MOV of which the program counter is an operand, and what must not have one.
+void Core::execute_high(std::uint16_t op) {
+  const unsigned d = high_d(op), m = high_m(op);
   const std::uint32_t right = m == 15 ? pc_ + 4 : r_[m];
   const std::uint32_t left = d == 15 ? pc_ + 4 : r_[d];
   const Op kind = decode(op);
-  if (kind == Op::cmp_high) {
-    if ((d < 8 && m < 8) || d == 15 || m == 15) return unpredictable(op);
-    add_with_carry(left, ~right, true);
-    return true;
+  if (kind == Op::cmp_high || (kind == Op::add_high && d == 15 && m == 15)) {
+    unpredictable(op);
+    return;
   }
-  if (kind == Op::add_high && d == 15 && m == 15) return unpredictable(op);
   const std::uint32_t result = kind == Op::add_high ? left + right : right;
   if (d != 15) {
     r_[d] = d == 13 ? result & ~3u : result;
-    return true;
+    pc_ += 2;
+    cycle_ += 1;
+    return;
   }
-  next = result & ~1u;
-  cycles = 2;
-  if (listener_ != nullptr) listener_->branched(id_, next, cycle_ + cycles);
-  return true;
+  pc_ = result & ~1u;
+  cycle_ += 2;
+  if (listener_ != nullptr) listener_->branched(id_, pc_, cycle_);
 }
 
-bool Core::execute_hint(std::uint16_t op, std::uint32_t& cycles) {
-  if ((op & 15) != 0) return undefined();  // IT of ARMv7-M
+void Core::execute_hint(std::uint16_t op) {
+  if ((op & 15) != 0) return hard_fault();  // IT of ARMv7-M
+  Cycle cycles = 1;
   switch (op >> 4 & 15) {
     case 2:  // WFE
       cycles = 2;
@@ -546,25 +573,12 @@ bool Core::execute_hint(std::uint16_t op, std::uint32_t& cycles) {
     default:  // NOP, YIELD and hints to come
       break;
   }
-  return true;
+  pc_ += 2;
+  cycle_ += cycles;
 }
 
-// BL, MRS, MSR, barriers: three cycles each.
-bool Core::execute_wide(std::uint16_t first, std::uint32_t& next, std::uint32_t& cycles) {
-  std::uint16_t second = 0;
-  if (!fetch_second(pc_ + 2, second)) return false;
-  next = pc_ + 4;
-  cycles = 3;
-  if ((second & 0xd000) == 0xd000) {
-    const std::uint32_t s = first >> 10 & 1u, j1 = second >> 13 & 1u, j2 = second >> 11 & 1u;
-    const std::uint32_t i1 = ~(j1 ^ s) & 1u, i2 = ~(j2 ^ s) & 1u;
-    const std::uint32_t offset =
-        (s << 24) | (i1 << 23) | (i2 << 22) | ((first & 0x3ffu) << 12) | ((second & 0x7ffu) << 1);
-    r_[14] = next | 1;
-    next += sign_extend(offset, 25);
-    if (listener_ != nullptr) listener_->called(id_, pc_, next, cycle_ + cycles);
-    return true;
-  }
+// MRS, MSR, barriers: three cycles each. False: it faulted.
+bool Core::execute_wide(std::uint16_t first, std::uint16_t second) {
   if ((second & 0xd000) != 0x8000) return undefined();
   const unsigned control = first >> 4 & 0x7fu;
   const bool reserved = (second & 0x2000) != 0;
@@ -650,290 +664,375 @@ bool Core::execute_msr(std::uint16_t first, std::uint16_t second) {
   return true;
 }
 
-// --- One instruction -----------------------------------------------------------------------------
+// --- One instruction after the other -------------------------------------------------------------
 
+// Instructions from pc_ on: one in any case, more while the time is before `until`, when something
+// is due or somebody else's turn begins. Time and program counter are in `cycle` and `pc`, and that
+// is the one thing to look at between two instructions, as long as they touch nothing but the
+// core's own registers and plain memory. All that goes further, and may ask the core for its state,
+// change interrupt lines or the code window, calls leave() before it, and is the last for this
+// time.
+//
 // A switch over all instructions: long, but each case is a line of the manual. An instruction that
 // faults, sleeps or returns from an exception has moved the program counter itself and returns.
-inline void Core::execute() {
-  const std::uint32_t pc = pc_;
-  const std::uint32_t place = pc - window_.first;
-  std::uint16_t op = 0;
-  if (place < window_.size) [[likely]]
-    std::memcpy(&op, window_.bytes + place, sizeof op);
-  else if (!fetch_outside(pc, op))
-    return;
-  std::uint32_t next = pc + 2;
-  std::uint32_t cycles = 1;
-  const auto arithmetic = [&](std::uint32_t left, std::uint32_t right, bool carry) {
-    r_[low_d(op)] = add_with_carry(left, right, carry);
+void Core::execute(Cycle until) {
+  std::uint32_t pc = pc_;
+  Cycle cycle = cycle_;
+  const Bus::CodeWindow window = window_;
+  const auto leave = [&]() __attribute__((always_inline)) {
+    pc_ = pc;
+    cycle_ = cycle;
+    until = 0;
   };
-  const auto logic = [&](std::uint32_t result) {
-    r_[low_d(op)] = result;
-    set_nz(result);
-  };
-  const auto load_at = [&](std::uint32_t address, Width width) {
-    return load(address, width, r_[low_d(op)]);
-  };
-  const auto d = [&] { return r_[low_d(op)]; };
-  const auto n = [&] { return r_[low_n(op)]; };
-  const auto m = [&] { return r_[low_m(op)]; };
-  const unsigned top = register8(op);
-  const Op kind = decode(op);
-  switch (kind) {
-    // Shift, add, subtract, move, compare
-    case Op::lsl_imm:
-      logic(shift_left(n(), imm5(op)));
-      break;
-    case Op::lsr_imm:
-      logic(shift_right(n(), imm5(op) == 0 ? 32 : imm5(op)));
-      break;
-    case Op::asr_imm:
-      logic(shift_right_signed(n(), imm5(op) == 0 ? 32 : imm5(op)));
-      break;
-    case Op::add_reg:
-      arithmetic(n(), m(), false);
-      break;
-    case Op::sub_reg:
-      arithmetic(n(), ~m(), true);
-      break;
-    case Op::add_imm3:
-      arithmetic(n(), low_m(op), false);
-      break;
-    case Op::sub_imm3:
-      arithmetic(n(), ~low_m(op), true);
-      break;
-    case Op::mov_imm:
-      r_[top] = imm8(op);
-      set_nz(imm8(op));
-      break;
-    case Op::cmp_imm:
-      add_with_carry(r_[top], ~imm8(op), true);
-      break;
-    case Op::add_imm8:
-      r_[top] = add_with_carry(r_[top], imm8(op), false);
-      break;
-    case Op::sub_imm8:
-      r_[top] = add_with_carry(r_[top], ~imm8(op), true);
-      break;
-    // Data processing on two registers
-    case Op::and_reg:
-      logic(d() & n());
-      break;
-    case Op::eor_reg:
-      logic(d() ^ n());
-      break;
-    case Op::lsl_reg:
-      logic(shift_left(d(), n() & 0xff));
-      break;
-    case Op::lsr_reg:
-      logic(shift_right(d(), n() & 0xff));
-      break;
-    case Op::asr_reg:
-      logic(shift_right_signed(d(), n() & 0xff));
-      break;
-    case Op::adc_reg:
-      arithmetic(d(), n(), c_);
-      break;
-    case Op::sbc_reg:
-      arithmetic(d(), ~n(), c_);
-      break;
-    case Op::ror_reg:
-      logic(rotate_right(d(), n() & 0xff));
-      break;
-    case Op::tst_reg:
-      set_nz(d() & n());
-      break;
-    case Op::rsb_imm:
-      arithmetic(~n(), 0, true);
-      break;
-    case Op::cmp_reg:
-      add_with_carry(d(), ~n(), true);
-      break;
-    case Op::cmn_reg:
-      add_with_carry(d(), n(), false);
-      break;
-    case Op::orr_reg:
-      logic(d() | n());
-      break;
-    case Op::mul_reg:
-      logic(d() * n());
-      break;
-    case Op::bic_reg:
-      logic(d() & ~n());
-      break;
-    case Op::mvn_reg:
-      logic(~n());
-      break;
-    // High registers and branch exchange
-    case Op::add_high:
-    case Op::cmp_high:
-    case Op::mov_high:
-      if (!execute_high(op, next, cycles)) return;
-      break;
-    case Op::bx:
-    case Op::blx: {
-      const unsigned register_m = op >> 3 & 15u;
-      if ((op & 7) != 0 || (kind == Op::blx && register_m == 15)) {
-        unpredictable(op);
-        return;
-      }
-      const std::uint32_t target = register_m == 15 ? pc + 4 : r_[register_m];
-      if (kind == Op::bx) return branch_exchange(target);
-      r_[14] = next | 1;
-      next = target & ~1u;
-      cycles = 2;
-      thumb_ = (target & 1) != 0;
-      update_attention();
-      if (listener_ != nullptr) listener_->called(id_, pc, next, cycle_ + cycles);
-      break;
+  do {
+    const std::uint32_t place = pc - window.first;
+    std::uint16_t op = 0;
+    if (place < window.size) [[likely]] {
+      std::memcpy(&op, window.bytes + place, sizeof op);
+    } else {
+      leave();
+      const std::optional<std::uint16_t> fetched = fetch_outside(pc);
+      if (!fetched) return;
+      op = *fetched;
+      cycle = cycle_;
     }
-    // Loads and stores
-    case Op::ldr_literal:
-      if (!load(((pc + 4) & ~3u) + 4 * imm8(op), Width::word, r_[top])) return;
-      break;
-    case Op::str_reg:
-      if (!store(n() + m(), Width::word, d())) return;
-      break;
-    case Op::strh_reg:
-      if (!store(n() + m(), Width::half, d())) return;
-      break;
-    case Op::strb_reg:
-      if (!store(n() + m(), Width::byte, d())) return;
-      break;
-    case Op::ldrsb_reg:
-      if (!load_at(n() + m(), Width::byte)) return;
-      r_[low_d(op)] = sign_extend(r_[low_d(op)], 8);
-      break;
-    case Op::ldr_reg:
-      if (!load_at(n() + m(), Width::word)) return;
-      break;
-    case Op::ldrh_reg:
-      if (!load_at(n() + m(), Width::half)) return;
-      break;
-    case Op::ldrb_reg:
-      if (!load_at(n() + m(), Width::byte)) return;
-      break;
-    case Op::ldrsh_reg:
-      if (!load_at(n() + m(), Width::half)) return;
-      r_[low_d(op)] = sign_extend(r_[low_d(op)], 16);
-      break;
-    case Op::str_imm:
-      if (!store(n() + 4 * imm5(op), Width::word, d())) return;
-      break;
-    case Op::ldr_imm:
-      if (!load_at(n() + 4 * imm5(op), Width::word)) return;
-      break;
-    case Op::strb_imm:
-      if (!store(n() + imm5(op), Width::byte, d())) return;
-      break;
-    case Op::ldrb_imm:
-      if (!load_at(n() + imm5(op), Width::byte)) return;
-      break;
-    case Op::strh_imm:
-      if (!store(n() + 2 * imm5(op), Width::half, d())) return;
-      break;
-    case Op::ldrh_imm:
-      if (!load_at(n() + 2 * imm5(op), Width::half)) return;
-      break;
-    case Op::str_sp:
-      if (!store(r_[13] + 4 * imm8(op), Width::word, r_[top])) return;
-      break;
-    case Op::ldr_sp:
-      if (!load(r_[13] + 4 * imm8(op), Width::word, r_[top])) return;
-      break;
-    // Addresses, extension, stack
-    case Op::adr:
-      r_[top] = ((pc + 4) & ~3u) + 4 * imm8(op);
-      break;
-    case Op::add_sp_imm8:
-      r_[top] = r_[13] + 4 * imm8(op);
-      break;
-    case Op::add_sp:
-      r_[13] += 4 * (op & 0x7fu);
-      break;
-    case Op::sub_sp:
-      r_[13] -= 4 * (op & 0x7fu);
-      break;
-    case Op::sxth:
-      r_[low_d(op)] = sign_extend(n(), 16);
-      break;
-    case Op::sxtb:
-      r_[low_d(op)] = sign_extend(n(), 8);
-      break;
-    case Op::uxth:
-      r_[low_d(op)] = n() & 0xffff;
-      break;
-    case Op::uxtb:
-      r_[low_d(op)] = n() & 0xff;
-      break;
-    case Op::push:
-      if (!push(op)) return;
-      break;
-    case Op::pop:
-      return pop(op);
-    case Op::stm:
-      if (!store_multiple(op)) return;
-      break;
-    case Op::ldm:
-      if (!load_multiple(op)) return;
-      break;
-    case Op::rev:
-      r_[low_d(op)] = (n() << 24) | ((n() & 0xff00) << 8) | ((n() >> 8) & 0xff00) | (n() >> 24);
-      break;
-    case Op::rev16:
-      r_[low_d(op)] = ((n() & 0x00ff'00ff) << 8) | ((n() >> 8) & 0x00ff'00ff);
-      break;
-    case Op::revsh:
-      r_[low_d(op)] = sign_extend(((n() & 0xff) << 8) | ((n() >> 8) & 0xff), 16);
-      break;
-    // System
-    case Op::cps:
-      if ((op & 0xffef) != 0xb662) {
-        (op & 0xffe0) == 0xb660 ? unpredictable(op) : undefined();
-        return;
-      }
-      if (privileged()) set_primask((op & 0x10) != 0);
-      break;
-    case Op::hint:
-      if (!execute_hint(op, cycles)) return;
-      break;
-    case Op::bkpt:
-      if (on_breakpoint && on_breakpoint()) return;
-      return hard_fault();  // no debugger: escalated (ARMv6-M, C1.6.1)
-    case Op::undefined:
-      return hard_fault();
-    case Op::svc:
-      return supervisor_call(next);
-    // Branches
-    case Op::b_eq:
-    case Op::b_ne:
-    case Op::b_cs:
-    case Op::b_cc:
-    case Op::b_mi:
-    case Op::b_pl:
-    case Op::b_vs:
-    case Op::b_vc:
-    case Op::b_hi:
-    case Op::b_ls:
-    case Op::b_ge:
-    case Op::b_lt:
-    case Op::b_gt:
-    case Op::b_le:
-      if (condition(op >> 8 & 15u)) {
-        next = pc + 4 + sign_extend((op & 0xffu) << 1, 9);
+    std::uint32_t next = pc + 2;
+    std::uint32_t cycles = 1;
+    const auto arithmetic = [&](std::uint32_t left, std::uint32_t right, bool carry) {
+      r_[low_d(op)] = add_with_carry(left, right, carry);
+    };
+    const auto logic = [&](std::uint32_t result) {
+      r_[low_d(op)] = result;
+      set_nz(result);
+    };
+    // False: it faulted.
+    const auto load_to = [&](unsigned target, std::uint32_t address, Width width)
+        __attribute__((always_inline)) {
+      if (address < unchecked_end_ && bus_.load_plain(address, width, r_[target])) [[likely]] {
         cycles = 2;
+        return true;
       }
-      break;
-    case Op::b:
-      next = pc + 4 + sign_extend((op & 0x7ffu) << 1, 12);
-      cycles = 2;
-      break;
-    case Op::wide:
-      if (!execute_wide(op, next, cycles)) return;
-      break;
-  }
-  pc_ = next;
-  cycle_ += cycles;
+      leave();
+      const bool done = load(address, width, r_[target]);
+      cycle = cycle_;
+      return done;
+    };
+    const auto store_from = [&](unsigned source, std::uint32_t address, Width width)
+        __attribute__((always_inline)) {
+      if (address < unchecked_end_ && bus_.store_plain(address, width, r_[source])) [[likely]] {
+        cycles = 2;
+        return true;
+      }
+      leave();
+      const bool done = store(address, width, r_[source]);
+      cycle = cycle_;
+      return done;
+    };
+    const auto d = [&] { return r_[low_d(op)]; };
+    const auto n = [&] { return r_[low_n(op)]; };
+    const auto m = [&] { return r_[low_m(op)]; };
+    const unsigned top = register8(op);
+    const Op kind = decode(op);
+    switch (kind) {
+      // Shift, add, subtract, move, compare
+      case Op::lsl_imm:
+        logic(shift_left(n(), imm5(op)));
+        break;
+      case Op::lsr_imm:
+        logic(shift_right(n(), imm5(op) == 0 ? 32 : imm5(op)));
+        break;
+      case Op::asr_imm:
+        logic(shift_right_signed(n(), imm5(op) == 0 ? 32 : imm5(op)));
+        break;
+      case Op::add_reg:
+        arithmetic(n(), m(), false);
+        break;
+      case Op::sub_reg:
+        arithmetic(n(), ~m(), true);
+        break;
+      case Op::add_imm3:
+        arithmetic(n(), low_m(op), false);
+        break;
+      case Op::sub_imm3:
+        arithmetic(n(), ~low_m(op), true);
+        break;
+      case Op::mov_imm:
+        r_[top] = imm8(op);
+        set_nz(imm8(op));
+        break;
+      case Op::cmp_imm:
+        add_with_carry(r_[top], ~imm8(op), true);
+        break;
+      case Op::add_imm8:
+        r_[top] = add_with_carry(r_[top], imm8(op), false);
+        break;
+      case Op::sub_imm8:
+        r_[top] = add_with_carry(r_[top], ~imm8(op), true);
+        break;
+      // Data processing on two registers
+      case Op::and_reg:
+        logic(d() & n());
+        break;
+      case Op::eor_reg:
+        logic(d() ^ n());
+        break;
+      case Op::lsl_reg:
+        logic(shift_left(d(), n() & 0xff));
+        break;
+      case Op::lsr_reg:
+        logic(shift_right(d(), n() & 0xff));
+        break;
+      case Op::asr_reg:
+        logic(shift_right_signed(d(), n() & 0xff));
+        break;
+      case Op::adc_reg:
+        arithmetic(d(), n(), c_);
+        break;
+      case Op::sbc_reg:
+        arithmetic(d(), ~n(), c_);
+        break;
+      case Op::ror_reg:
+        logic(rotate_right(d(), n() & 0xff));
+        break;
+      case Op::tst_reg:
+        set_nz(d() & n());
+        break;
+      case Op::rsb_imm:
+        arithmetic(~n(), 0, true);
+        break;
+      case Op::cmp_reg:
+        add_with_carry(d(), ~n(), true);
+        break;
+      case Op::cmn_reg:
+        add_with_carry(d(), n(), false);
+        break;
+      case Op::orr_reg:
+        logic(d() | n());
+        break;
+      case Op::mul_reg:
+        logic(d() * n());
+        break;
+      case Op::bic_reg:
+        logic(d() & ~n());
+        break;
+      case Op::mvn_reg:
+        logic(~n());
+        break;
+      // High registers and branch exchange
+      case Op::add_high:
+      case Op::cmp_high:
+      case Op::mov_high: {
+        const unsigned high = high_d(op), other = high_m(op);
+        if (high == 15 || other == 15 || (kind == Op::cmp_high && high < 8 && other < 8)) {
+          leave();
+          return execute_high(op);
+        }
+        if (kind == Op::cmp_high) {
+          add_with_carry(r_[high], ~r_[other], true);
+        } else {
+          const std::uint32_t result = r_[other] + (kind == Op::add_high ? r_[high] : 0);
+          r_[high] = high == 13 ? result & ~3u : result;
+        }
+        break;
+      }
+      case Op::bx:
+      case Op::blx: {
+        const unsigned other = high_m(op);
+        const std::uint32_t target = other == 15 ? pc + 4 : r_[other];
+        cycles = 2;
+        if ((op & 7) == 0 && (target & 1) != 0 && (target >> 28) != 15 && other != 15 &&
+            listener_ == nullptr) [[likely]] {
+          if (kind == Op::blx) r_[14] = next | 1;
+          next = target & ~1u;
+          break;
+        }
+        leave();
+        return execute_exchange(op);
+      }
+      // Loads and stores
+      case Op::ldr_literal:
+        if (!load_to(top, ((pc + 4) & ~3u) + 4 * imm8(op), Width::word)) return;
+        break;
+      case Op::str_reg:
+        if (!store_from(low_d(op), n() + m(), Width::word)) return;
+        break;
+      case Op::strh_reg:
+        if (!store_from(low_d(op), n() + m(), Width::half)) return;
+        break;
+      case Op::strb_reg:
+        if (!store_from(low_d(op), n() + m(), Width::byte)) return;
+        break;
+      case Op::ldrsb_reg:
+        if (!load_to(low_d(op), n() + m(), Width::byte)) return;
+        r_[low_d(op)] = sign_extend(r_[low_d(op)], 8);
+        break;
+      case Op::ldr_reg:
+        if (!load_to(low_d(op), n() + m(), Width::word)) return;
+        break;
+      case Op::ldrh_reg:
+        if (!load_to(low_d(op), n() + m(), Width::half)) return;
+        break;
+      case Op::ldrb_reg:
+        if (!load_to(low_d(op), n() + m(), Width::byte)) return;
+        break;
+      case Op::ldrsh_reg:
+        if (!load_to(low_d(op), n() + m(), Width::half)) return;
+        r_[low_d(op)] = sign_extend(r_[low_d(op)], 16);
+        break;
+      case Op::str_imm:
+        if (!store_from(low_d(op), n() + 4 * imm5(op), Width::word)) return;
+        break;
+      case Op::ldr_imm:
+        if (!load_to(low_d(op), n() + 4 * imm5(op), Width::word)) return;
+        break;
+      case Op::strb_imm:
+        if (!store_from(low_d(op), n() + imm5(op), Width::byte)) return;
+        break;
+      case Op::ldrb_imm:
+        if (!load_to(low_d(op), n() + imm5(op), Width::byte)) return;
+        break;
+      case Op::strh_imm:
+        if (!store_from(low_d(op), n() + 2 * imm5(op), Width::half)) return;
+        break;
+      case Op::ldrh_imm:
+        if (!load_to(low_d(op), n() + 2 * imm5(op), Width::half)) return;
+        break;
+      case Op::str_sp:
+        if (!store_from(top, r_[13] + 4 * imm8(op), Width::word)) return;
+        break;
+      case Op::ldr_sp:
+        if (!load_to(top, r_[13] + 4 * imm8(op), Width::word)) return;
+        break;
+      // Addresses, extension, stack
+      case Op::adr:
+        r_[top] = ((pc + 4) & ~3u) + 4 * imm8(op);
+        break;
+      case Op::add_sp_imm8:
+        r_[top] = r_[13] + 4 * imm8(op);
+        break;
+      case Op::add_sp:
+        r_[13] += 4 * (op & 0x7fu);
+        break;
+      case Op::sub_sp:
+        r_[13] -= 4 * (op & 0x7fu);
+        break;
+      case Op::sxth:
+        r_[low_d(op)] = sign_extend(n(), 16);
+        break;
+      case Op::sxtb:
+        r_[low_d(op)] = sign_extend(n(), 8);
+        break;
+      case Op::uxth:
+        r_[low_d(op)] = n() & 0xffff;
+        break;
+      case Op::uxtb:
+        r_[low_d(op)] = n() & 0xff;
+        break;
+      case Op::push:
+        leave();
+        if (!push(op)) return;
+        cycle = cycle_;
+        break;
+      case Op::pop:
+        leave();
+        return pop(op);
+      case Op::stm:
+        leave();
+        if (!store_multiple(op)) return;
+        cycle = cycle_;
+        break;
+      case Op::ldm:
+        leave();
+        if (!load_multiple(op)) return;
+        cycle = cycle_;
+        break;
+      case Op::rev:
+        r_[low_d(op)] = (n() << 24) | ((n() & 0xff00) << 8) | ((n() >> 8) & 0xff00) | (n() >> 24);
+        break;
+      case Op::rev16:
+        r_[low_d(op)] = ((n() & 0x00ff'00ff) << 8) | ((n() >> 8) & 0x00ff'00ff);
+        break;
+      case Op::revsh:
+        r_[low_d(op)] = sign_extend(((n() & 0xff) << 8) | ((n() >> 8) & 0xff), 16);
+        break;
+      // System
+      case Op::cps:
+        leave();
+        if ((op & 0xffef) != 0xb662) {
+          (op & 0xffe0) == 0xb660 ? unpredictable(op) : undefined();
+          return;
+        }
+        if (privileged()) set_primask((op & 0x10) != 0);
+        break;
+      case Op::hint:
+        leave();
+        return execute_hint(op);
+      case Op::bkpt:
+        leave();
+        if (on_breakpoint && on_breakpoint()) return;
+        return hard_fault();  // no debugger: escalated (ARMv6-M, C1.6.1)
+      case Op::undefined:
+        leave();
+        return hard_fault();
+      case Op::svc:
+        leave();
+        return supervisor_call(next);
+      // Branches
+      case Op::b_eq:
+      case Op::b_ne:
+      case Op::b_cs:
+      case Op::b_cc:
+      case Op::b_mi:
+      case Op::b_pl:
+      case Op::b_vs:
+      case Op::b_vc:
+      case Op::b_hi:
+      case Op::b_ls:
+      case Op::b_ge:
+      case Op::b_lt:
+      case Op::b_gt:
+      case Op::b_le:
+        if (condition(op >> 8 & 15u)) {
+          next = pc + 4 + sign_extend((op & 0xffu) << 1, 9);
+          cycles = 2;
+        }
+        break;
+      case Op::b:
+        next = pc + 4 + sign_extend((op & 0x7ffu) << 1, 12);
+        cycles = 2;
+        break;
+      case Op::wide: {
+        std::uint16_t second = 0;
+        if (place + 2 < window.size) [[likely]] {
+          std::memcpy(&second, window.bytes + place + 2, sizeof second);
+        } else {
+          leave();
+          const std::optional<std::uint16_t> fetched = fetch_second(pc + 2);
+          if (!fetched) return;
+          second = *fetched;
+          cycle = cycle_;
+        }
+        next = pc + 4;
+        cycles = 3;
+        if ((second & 0xd000) == 0xd000) {  // BL
+          r_[14] = next | 1;
+          next += link_offset(op, second);
+          if (listener_ == nullptr) [[likely]]
+            break;
+          leave();
+          listener_->called(id_, pc, next, cycle + cycles);
+        } else {
+          leave();
+          if (!execute_wide(op, second)) return;
+        }
+        break;
+      }
+    }
+    pc = next;
+    cycle += cycles;
+  } while (cycle < until);
+  pc_ = pc;
+  cycle_ = cycle;
 }
 
 // --- Many instructions ---------------------------------------------------------------------------
@@ -953,7 +1052,7 @@ Cycle Core::step() {
   const Cycle start = cycle_;
   give_back();
   if (attention_needed() && attend()) return cycle_ - start;
-  execute();
+  execute(0);
   notice_access();
   return cycle_ - start;
 }
@@ -973,7 +1072,7 @@ void Core::run_until(Cycle limit) {
       }
       if (attend()) continue;
     }
-    execute();
+    execute(undisturbed_until(limit));
   }
   notice_access();
   stop_ = false;
@@ -988,7 +1087,7 @@ void Core::run_two(Core& first, Core& second, Cycle limit) {
     if (core.attention_needed()) [[unlikely]] {
       core.step();
     } else {
-      core.execute();
+      core.execute(0);
       core.notice_access();
     }
     // Who stops or falls asleep, or wakes the other in a way that needs to be looked at, wants

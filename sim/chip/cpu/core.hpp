@@ -28,6 +28,7 @@
 // does to time where the manual is silent is in Timing.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -165,22 +166,22 @@ class Core {
   static constexpr std::uint32_t scr_sleep_deep = 1u << 2;
 
   // core.cpp: instructions
-  // Those that are rare or keep lists of words are not inlined: the loop of run_until() is small.
-  [[gnu::always_inline]] void execute();
-  [[gnu::noinline]] bool fetch_outside(std::uint32_t pc, std::uint16_t& instruction);
-  bool fetch_word(std::uint32_t pc, std::uint16_t& instruction);
-  bool fetch_from_memory(std::uint32_t pc, std::uint16_t& instruction);
+  // Those that are rare or keep lists of words are not inlined: execute() keeps its own state in
+  // registers.
+  void execute(Cycle until);
+  [[gnu::noinline]] std::optional<std::uint16_t> fetch_outside(std::uint32_t pc);
+  std::optional<std::uint16_t> fetch_word(std::uint32_t pc);
+  std::optional<std::uint16_t> fetch_from_memory(std::uint32_t pc);
   void forget_code();
   [[gnu::noinline]] void cut_natives(std::uint32_t pc, Bus::CodeWindow& window) const;
-  bool fetch_second(std::uint32_t pc, std::uint16_t& instruction);
+  [[gnu::noinline]] std::optional<std::uint16_t> fetch_second(std::uint32_t pc);
   void call_native(const NativeFunction& function);
-  [[gnu::noinline]] bool execute_wide(std::uint16_t first, std::uint32_t& next,
-                                      std::uint32_t& cycles);
+  [[gnu::noinline]] bool execute_wide(std::uint16_t first, std::uint16_t second);
   bool execute_mrs(std::uint16_t second);
   bool execute_msr(std::uint16_t first, std::uint16_t second);
-  [[gnu::noinline]] bool execute_hint(std::uint16_t instruction, std::uint32_t& cycles);
-  [[gnu::noinline]] bool execute_high(std::uint16_t instruction, std::uint32_t& next,
-                                      std::uint32_t& cycles);
+  [[gnu::noinline]] void execute_hint(std::uint16_t instruction);
+  [[gnu::noinline]] void execute_exchange(std::uint16_t instruction);
+  [[gnu::noinline]] void execute_high(std::uint16_t instruction);
   [[gnu::noinline]] bool load_multiple(std::uint16_t instruction);
   [[gnu::noinline]] bool store_multiple(std::uint16_t instruction);
   [[gnu::noinline]] bool push(std::uint16_t instruction);
@@ -198,8 +199,8 @@ class Core {
   bool owes() const { return bus_.arbiter().owes(static_cast<Requester>(master_)); }
   void give_back();
   bool complete(std::uint32_t address, const Access& access);
-  bool load(std::uint32_t address, Width width, std::uint32_t& value);
-  bool store(std::uint32_t address, Width width, std::uint32_t value);
+  [[gnu::noinline]] bool load(std::uint32_t address, Width width, std::uint32_t& value);
+  [[gnu::noinline]] bool store(std::uint32_t address, Width width, std::uint32_t value);
   Access read_bus(std::uint32_t address, Width width);
   [[gnu::noinline]] Access read_checked(std::uint32_t address, Width width);
   [[gnu::noinline]] Access write_checked(std::uint32_t address, Width width, std::uint32_t value);
@@ -229,6 +230,10 @@ class Core {
   void systick_expired();
   bool attention_needed() const {
     return attention_ || wheel_.next() <= cycle_ || irqs_.changes() != seen_changes_;
+  }
+  /// Nothing happens before, unless an instruction makes it happen.
+  Cycle undisturbed_until(Cycle limit) const {
+    return attention_ ? 0 : std::min(limit, wheel_.next());
   }
   void notice_access();
   void sample(Cycle when);
