@@ -84,6 +84,15 @@ class Bus {
     store(window.bytes + offset, value, width);
     return true;
   }
+  /// The same for words that follow each other: where the first one is, or null.
+  std::uint8_t* plain_words(std::uint32_t address, unsigned count, bool to_write) const {
+    const Window& window = windows_[address >> 24];
+    const std::uint32_t offset = address & window.mask;
+    const std::uint32_t size = to_write ? window.writable_size : window.size;
+    if (offset >= size || size - offset < 4 * count || !aligned(address, Width::word))
+      return nullptr;
+    return window.bytes + offset;
+  }
   static bool aligned(std::uint32_t address, Width width) {
     return (address & (static_cast<std::uint32_t>(width) - 1)) == 0;
   }

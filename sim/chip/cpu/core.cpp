@@ -36,6 +36,13 @@ constexpr std::uint32_t sign_extend(std::uint32_t value, unsigned bits) {
   const std::uint32_t sign = 1u << (bits - 1);
   return ((value & ((sign << 1) - 1)) ^ sign) - sign;
 }
+/// Registers in a list of low ones. (Without an instruction for it std::popcount is a call.)
+constexpr std::array<std::uint8_t, 256> list_sizes = [] {
+  std::array<std::uint8_t, 256> sizes{};
+  for (unsigned list = 0; list < sizes.size(); ++list)
+    sizes[list] = static_cast<std::uint8_t>(std::popcount(list));
+  return sizes;
+}();
 /// How far BL branches.
 constexpr std::uint32_t link_offset(unsigned first, unsigned second) {
   const std::uint32_t s = first >> 10 & 1u, j1 = second >> 13 & 1u, j2 = second >> 11 & 1u;
@@ -368,6 +375,24 @@ unsigned Core::scatter(unsigned list, const Words& words) {
   for (unsigned i = 0; i < 8; ++i)
     if ((list >> i & 1) != 0) r_[i] = words[next++];
   return next;
+}
+
+// The same for words in memory, past the bus; where the words end.
+inline std::uint8_t* Core::put(unsigned list, std::uint8_t* words) const {
+  for (const std::uint32_t* from = r_.data(); list != 0; list >>= 1, ++from) {
+    if ((list & 1) == 0) continue;
+    std::memcpy(words, from, 4);
+    words += 4;
+  }
+  return words;
+}
+
+inline void Core::take(unsigned list, const std::uint8_t* words) {
+  for (std::uint32_t* to = r_.data(); list != 0; list >>= 1, ++to) {
+    if ((list & 1) == 0) continue;
+    std::memcpy(to, words, 4);
+    words += 4;
+  }
 }
 
 bool Core::load_multiple(std::uint16_t op) {
@@ -705,6 +730,10 @@ void Core::execute(Cycle until) {
       r_[low_d(op)] = result;
       set_nz(result);
     };
+    // A branch by register that is no return from an exception, no fault and heard by nobody.
+    const auto stays_inside = [&](std::uint32_t target) {
+      return (target & 1) != 0 && (target >> 28) != 15 && listener_ == nullptr;
+    };
     // False: it faulted.
     const auto load_to = [&](unsigned target, std::uint32_t address, Width width)
         __attribute__((always_inline)) {
@@ -727,6 +756,13 @@ void Core::execute(Cycle until) {
       const bool done = store(address, width, r_[source]);
       cycle = cycle_;
       return done;
+    };
+    // Where the words of a multiple access are, if they are plain memory and nothing is due before
+    // the last one; else null.
+    const auto words_at = [&](std::uint32_t address, unsigned count, bool to_write)
+        __attribute__((always_inline)) {
+      const bool alone = cycle + count < until && address < unchecked_end_;
+      return alone ? bus_.plain_words(address, count, to_write) : nullptr;
     };
     const auto d = [&] { return r_[low_d(op)]; };
     const auto n = [&] { return r_[low_n(op)]; };
@@ -840,8 +876,7 @@ void Core::execute(Cycle until) {
         const unsigned other = high_m(op);
         const std::uint32_t target = other == 15 ? pc + 4 : r_[other];
         cycles = 2;
-        if ((op & 7) == 0 && (target & 1) != 0 && (target >> 28) != 15 && other != 15 &&
-            listener_ == nullptr) [[likely]] {
+        if ((op & 7) == 0 && other != 15 && stays_inside(target)) [[likely]] {
           if (kind == Op::blx) r_[14] = next | 1;
           next = target & ~1u;
           break;
@@ -928,24 +963,68 @@ void Core::execute(Cycle until) {
       case Op::uxtb:
         r_[low_d(op)] = n() & 0xff;
         break;
-      case Op::push:
+      case Op::push: {
+        const unsigned link = op >> 8 & 1u, count = list_sizes[imm8(op)] + link;
+        const std::uint32_t address = r_[13] - 4 * count;
+        if (std::uint8_t* words = words_at(address, count, true); words != nullptr && count != 0) {
+          words = put(imm8(op), words);
+          if (link != 0) std::memcpy(words, &r_[14], 4);
+          r_[13] = address;
+          cycles = 1 + count;
+          break;
+        }
         leave();
         if (!push(op)) return;
         cycle = cycle_;
         break;
-      case Op::pop:
-        leave();
-        return pop(op);
-      case Op::stm:
+      }
+      case Op::pop: {
+        const unsigned branches = op >> 8 & 1u, count = list_sizes[imm8(op)] + branches;
+        const std::uint8_t* words = words_at(r_[13], count, false);
+        std::uint32_t target = 1;
+        if (branches != 0 && words != nullptr) std::memcpy(&target, words + 4 * (count - 1), 4);
+        if (words == nullptr || count == 0 || !stays_inside(target)) {
+          leave();
+          return pop(op);
+        }
+        take(imm8(op), words);
+        r_[13] += 4 * count;
+        cycles = 1 + count;
+        if (branches != 0) {
+          next = target & ~1u;
+          cycles += 2;
+        }
+        break;
+      }
+      case Op::stm: {
+        const unsigned count = list_sizes[imm8(op)];
+        std::uint8_t* words = words_at(r_[top], count, true);
+        if (words != nullptr && count != 0) {
+          put(imm8(op), words);
+          r_[top] += 4 * count;
+          cycles = 1 + count;
+          break;
+        }
         leave();
         if (!store_multiple(op)) return;
         cycle = cycle_;
         break;
-      case Op::ldm:
+      }
+      case Op::ldm: {
+        const unsigned count = list_sizes[imm8(op)];
+        const std::uint32_t after = r_[top] + 4 * count;
+        const std::uint8_t* words = words_at(r_[top], count, false);
+        if (words != nullptr && count != 0) {
+          r_[top] = after;
+          take(imm8(op), words);
+          cycles = 1 + count;
+          break;
+        }
         leave();
         if (!load_multiple(op)) return;
         cycle = cycle_;
         break;
+      }
       case Op::rev:
         r_[low_d(op)] = (n() << 24) | ((n() & 0xff00) << 8) | ((n() >> 8) & 0xff00) | (n() >> 24);
         break;

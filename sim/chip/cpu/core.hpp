@@ -20,6 +20,12 @@
 // time up to each register access. reset() must not be called from inside an access or an event
 // (watchdog, SYSRESETREQ): note it, request_stop(), and reset when step() or run_until() is back.
 //
+// Between two instructions there is one thing to look at as long as nothing but registers of the
+// core and plain memory has been touched: whether the next event of the wheel, or the end of the
+// run, has come. execute() runs on until then. Whatever goes further (registers of blocks, the
+// system space, memory that is contended for, faults, sleep, a listener) ends that, and all is
+// looked at again.
+//
 // Functions of the ROM are native: add_native() covers addresses, and when the program counter gets
 // there the function is called instead, takes its arguments from r0..r3 (reg, set_reg), says how
 // many cycles it took, and the core goes on at LR.
@@ -166,8 +172,7 @@ class Core {
   static constexpr std::uint32_t scr_sleep_deep = 1u << 2;
 
   // core.cpp: instructions
-  // Those that are rare or keep lists of words are not inlined: execute() keeps its own state in
-  // registers.
+  // Those that are rare are not inlined: execute() keeps its state in registers.
   void execute(Cycle until);
   [[gnu::noinline]] std::optional<std::uint16_t> fetch_outside(std::uint32_t pc);
   std::optional<std::uint16_t> fetch_word(std::uint32_t pc);
@@ -190,6 +195,8 @@ class Core {
   using Words = std::array<std::uint32_t, 9>;
   unsigned gather(unsigned list, Words& words) const;
   unsigned scatter(unsigned list, const Words& words);
+  std::uint8_t* put(unsigned list, std::uint8_t* words) const;
+  void take(unsigned list, const std::uint8_t* words);
   template <class Transfer>
   bool each_word(std::uint32_t address, unsigned count, const Transfer& transfer);
   bool load_block(std::uint32_t address, unsigned count, Words& words);
