@@ -220,9 +220,8 @@ class Core {
 
   void set_nz(std::uint32_t result) { n_ = z_ = result; }
   std::uint32_t add_with_carry(std::uint32_t a, std::uint32_t b, bool carry) {
-    const std::uint64_t sum = std::uint64_t{a} + b + (carry ? 1u : 0u);
-    const auto result = static_cast<std::uint32_t>(sum);
-    c_ = (sum >> 32) != 0;
+    const std::uint32_t result = a + b + (carry ? 1u : 0u);
+    c_ = carry ? result <= a : result < a;
     v_ = ((~(a ^ b) & (a ^ result)) >> 31) != 0;
     set_nz(result);
     return result;
@@ -278,8 +277,8 @@ class Core {
   std::array<std::uint32_t, 15> r_{};
   std::uint32_t pc_ = 0;
   std::uint32_t n_ = 0;  ///< bit 31 is the N flag
-  std::uint32_t z_ = 1;  ///< zero: Z is set
   bool c_ = false, v_ = false;
+  std::uint32_t z_ = 1;     ///< zero: Z is set; beside n_ both would be stored as a vector, slower
   bool attention_ = false;  ///< one of the states below wants attend()
   Cycle cycle_ = 0;
   Bus::CodeWindow window_;
