@@ -3,7 +3,8 @@
 //
 // Unicorn judges faults as the larger profiles do in places; which halfwords fault is therefore
 // held against a list from the ARMv6-M Architecture Reference Manual (A5.2), and where Unicorn is
-// more permissive is listed by class.
+// more permissive is listed by class. The same programs run as they step, to the cycle, with an
+// interrupt anywhere.
 #include <gtest/gtest.h>
 #include <unicorn/unicorn.h>
 
@@ -16,6 +17,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tests/chip/core_rig.hpp"
 #include "tests/scale.hpp"
@@ -117,6 +119,21 @@ std::string text(const State& state) {
   return out;
 }
 
+/// What a program leaves behind.
+struct Outcome {
+  State state;
+  std::uint32_t pc;
+  unsigned exception;
+  sim::chip::Cycle took;
+  std::vector<std::uint8_t> data;
+  bool operator==(const Outcome&) const = default;
+};
+
+std::string text(const Outcome& outcome) {
+  return text(outcome.state) + "pc " + std::to_string(outcome.pc) + " exception " +
+         std::to_string(outcome.exception) + " cycles " + std::to_string(outcome.took);
+}
+
 bool in_data(std::uint32_t address, std::uint32_t size) {
   return address - CoreRig::data <= data_size - size;
 }
@@ -139,6 +156,8 @@ class Programs {
     block_ = (block_ + block_size) % code_size;
     prepare();
     const State start = state_of(rig.core);
+    const std::vector<std::uint8_t> data = reference.data;
+    const sim::chip::Cycle from = rig.core.cycle();
     while (rig.core.reg(15) < begin_ + program_size - 24 && rig.core.exception() == 0) {
       next_instruction();
     }
@@ -153,7 +172,7 @@ class Programs {
     if (error == UC_ERR_OK && ours == theirs &&
         std::equal(reference.data.begin(), reference.data.end(),
                    rig.bus.memory_at(CoreRig::data).begin()))
-      return testing::AssertionSuccess();
+      return runs_as_it_steps(start, data, outcome_since(from));
     return testing::AssertionFailure()
            << uc_strerror(error) << " " << reference.pc() - begin_ << " of "
            << rig.core.reg(15) - begin_ << "\nstart  " << text(start) << "\nours   " << text(ours)
@@ -171,6 +190,54 @@ class Programs {
     constexpr std::array<std::uint32_t, 10> edges = {0,  1,  0xffff'ffff, 0x8000'0000, 0x7fff'ffff,
                                                      31, 32, 33,          0xff,        0x0000'8000};
     return pick(3) == 0 ? edges[pick(edges.size())] : static_cast<std::uint32_t>(random_());
+  }
+
+  Outcome outcome_since(sim::chip::Cycle from) {
+    const auto data = rig.bus.memory_at(CoreRig::data).first(data_size);
+    return {state_of(rig.core),
+            rig.core.reg(15),
+            rig.core.exception(),
+            rig.core.cycle() - from,
+            {data.begin(), data.end()}};
+  }
+
+  /// The program once more for some cycles, with a pulse on an interrupt line after `pulse` of
+  /// them.
+  Outcome again(const State& start, const std::vector<std::uint8_t>& data, sim::chip::Cycle cycles,
+                sim::chip::Cycle pulse, bool by_steps) {
+    constexpr std::uint32_t iser = 0xe000'e100;
+    sim::chip::Core& core = rig.core;
+    const auto set_line = [this](bool level) { rig.irqs.set(sim::chip::Irq::timer_0, level); };
+    rig.restart();
+    rig.poke(iser, 1);
+    std::copy(data.begin(), data.end(), rig.bus.memory_at(CoreRig::data).begin());
+    set_state(core, start);
+    core.set_reg(15, begin_);
+    const sim::chip::Cycle from = core.cycle(), until = from + cycles;
+    rise_.at(from + pulse, [=] { set_line(true); });
+    fall_.at(from + pulse + 1, [=] { set_line(false); });
+    if (!by_steps) core.run_until(until);
+    while (core.cycle() < until) core.idle() ? core.idle_to(until) : void(core.step());
+    Outcome outcome = outcome_since(from);
+    rise_.at(sim::chip::never_cycle, {});
+    fall_.at(sim::chip::never_cycle, {});
+    set_line(false);
+    return outcome;
+  }
+
+  testing::AssertionResult runs_as_it_steps(const State& start,
+                                            const std::vector<std::uint8_t>& data,
+                                            const Outcome& stepped) {
+    const Outcome run = again(start, data, stepped.took, stepped.took + 1, false);
+    if (run != stepped)
+      return testing::AssertionFailure()
+             << "stepped " << text(stepped) << "\nrun     " << text(run) << listing();
+    const sim::chip::Cycle pulse = 1 + pick(static_cast<std::uint32_t>(stepped.took));
+    const Outcome steps = again(start, data, stepped.took, pulse, true);
+    const Outcome runs = again(start, data, stepped.took, pulse, false);
+    if (steps == runs) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << "interrupt at " << pulse << "\nstepped " << text(steps)
+                                       << "\nrun     " << text(runs) << listing();
   }
 
   void prepare() {
@@ -335,6 +402,7 @@ class Programs {
   }
 
   std::mt19937_64 random_;
+  Alarm rise_{rig.wheel}, fall_{rig.wheel};
   std::uint32_t block_ = 0;
   std::uint32_t begin_ = 0;
   std::uint64_t executed_ = 0;
