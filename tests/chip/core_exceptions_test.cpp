@@ -635,5 +635,33 @@ TEST_F(CoreExceptions, RunUntilStopsOnRequest) {
   EXPECT_GE(core_.cycle(), 10'000u);
 }
 
+// A run goes from event to event without looking; what an instruction itself does it must see.
+TEST_F(CoreExceptions, WhatAnInstructionPendsOrLetsThroughComesBeforeTheNextInARun) {
+  core_.set_reg(0, ispr);
+  core_.set_reg(1, 1);
+  rig_.poke(iser, 1);
+  struct Case {
+    const char* what;
+    bool masked;
+    unsigned code;
+    Cycle cycles;
+  };
+  for (const Case& each : {Case{"str r1, [r0] to ISPR", false, 0x6001, 2},
+                           Case{"cpsie i with an interrupt pending", true, 0xb662, 1}}) {
+    SCOPED_TRACE(each.what);
+    rig_.poke(icpr, 1);
+    core_.set_primask(each.masked);
+    if (each.masked) rig_.poke(ispr, 1);
+    core_.set_reg(2, 0);
+    run_at(CoreRig::code, {each.code, 0x2201, 0x2201});  // then movs r2, #1
+    core_.run_until(core_.cycle() + each.cycles + 1);
+    EXPECT_EQ(core_.exception(), 16u);
+    EXPECT_EQ(core_.reg(2), 0u);
+    EXPECT_EQ(rig_.word(core_.reg(13) + 24), CoreRig::code + 2);
+    steps(2);  // nop, bx lr
+    EXPECT_EQ(core_.exception(), 0u);
+  }
+}
+
 }  // namespace
 }  // namespace lamplock::test

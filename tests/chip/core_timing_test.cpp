@@ -119,23 +119,32 @@ TEST(CoreTiming, WaitStatesOfTheBusAreAdded) {
   EXPECT_EQ(cost(0xe000'ed00, 0x6804), 2u);                // the core's own registers
 }
 
-/// Keeps the last entry.
+/// Keeps entries, calls and branches.
 class Entries final : public CoreListener {
  public:
   struct Entry {
     unsigned number;
     Cycle at;
   };
+  struct Jump {
+    bool call;
+    std::uint32_t to;
+    Cycle at;
+    bool operator==(const Jump&) const = default;
+  };
   void exception_entered(int, unsigned number, Cycle, Cycle at) override {
     entries.push_back({number, at});
   }
   void exception_left(int, unsigned, Cycle) override {}
-  void called(int, std::uint32_t, std::uint32_t, Cycle) override {}
-  void branched(int, std::uint32_t, Cycle) override {}
+  void called(int, std::uint32_t, std::uint32_t to, Cycle at) override {
+    jumps.push_back({true, to, at});
+  }
+  void branched(int, std::uint32_t to, Cycle at) override { jumps.push_back({false, to, at}); }
   void slept(int, Cycle) override {}
   void woke(int, Cycle) override {}
   void masked(int, bool, Cycle) override {}
   std::vector<Entry> entries;
+  std::vector<Jump> jumps;
 };
 
 /// Runs a program over and over; raises line 0 at `when` and returns the cycles from there to the
@@ -225,6 +234,28 @@ TEST(CoreTiming, ReturnAndTailChainCostWhatTimingSays) {
   EXPECT_EQ(rig.core.exception(), 17u);
   EXPECT_EQ(rig.core.reg(13), sp);
   EXPECT_EQ(rig.core.reg(14), 0xffff'fff9u);
+}
+
+TEST(CoreTiming, AListenerHearsEveryCallAndBranchOfARun) {
+  CoreRig rig;
+  Entries heard;
+  rig.core.listen(&heard);
+  constexpr std::uint32_t code = CoreRig::code, function = code + 0x20;
+  // bl function; blx r3; mov pc, r4: to itself.
+  rig.put(code, {0xf000, 0xf80e, 0x4798, 0x46a7});
+  rig.put(function, {0xb500, 0xbd00});  // push {lr}; pop {pc}
+  rig.put(function + 0x20, {0x4770});   // bx lr
+  rig.core.set_reg(3, function + 0x21);
+  rig.core.set_reg(4, code + 6);
+  rig.core.set_reg(15, code);
+  const Cycle from = rig.core.cycle();
+  rig.core.run_until(from + 15);
+  const std::vector<Entries::Jump> wanted = {{true, function, from + 3},
+                                             {false, code + 4, from + 3 + 2 + 4},
+                                             {true, function + 0x20, from + 11},
+                                             {false, code + 6, from + 13},
+                                             {false, code + 6, from + 15}};
+  EXPECT_EQ(heard.jumps, wanted);
 }
 
 }  // namespace

@@ -26,6 +26,9 @@ class MpuTest : public testing::Test {
   MpuTest() {
     rig_.put(code, {load_r0, store_r0});
     rig_.put_word(CoreRig::data, 5);
+    permit_the_rig();
+  }
+  void permit_the_rig() {
     set(7, CoreRig::handlers & ~0xffffu, region(16, 3));  // handlers, vectors, stack: anybody
     set(6, CoreRig::stack - 0x100, region(8, 3));
     set(5, CoreRig::vectors, region(13, 3));
@@ -184,6 +187,26 @@ TEST_F(MpuTest, ThePrivatePeripheralsAreNotItsBusiness) {
   enable(on);
   EXPECT_TRUE(loads(true, 0xe000'ed00));
   EXPECT_FALSE(loads(false, 0xe000'ed00)) << "for privileged code only, with or without it";
+}
+
+TEST_F(MpuTest, EveryAccessOfARunIsAskedFor) {
+  Core& core = rig_.core;
+  constexpr unsigned nop = 0xbf00;
+  // str, ldr; stm, ldm r0!, {r1, r2}; push, pop {r1, r2}: the second one of a word that is fetched
+  for (const unsigned access : {0x6001u, 0x6801u, 0xc006u, 0xc806u, 0xb406u, 0xbc06u})
+    for (const bool permitted : {true, false}) {
+      SCOPED_TRACE(testing::Message() << std::hex << access << " permitted " << permitted);
+      rig_.restart();
+      permit_the_rig();
+      set(1, CoreRig::data, region(8, permitted ? 3 : 0));
+      enable(on);
+      rig_.put(code, {nop, access, nop, nop});
+      core.set_reg(0, CoreRig::data);
+      core.set_reg(13, CoreRig::data + 0x80);
+      core.set_reg(15, code);
+      core.run_until(core.cycle() + 10);
+      EXPECT_NE(core.locked_up() || core.exception() == hard_fault, permitted);
+    }
 }
 
 }  // namespace
