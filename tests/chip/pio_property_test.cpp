@@ -1,5 +1,5 @@
-// Sleeping machines and machines stepped in every clock leave the same trace: random programs,
-// random traffic from pins, cores and DMA.
+// Sleeping machines, instructions that run at once and machines stepped in every clock leave the
+// same trace: random programs, random traffic from pins, cores and DMA, clocks that stop.
 #include <algorithm>
 #include <ostream>
 #include <random>
@@ -11,7 +11,7 @@ namespace lamplock::test::pio {
 namespace {
 
 struct Action {
-  enum Kind { wait, pin_change, write, read, half_way } kind;
+  enum Kind { wait, pin_change, write, read, gate, half_way } kind;
   std::uint32_t a = 0, b = 0;
 };
 
@@ -194,6 +194,9 @@ std::vector<Action> random_script(std::uint64_t seed) {
             add(Action::write, dma_base + 0x444, 1u << below(random, 12));
         }
         break;
+      case 11:
+        add(Action::gate, below(random, 3), below(random, 60));
+        break;
       default:
         add(Action::wait, 1 + below(random, below(random, 4) == 0 ? 5000 : 40));
     }
@@ -202,7 +205,7 @@ std::vector<Action> random_script(std::uint64_t seed) {
   return script;
 }
 
-/// A value that somebody saw: where (0: interrupt lines), when.
+/// A value that somebody saw: where (0: interrupt lines, 1: contention), when.
 struct Seen {
   Cycle at = 0;
   std::uint32_t address = 0, value = 0;
@@ -215,25 +218,44 @@ struct Trace {
   std::vector<std::uint8_t> memory;
 };
 
-Trace play(const std::vector<Action>& script, std::uint64_t seed, bool every_clock,
-           bool one_by_one) {
+Trace play(const std::vector<Action>& script, std::uint64_t seed, bool every_clock, bool one_by_one,
+           bool wired) {
   Rig rig(every_clock);
   Random random(seed);
   for (std::uint8_t& byte : rig.bus.sram().first(0x8000))
     byte = static_cast<std::uint8_t>(random());
   for (unsigned i = 0; i < 16; ++i) rig.connect(i, 1, i / 4 % 2);
+  if (wired) {  // both blocks' pins, and an output to an input
+    rig.gpio.join(1, 5, rig.now());
+    rig.gpio.set_external(20, External::floating, rig.now());
+    rig.gpio.join(2, 20, rig.now());
+  }
   Trace trace;
   const auto look = [&](std::uint32_t address) {
     trace.looked.push_back({rig.now(), address, rig.read(address)});
   };
+  const auto wait = [&](std::uint32_t cycles) {
+    if (one_by_one)
+      for (std::uint32_t i = 0; i < cycles; ++i) rig.run(1);
+    else
+      rig.run(cycles);
+    trace.looked.push_back({rig.now(), 0, rig.irqs.levels()});
+    trace.looked.push_back({rig.now(), 1, rig.bus.contended() ? 1u : 0u});
+  };
+  const auto set_clock = [&](std::uint32_t block, bool runs) {
+    block < 2 ? rig.fabric.set_pio_clock(block, runs) : rig.fabric.set_dma_clock(runs);
+  };
   for (const Action& action : script) {
     switch (action.kind) {
       case Action::wait:
-        if (one_by_one)
-          for (std::uint32_t i = 0; i < action.a; ++i) rig.run(1);
-        else
-          rig.run(action.a);
-        trace.looked.push_back({rig.now(), 0, rig.irqs.levels()});
+        wait(action.a);
+        break;
+      case Action::gate:
+        set_clock(action.a, false);
+        wait(action.b);
+        rig.drive(16 + action.b % 8, action.b % 3 == 0);
+        wait(action.b / 2);
+        set_clock(action.a, true);
         break;
       case Action::pin_change:
         rig.drive(action.a, action.b != 0);
@@ -244,11 +266,15 @@ Trace play(const std::vector<Action>& script, std::uint64_t seed, bool every_clo
       default:
         look(action.a);
     }
+    if (action.kind == Action::wait && action.a % 5 == 0) look(0x4001'4000 + 8 * (action.a % 16));
     if (action.kind == Action::wait)
       for (unsigned block = 0; block < 2; ++block)
         for (const std::uint32_t offset : {fstat, fdebug, flevel, irq, padout, padoe})
           look(pio_base[block] + offset);
   }
+  // STATUS of the pins, and the edges that nobody has waited for.
+  for (unsigned i = 0; i < 16; ++i) look(0x4001'4000 + 8 * i);
+  for (unsigned word = 0; word < 2; ++word) look(0x4001'40f0 + 4 * word);
   for (unsigned channel = 0; channel < 12; ++channel)
     for (const std::uint32_t offset : {0x0u, 0x4u, 0x8u, 0x10u, 0x800u})
       look(dma_base + 0x40 * channel + offset);
@@ -278,8 +304,9 @@ TEST(PioProperty, SleepingLeavesTheTraceOfSteppingEveryClock) {
   for (int i = 0; i < scaled(300); ++i) {
     const auto seed = static_cast<std::uint64_t>(i) + 1;
     const std::vector<Action> script = random_script(seed);
-    const Trace stepped = play(script, seed, true, false);
-    const Trace asleep = play(script, seed, false, i % 2 == 0);
+    const bool wired = i % 5 == 0;
+    const Trace stepped = play(script, seed, true, false, wired);
+    const Trace asleep = play(script, seed, false, i % 2 == 0, wired);
     SCOPED_TRACE(seed);
     expect_same(stepped.edges, asleep.edges);
     expect_same(stepped.looked, asleep.looked);

@@ -67,8 +67,9 @@ void Dma::advance_to(Cycle clock) {
     if (channel.arriving == 0) continue;
     const std::uint64_t there =
         clocks >= 63 ? channel.arriving : channel.arriving & ((std::uint64_t{2} << clocks) - 1);
-    channel.credits =
-        std::min(most_credits, channel.credits + static_cast<unsigned>(std::popcount(there)));
+    if (there != 0)
+      channel.credits =
+          std::min(most_credits, channel.credits + static_cast<unsigned>(std::popcount(there)));
     channel.arriving = clocks >= 63 ? 0 : (channel.arriving & ~there) >> clocks;
   }
   for (unsigned i = 0; i < dma_timer_count; ++i) {
@@ -204,7 +205,9 @@ unsigned Dma::available(unsigned dreq) const {
 
 /// Transfers of a FIFO that are spoken for.
 unsigned Dma::owed(const Channel& channel) const {
-  return channel.credits + static_cast<unsigned>(std::popcount(channel.arriving)) +
+  // Without an instruction for it counting bits is a call, and mostly there are none.
+  const int arriving = channel.arriving == 0 ? 0 : std::popcount(channel.arriving);
+  return channel.credits + static_cast<unsigned>(arriving) +
          (is_transmit(channel.treq()) ? channel.in_flight : 0);
 }
 

@@ -54,6 +54,25 @@ Operation operation_of(std::uint16_t raw) {
   }
 }
 
+bool is_own(const Decoded& op) {
+  switch (op.operation) {
+    case Operation::jmp_pin:
+    case Operation::wait_irq:
+    case Operation::wait_reserved:
+    case Operation::in:
+    case Operation::push:
+    case Operation::pull:
+    case Operation::irq:
+    case Operation::set_reserved:
+      return false;
+    case Operation::set_pins:
+    case Operation::set_pindirs:
+      return op.set_mask == 0;  // it mostly changes one
+    default:
+      return true;
+  }
+}
+
 }  // namespace
 
 Decoded decode(std::uint16_t raw, const Mapping& mapping) {
@@ -68,6 +87,7 @@ Decoded decode(std::uint16_t raw, const Mapping& mapping) {
     result.set_mask = pin_mask(mapping.set_base, mapping.set_count);
     result.set_bits = std::rotl(raw & 31u, static_cast<int>(mapping.set_base)) & result.set_mask;
   }
+  result.own = is_own(result);
   // Bits 12..8: side-set from the top, SIDE_EN's bit first, then the delay (3.5.1). The field has
   // five bits; a larger SIDESET_COUNT leaves none for the delay.
   const unsigned side_field = mapping.side_count < 5 ? mapping.side_count : 5;

@@ -118,7 +118,8 @@ void PioBlock::settle(Cycle next) {
 }
 
 void PioBlock::update_lines() {
-  const std::uint32_t raw = intr();
+  std::uint32_t raw = 0;
+  if ((interrupts_[0].enabled() | interrupts_[1].enabled()) != 0) raw = intr();
   const Irq first = number_ == 0 ? Irq::pio0_0 : Irq::pio1_0;
   const Irq second = number_ == 0 ? Irq::pio0_1 : Irq::pio1_1;
   irqs_.set(first, interrupts_[0].status(raw) != 0);

@@ -19,6 +19,11 @@ unsigned threshold(std::uint32_t field) { return (field & 31u) == 0 ? 32u : fiel
 constexpr std::uint64_t shortest_loop_sleep = 8;
 /// Jumps that one way round a loop may have.
 constexpr int longest_loop = 8;
+/// A sleep in a loop ends after so many rounds: times fit their 64 bits even if each takes 8 jumps
+/// with all delays, divided by 65536.
+constexpr std::uint64_t most_rounds = std::uint64_t{1} << 28;
+/// Instructions that run at once; a loop that nobody notices has no end.
+constexpr int most_at_once = 16;
 
 }  // namespace
 
@@ -55,10 +60,11 @@ Cycle StateMachine::ticks_left(Cycle clock) const {
 void StateMachine::align(Cycle clock) {
   const std::uint64_t from = clock << 8;
   if (next_q8_ >= from) return;
-  next_q8_ += (from - next_q8_ + divisor_q8_ - 1) / divisor_q8_ * divisor_q8_;
+  next_q8_ += ticks_in(from - next_q8_) * divisor_q8_;
 }
 
 void StateMachine::wake_up(Cycle clock) {
+  if (at_once_) run_again(clock);
   if (sleep_ == Sleep::loop) leave_loop(clock);
   sleep_ = Sleep::none;
   watched_pin_ = 0;
@@ -200,8 +206,8 @@ void StateMachine::try_loop(Cycle clock) {
   if (!closed) return;
   const std::uint32_t dx = x_ - x, dy = y_ - y;
   if (compares && dx != dy) return;
-  // Rounds in which every test comes out as in this one; time must fit its 64 bits.
-  std::uint64_t rounds = (std::uint64_t{1} << 60) / (ticks * divisor_q8_);
+  // Rounds in which every test comes out as in this one.
+  std::uint64_t rounds = most_rounds;
   const auto bound = [&rounds](std::uint32_t value, std::uint32_t step) {
     if (step != 0)
       rounds = std::min<std::uint64_t>(rounds, value == 0 ? 1 : (value - 1) / step + 1);
@@ -222,7 +228,7 @@ void StateMachine::try_loop(Cycle clock) {
 void StateMachine::leave_loop(Cycle clock) {
   const std::uint64_t from = clock << 8;
   if (next_q8_ >= from) return;
-  const std::uint64_t ticks = (from - next_q8_ + divisor_q8_ - 1) / divisor_q8_;
+  const std::uint64_t ticks = ticks_in(from - next_q8_);
   const std::uint64_t rounds = ticks / loop_.ticks;
   x_ -= static_cast<std::uint32_t>(rounds) * loop_.dx;
   y_ -= static_cast<std::uint32_t>(rounds) * loop_.dy;
@@ -234,6 +240,147 @@ void StateMachine::leave_loop(Cycle clock) {
     else
       pc_ = static_cast<std::uint8_t>(pc_ == wrap_top_ ? wrap_bottom_ : (pc_ + 1) & 31u);
     next_q8_ += (1u + op.delay) * divisor_q8_;
+  }
+}
+
+// ---------------------------------------------------------------------------------------------
+// Instructions that nobody else can notice
+
+/// OUT, if no word is pulled and pins keep their levels.
+inline bool StateMachine::out_unnoticed(const Decoded& op) {
+  const unsigned bits = op.arg;
+  if (autopull_ && osr_count_ + bits >= pull_threshold_) return false;
+  const std::uint32_t data =
+      bits == 32 || !out_right_ ? osr_ >> (32 - bits) : osr_ & low_bits(bits);
+  switch (op.field) {
+    case 0:
+    case 4:
+      if (inline_enable_ ||
+          !keeps(out_mask_, std::rotl(data, static_cast<int>(out_base_)), op.field == 4))
+        return false;
+      break;
+    case 1:
+      x_ = data;
+      break;
+    case 2:
+      y_ = data;
+      break;
+    case 3:
+      break;
+    default:
+      return false;
+  }
+  if (bits == 32)
+    osr_ = 0;
+  else if (out_right_)
+    osr_ >>= bits;
+  else
+    osr_ <<= bits;
+  osr_count_ = std::min(32u, osr_count_ + bits);
+  return true;
+}
+
+/// Executes an instruction if nobody else can notice; false: it has done nothing.
+inline bool StateMachine::execute_unnoticed(const Decoded& op) {
+  if (op.side_mask != 0 && !keeps(op.side_mask, op.side_bits, op.side_to_dirs)) return false;
+  if (autopull_ && osr_used_up()) return false;  // a word may be pulled
+  switch (op.operation) {
+    case Operation::jmp_always:
+      jump_to(op.arg);
+      return true;
+    case Operation::jmp_not_x:
+      if (x_ == 0) jump_to(op.arg);
+      return true;
+    case Operation::jmp_x_dec:
+      if (x_-- != 0) jump_to(op.arg);
+      return true;
+    case Operation::jmp_not_y:
+      if (y_ == 0) jump_to(op.arg);
+      return true;
+    case Operation::jmp_y_dec:
+      if (y_-- != 0) jump_to(op.arg);
+      return true;
+    case Operation::jmp_x_ne_y:
+      if (x_ != y_) jump_to(op.arg);
+      return true;
+    case Operation::jmp_not_osre:
+      if (!osr_used_up()) jump_to(op.arg);
+      return true;
+    case Operation::set_x:
+      x_ = op.arg;
+      return true;
+    case Operation::set_y:
+      y_ = op.arg;
+      return true;
+    case Operation::set_pins:
+    case Operation::set_pindirs:
+      return keeps(op.set_mask, op.set_bits, op.operation == Operation::set_pindirs);
+    case Operation::out:
+      return out_unnoticed(op);
+    case Operation::mov: {
+      // From X, Y, NULL, ISR, OSR to X, Y, ISR, OSR.
+      const unsigned source = op.arg & 7u;
+      if (source == 0 || source == 4 || source == 5 || op.arg >> 3 == 3) return false;
+      if (op.field == 0 || (op.field >= 3 && op.field <= 5)) return false;
+      run_mov(op);
+      return true;
+    }
+    default:
+      return false;
+  }
+}
+
+/// WAIT for a pin that has the other level, and no change of it is on its way: asleep at once, for
+/// whatever changes it wakes the machine.
+bool StateMachine::sleep_in_wait(const Decoded& op, Cycle clock) {
+  if (op.operation != Operation::wait_gpio && op.operation != Operation::wait_pin) return false;
+  if (op.side_mask != 0 && !keeps(op.side_mask, op.side_bits, op.side_to_dirs)) return false;
+  if (autopull_ && osr_used_up()) return false;
+  const unsigned pin = op.operation == Operation::wait_gpio ? op.arg : (op.arg + in_base_) & 31u;
+  if ((shared_.in >> pin & 1u) == op.field >> 2) return false;
+  watched_pin_ = 1u << pin;
+  if (shared_.inputs.next_change(watched_pin_, clock, watched_latency()) != never_cycle) {
+    watched_pin_ = 0;
+    return false;
+  }
+  sleep_ = Sleep::stall;
+  shared_.due[index_] = never_cycle;
+  return true;
+}
+
+void StateMachine::run_at_once(Cycle clock) {
+  for (int i = 0; i < most_at_once; ++i) {
+    const Decoded& op = ops_[pc_];
+    const unsigned old = pc_;
+    if (!at_once_) before_ = {next_q8_, x_, y_, isr_, osr_, isr_count_, osr_count_, pc_};
+    if (!execute_unnoticed(op)) break;
+    at_once_ = true;
+    next_q8_ += divisor_q8_;
+    move_on(op);
+    if (pc_ <= old && is_jump(op.operation)) try_loop(clock);
+    if (sleep_ != Sleep::none) return;
+  }
+  if (!sleep_in_wait(ops_[pc_], clock)) shared_.due[index_] = next_q8_ >> 8;
+}
+
+/// Of what has run at once only what comes before `clock` has happened.
+void StateMachine::run_again(Cycle clock) {
+  at_once_ = false;
+  if ((next_q8_ >> 8) <= clock) return;
+  next_q8_ = before_.next_q8;
+  x_ = before_.x;
+  y_ = before_.y;
+  isr_ = before_.isr;
+  osr_ = before_.osr;
+  isr_count_ = before_.isr_count;
+  osr_count_ = before_.osr_count;
+  pc_ = before_.pc;
+  sleep_ = Sleep::none;
+  while ((next_q8_ >> 8) < clock) {
+    const Decoded& op = ops_[pc_];
+    execute_unnoticed(op);
+    next_q8_ += divisor_q8_;
+    move_on(op);
   }
 }
 
@@ -560,21 +707,27 @@ bool StateMachine::execute(const Decoded& op) { return execute_inline(op); }
 // ---------------------------------------------------------------------------------------------
 // The way of an instruction of the program, in one piece because most time is spent here
 
-inline void StateMachine::advance(const Decoded& op, Cycle clock) {
-  const unsigned old = pc_;
+inline void StateMachine::move_on(const Decoded& op) {
   if (jumped_)
     jumped_ = false;
   else
-    pc_ = static_cast<std::uint8_t>(old == wrap_top_ ? wrap_bottom_ : (old + 1) & 31u);
+    pc_ = static_cast<std::uint8_t>(pc_ == wrap_top_ ? wrap_bottom_ : (pc_ + 1) & 31u);
   // A delay on the instruction that latches another one is ignored (3.4.5, 3.4.8).
-  const std::uint64_t first = next_q8_;
   if (op.delay != 0 && !exec_valid_) next_q8_ += op.delay * divisor_q8_;
+}
+
+inline void StateMachine::advance(const Decoded& op, Cycle clock) {
+  const unsigned old = pc_;
+  const std::uint64_t first = next_q8_;
+  move_on(op);
   if (shared_.every_clock || restless()) {
     shared_.due[index_] = first >> 8;
     return;
   }
   shared_.due[index_] = next_q8_ >> 8;
-  if (pc_ <= old && is_jump(op.operation) && !exec_valid_) try_loop(clock);
+  if (exec_valid_) return;
+  if (pc_ <= old && is_jump(op.operation)) try_loop(clock);
+  if (ops_[pc_].own && sleep_ == Sleep::none && !sticky_) run_at_once(clock);
 }
 
 void StateMachine::step(Cycle clock) {
@@ -582,7 +735,12 @@ void StateMachine::step(Cycle clock) {
     step_forced(clock);
     return;
   }
-  if (sleep_ != Sleep::none || (next_q8_ >> 8) < clock) wake_up(clock);
+  if (sleep_ != Sleep::none || at_once_ || (next_q8_ >> 8) < clock) [[unlikely]] {
+    if (sleep_ == Sleep::none && (next_q8_ >> 8) == clock)
+      at_once_ = false;  // all that has run at once has happened
+    else
+      wake_up(clock);
+  }
   if ((next_q8_ >> 8) > clock) {
     early(clock);
     return;

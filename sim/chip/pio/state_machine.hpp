@@ -11,8 +11,14 @@
 //
 // Asleep are machines that stall on a pin, a flag or a FIFO, and machines in a loop of jumps whose
 // way round is known (`jmp x--` on itself, or a loop that counts while it polls a pin); both are
-// continued exactly where hardware would be when something changes. With every_clock set nothing
-// sleeps.
+// continued exactly where hardware would be when something changes.
+//
+// Instructions that nobody else can notice (registers of the machine alone, pins that keep their
+// levels) run at once after the one before them, up to the next that can be noticed or depends on
+// others. If something changes before that one is due, the machine goes back to where the first of
+// them began and runs them again, as far as time has come.
+//
+// With every_clock set nothing sleeps and nothing runs at once.
 #pragma once
 
 #include <algorithm>
@@ -112,6 +118,13 @@ class StateMachine {
     std::uint32_t ticks = 0, dx = 0, dy = 0;
     bool pin = false;  ///< level of the JMP pin while it sleeps
   };
+  /// What instructions can change that nobody else notices.
+  struct Own {
+    std::uint64_t next_q8 = 0;
+    std::uint32_t x = 0, y = 0, isr = 0, osr = 0;
+    unsigned isr_count = 0, osr_count = 0;
+    std::uint8_t pc = 0;
+  };
 
   bool latched() const { return exec_valid_ || forced_; }
   Cycle watched_latency() const {
@@ -129,6 +142,22 @@ class StateMachine {
   void align(Cycle clock);
   Cycle ticks_left(Cycle clock) const;
   void try_loop(Cycle clock);
+  [[gnu::noinline]] void run_at_once(Cycle clock);
+  void run_again(Cycle clock);
+  bool execute_unnoticed(const Decoded& op);
+  bool out_unnoticed(const Decoded& op);
+  bool sleep_in_wait(const Decoded& op, Cycle clock);
+  [[gnu::always_inline]] void move_on(const Decoded& op);
+  /// Ticks of the divider in a time, rounded up.
+  std::uint64_t ticks_in(std::uint64_t time_q8) const {
+    // Most machines run undivided, and a division takes as long as an instruction.
+    if (divisor_q8_ == 256) return (time_q8 + 255) >> 8;
+    return (time_q8 + divisor_q8_ - 1) / divisor_q8_;
+  }
+  /// Pins of one latch, written with levels that they have, and by nobody else.
+  bool keeps(std::uint32_t mask, std::uint32_t bits, bool dirs) const {
+    return (((dirs ? shared_.dirs : shared_.out) ^ bits) & mask) == 0 && (mask & contested_) == 0;
+  }
   void leave_loop(Cycle clock);
   void schedule();
   void decode_all();
@@ -181,10 +210,12 @@ class StateMachine {
   bool alone_ = true;                  ///< none of the pins that it can write is contested
   std::uint32_t contested_ = 0;
   Sleep sleep_ = Sleep::none;
+  bool at_once_ = false;  ///< instructions before next_q8_ have run at once
   bool waits_for_flag_ = false;
   std::uint32_t watched_pin_ = 0;
   std::uint64_t delay_left_ = 0;  ///< delay that a disabled machine has yet to do
   Loop loop_;
+  Own before_;  ///< if at_once_: as it was before them
 
   // Fields of the registers.
   std::uint32_t clkdiv_ = 0, execctrl_ = 0, shiftctrl_ = 0, pinctrl_ = 0;
