@@ -60,7 +60,10 @@ void Board::start() {
 
 void Board::run() {
   start();
-  for (;;) pass();
+  for (;;) {
+    pass();
+    wait_for_interrupt();
+  }
 }
 
 void Board::pass() {
@@ -75,8 +78,6 @@ void Board::pass() {
   }
   if (core_.loader_requested()) enter_loader();
   watchdog_.sign(Signer::main_loop);
-  // The e-stop's interrupt comes when it is pressed only: it is called up to sign.
-  if (!watchdog_.has_signed(Signer::estop)) set_bits(io_bank0().proc0_intf[estop_word], estop_edge);
   watchdog_.service();
 }
 

@@ -5,8 +5,9 @@
 //
 // One pass of the main loop takes bytes in, writes changed settings to flash, lets the core work,
 // hands answers out, looks at the switches, enters the boot loader if that was asked for and signs
-// for the watchdog. Beat and fill interrupts are masked while the core's shared data is touched, a
-// piece at a time; planning runs with all interrupts open.
+// for the watchdog. Then it sleeps: whatever it waits for comes with an interrupt, and the beat's
+// comes 100 us after the one before at the latest. Beat and fill interrupts are masked while the
+// core's shared data is touched, a piece at a time; planning runs with all interrupts open.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,7 @@ class Board {
 
   // Interrupts.
   void estop_interrupt() {
-    // The main loop forces it too, to get the signature.
+    // The beat's interrupt forces it too, to get the signature.
     if ((io_bank0().intr[estop_word] & estop_edge) != 0) real_time_.estop_interrupt();
     clear_bits(io_bank0().proc0_intf[estop_word], estop_edge);
     watchdog_.sign(Signer::estop);
@@ -53,6 +54,10 @@ class Board {
       note_job();
     }
     watchdog_.sign(Signer::beat);
+    // The e-stop's interrupt comes when it is pressed only: it is called up to sign. From here, for
+    // from the main loop it would keep that from sleeping.
+    if (!watchdog_.has_signed(Signer::estop))
+      set_bits(io_bank0().proc0_intf[estop_word], estop_edge);
   }
   void fill_interrupt() {
     real_time_.fill_interrupt(core_);
