@@ -110,6 +110,7 @@ class TimeWheel {
   std::uint64_t hz_ = 6'500'000;  ///< the ring oscillator, nominally (RP2040 datasheet, 2.17)
   Cycle base_cycle_ = 0;          ///< where hz_ began to hold
   Picoseconds base_time_ = 0;
+  Picoseconds ps_per_cycle_ = 0;  ///< 0: no whole number
 };
 
 }  // namespace lamplock::sim::chip

@@ -1144,12 +1144,14 @@ void Core::run_until(Cycle limit) {
       notice_access();
       run_events(cycle_);
       give_back();
-      if (stop_) break;
-      if (idle()) {
-        idle_to(limit);
-        continue;
+      if (attention_) {
+        if (stop_) break;
+        if (idle()) {
+          idle_to(limit);
+          continue;
+        }
+        if (attend()) continue;
       }
-      if (attend()) continue;
     }
     execute(undisturbed_until(limit));
   }

@@ -90,11 +90,8 @@ void Dma::clock(Cycle clock) {
   advance_to(clock);
   give_back();
   if (fifo_level_ != 0) write_phase(clock);
-  if (busy_mask_ != 0) {
-    read_phase(clock);
-    give_credits();
-  }
-  find_due(clock);
+  if (busy_mask_ != 0) read_phase(clock);
+  find_due(clock, true);
 }
 
 /// Another master's access went before the last read or write after all.
@@ -211,15 +208,6 @@ unsigned Dma::owed(const Channel& channel) const {
          (is_transmit(channel.treq()) ? channel.in_flight : 0);
 }
 
-void Dma::give_credits() {
-  for (std::uint32_t rest = busy_mask_; rest != 0; rest &= rest - 1) {
-    Channel& channel = channels_[static_cast<unsigned>(std::countr_zero(rest))];
-    const unsigned treq = channel.treq();
-    if (treq >= first_timer || is_pwm(treq)) continue;
-    if (available(treq) > owed(channel)) channel.arriving |= std::uint64_t{1} << timing_.dma_start;
-  }
-}
-
 void Dma::set_clock(bool runs, Cycle next) {
   if (runs != stopped_) return;
   stopped_ = !runs;
@@ -250,7 +238,9 @@ void Dma::pulse(unsigned dreq, Cycle clock) {
   find_due(clock);
 }
 
-void Dma::find_due(Cycle clock) {
+/// When it has something to do next; `gives_credits`: at the end of a clock, one at most to each
+/// channel whose FIFO has more than is spoken for.
+void Dma::find_due(Cycle clock, bool gives_credits) {
   due_ = never_cycle;
   const auto by = [this, clock](Cycle when) { due_ = std::min(due_, std::max(when, clock + 1)); };
   if (fifo_level_ != 0) by(std::max(fifo_[fifo_head_].ready, write_free_));
@@ -259,8 +249,15 @@ void Dma::find_due(Cycle clock) {
   bool active = fifo_level_ != 0;
   std::uint32_t wraps = 0;
   for (std::uint32_t rest = busy_mask_; rest != 0; rest &= rest - 1) {
-    const Channel& channel = channels_[static_cast<unsigned>(std::countr_zero(rest))];
+    Channel& channel = channels_[static_cast<unsigned>(std::countr_zero(rest))];
     const unsigned treq = channel.treq();
+    if (treq < first_timer && !is_pwm(treq)) {
+      const unsigned there = available(treq), spoken_for = owed(channel);
+      if (there > spoken_for) {
+        if (gives_credits) channel.arriving |= std::uint64_t{1} << timing_.dma_start;
+        if (!gives_credits || there > spoken_for + 1) by(clock + 1);
+      }
+    }
     if (is_pwm(treq)) wraps |= 1u << (treq - static_cast<unsigned>(Dreq::pwm_wrap0));
     if (channel.count == 0) by(channel.ready);
     if (channel.enabled() && channel.to_read != 0 && fifo_level_ != fifo_depth &&
@@ -276,8 +273,6 @@ void Dma::find_due(Cycle clock) {
         const std::uint32_t step = std::min(timer.x, timer.y);
         by(now_ + (timer.y - timer.sum + step - 1) / step);
       }
-    } else if (treq < first_timer && !is_pwm(treq) && available(treq) > owed(channel)) {
-      by(clock + 1);
     }
   }
   dreqs_.await_wraps(wraps);

@@ -95,7 +95,6 @@ class Dma final : public Peripheral {
   void write_phase(Cycle clock);
   void read_phase(Cycle clock);
   void finish(unsigned channel, Cycle clock);
-  void give_credits();
   void trigger(unsigned channel, Cycle clock);
   void trigger_written(unsigned channel, std::uint32_t value, Cycle clock);
   void abort(unsigned channel);
@@ -107,7 +106,7 @@ class Dma final : public Peripheral {
   std::uint32_t aligned(std::uint32_t address, const Channel& channel);
   void raise(unsigned channel);
   void update_lines();
-  void find_due(Cycle clock);
+  void find_due(Cycle clock, bool gives_credits = false);
   std::uint32_t control_of(const Channel& channel) const;
   void set_control(Channel& channel, std::uint32_t value);
   void write_channel(std::uint32_t offset, std::uint32_t value, Cycle clock);

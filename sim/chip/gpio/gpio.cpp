@@ -36,7 +36,6 @@ constexpr std::uint32_t pad_reset = 0x56;
 constexpr std::uint32_t swclk_pad_reset = 0xda;
 constexpr std::uint32_t swd_pad_reset = 0x5a;
 
-constexpr auto last_function = static_cast<std::size_t>(PinFunction::usb);  // that drives pins
 constexpr unsigned pins_per_word = 8;  // in INTR, INTE, INTF, INTS
 
 void assign_bit(std::uint32_t& word, unsigned bit, bool level) {
@@ -89,13 +88,6 @@ void Gpio::set_external(unsigned gpio, External level, Cycle at) {
 // Levels from the peripherals through overrides and pads to the inputs. A pad that is driven from
 // both sides shows what the chip drives.
 void Gpio::update(Cycle at) {
-  out_from_peripheral_ = 0;
-  enable_from_peripheral_ = 0;
-  for (std::size_t function = 0; function <= last_function; ++function) {
-    const Source& source = sources_[function];
-    out_from_peripheral_ |= source.levels & source.selected;
-    enable_from_peripheral_ |= source.enables & source.selected;
-  }
   const std::uint32_t out = out_override_.apply(out_from_peripheral_);
   const std::uint32_t driven = enable_override_.apply(enable_from_peripheral_) & ~output_disable_;
   driven_ = driven;
@@ -353,7 +345,9 @@ void Gpio::write_control(unsigned gpio, std::uint32_t value) {
   const std::uint32_t bit = 1u << gpio;
   sources_[control_[gpio] & function_mask].selected &= ~bit;
   control_[gpio] = value;
-  sources_[value & function_mask].selected |= bit;
+  Source& source = sources_[value & function_mask];
+  source.selected |= bit;
+  take_outputs(source, bit);
   out_override_.set(gpio, value >> 8);
   enable_override_.set(gpio, value >> 12);
   input_override_.set(gpio, value >> 16);

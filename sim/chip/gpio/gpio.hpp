@@ -91,7 +91,9 @@ class Gpio : private Timed {
     if (changed == 0) return;
     source.levels = levels;
     source.enables = enables;
-    if ((changed & source.selected) != 0) update(at);
+    if ((changed & source.selected) == 0) return;
+    take_outputs(source, source.selected);
+    update(at);
   }
   /// What the outside puts on a pin.
   void set_external(unsigned gpio, External level, Cycle at);
@@ -178,6 +180,11 @@ class Gpio : private Timed {
   };
 
   void run(Cycle to) override;
+  /// What a function puts on these pins, which are connected to it.
+  void take_outputs(const Source& source, std::uint32_t pins) {
+    out_from_peripheral_ = (out_from_peripheral_ & ~pins) | (source.levels & pins);
+    enable_from_peripheral_ = (enable_from_peripheral_ & ~pins) | (source.enables & pins);
+  }
   void update(Cycle at);
   void level_wires(std::uint32_t out, std::uint32_t before);
   void tell(Cycle at);

@@ -65,9 +65,6 @@ bool is_own(const Decoded& op) {
     case Operation::irq:
     case Operation::set_reserved:
       return false;
-    case Operation::set_pins:
-    case Operation::set_pindirs:
-      return op.set_mask == 0;  // it mostly changes one
     default:
       return true;
   }

@@ -75,7 +75,6 @@ inline void PioDmaClock::put_on_pads(Cycle clock) {
       const std::uint32_t levels = pio_[i].take_levels() & bank_pins;
       gpio_.drive(functions[i], levels, pio_[i].take_enables() & bank_pins, clock);
     }
-  for (PioBlock& block : pio_) block.set_inputs(gpio_.inputs(), clock);
 }
 
 void PioDmaClock::one_clock(Cycle clock) {

@@ -727,7 +727,10 @@ inline void StateMachine::advance(const Decoded& op, Cycle clock) {
   shared_.due[index_] = next_q8_ >> 8;
   if (exec_valid_) return;
   if (pc_ <= old && is_jump(op.operation)) try_loop(clock);
-  if (ops_[pc_].own && sleep_ == Sleep::none && !sticky_) run_at_once(clock);
+  const Decoded& following = ops_[pc_];
+  if (following.own && sleep_ == Sleep::none && !sticky_ &&
+      keeps(following.set_mask, following.set_bits, following.operation == Operation::set_pindirs))
+    run_at_once(clock);
 }
 
 void StateMachine::step(Cycle clock) {
