@@ -15,6 +15,9 @@ constexpr std::uint32_t dma_base = 0x5000'0000;
 constexpr std::uint32_t pio0_base = 0x5020'0000;
 constexpr std::uint32_t pio1_base = 0x5030'0000;
 constexpr std::uint32_t rom_vectors = 0;
+/// A run goes on for so many cycles so that none of the cores is in the middle of an instruction:
+/// two loops of multiple accesses may never both be between two.
+constexpr Cycle patience = 1000;
 
 }  // namespace
 
@@ -94,11 +97,12 @@ void Chip::attach_core(int id) {
     cores_[i].request_stop();
   };
   // While one core runs on, what it notices may wake the other one.
-  core.on_lines_changed = [this, i] {
+  core.on_lines_changed = [this, i](Cycle when) {
     Core& other = cores_[1 - i];
-    if (held_[1 - i] || !other.idle()) return;
+    if (held_[1 - i]) return;
+    if (!other.idle()) return other.lines_changed(when);
     other.idle_to(wheel_.now());
-    if (!other.idle()) cores_[i].request_stop();
+    if (!other.idle()) wait_for_woken(1 - i);
   };
   core.on_deep_sleep = [this, i](bool asleep) {
     if (!asleep) return wake_up(cores_[i].cycle());
@@ -106,8 +110,14 @@ void Chip::attach_core(int id) {
     if (runs_alone_ == &cores_[i]) cores_[i].request_stop();
   };
   core.on_woken = [this, i] {
-    if (!held_[i] && runs_alone_ == &cores_[1 - i]) cores_[1 - i].request_stop();
+    if (!held_[i] && runs_alone_ == &cores_[1 - i]) wait_for_woken(i);
   };
+}
+
+// The core that ran alone goes no further ahead of the one that it has woken.
+void Chip::wait_for_woken(std::size_t woken) {
+  cores_[1 - woken].wait_for(&cores_[woken]);
+  cores_[1 - woken].request_stop();
 }
 
 void Chip::attach_gates() {
@@ -222,19 +232,25 @@ void Chip::run_until(Cycle until) {
     // Nothing moves the wheel while cores run from memory.
     const Cycle reached = std::min(held_[0] ? never_cycle : cores_[0].cycle(),
                                    held_[1] ? never_cycle : cores_[1].cycle());
-    if (reached >= until) {
+    if (reached >= until && (between_instructions() || reached - until >= patience)) {
       // The core that is behind notices first what happens, as it does while both run.
       const std::size_t behind = cores_[0].cycle() <= cores_[1].cycle() ? 0 : 1;
       for (const std::size_t i : {behind, 1 - behind})
-        if (!held_[i]) cores_[i].run_events(until);
-      wheel_.advance_to(until);
+        if (!held_[i]) cores_[i].run_events(reached);
+      // As far as any event can have been run within their last instructions.
+      wheel_.advance_to(reached);
       return;
     }
+    const Cycle limit = std::max(until, reached + 1);
     if (watcher_ == nullptr)
-      run_both(until);
-    else if (!watched_step(until))
+      run_both(limit);
+    else if (!watched_step(limit))
       return;
   }
+}
+
+bool Chip::between_instructions() const {
+  return (held_[0] || !cores_[0].paused()) && (held_[1] || !cores_[1].paused());
 }
 
 void Chip::run_both(Cycle until) {
@@ -256,6 +272,7 @@ void Chip::run_both(Cycle until) {
 
 void Chip::run_alone(Core& core, Cycle until) {
   bus_.set_two_cores(false);
+  core.wait_for(nullptr);
   runs_alone_ = &core;
   core.run_until(until);
   runs_alone_ = nullptr;
@@ -263,8 +280,10 @@ void Chip::run_alone(Core& core, Cycle until) {
 
 // The core that sleeps is where the other one is, who first takes note of what is due.
 void Chip::bring_along(std::size_t sleeper) {
+  if (!held_[sleeper] && !cores_[sleeper].idle()) return;
   Core& core = cores_[1 - sleeper];
   core.run_events(core.cycle());
+  core.wait_for(nullptr);
   if (!held_[sleeper]) cores_[sleeper].idle_to(core.cycle());
 }
 
@@ -277,17 +296,24 @@ bool Chip::watched_step(Cycle until) {
                         : cores_[0].cycle() <= cores_[1].cycle() ? 0
                                                                  : 1;
   Core& core = cores_[i];
-  bus_.set_two_cores(!(only0 && !held_[0]) && !(only1 && !held_[1]));
+  const bool two = !(only0 && !held_[0]) && !(only1 && !held_[1]);
+  bus_.set_two_cores(two);
+  if (two) core.wait_for(&cores_[1 - i]);
+  bool goes_on = true;
   if (core.idle()) {
     const Cycle before = core.cycle();
     core.idle_to(until);
     if (core.cycle() == before && core.idle()) core.step();  // takes note of request_stop()
   } else if (core.cycle() < until) {
-    if (!watcher_->before_step(core)) return false;
-    core.step();
+    core.run_events(core.cycle());
+    if (core.owes())
+      core.give_back();
+    else if (core.paused() || (goes_on = watcher_->before_step(core)))
+      core.step();
   }
-  if (cores_[1 - i].idle()) bring_along(1 - i);
-  return true;
+  core.wait_for(nullptr);
+  if (goes_on && cores_[1 - i].idle()) bring_along(1 - i);
+  return goes_on;
 }
 
 }  // namespace lamplock::sim::chip

@@ -71,7 +71,8 @@ class Chip final : private ClockListener, private TickListener {
   /// The RUN pin goes low for a moment: SRAM is kept, the flash goes on.
   void run_pin() { system_.reset(ChipReset::run_pin); }
 
-  /// Runs until both cores have reached `until`, or a little more.
+  /// Runs until both cores have reached `until` and are between two instructions; now() is where
+  /// the one that is behind stands.
   void run_until(Cycle until);
   /// While there is a watcher the cores go step by step: slower, but the same run. null: none.
   void watch_steps(StepWatcher* watcher) { watcher_ = watcher; }
@@ -107,10 +108,12 @@ class Chip final : private ClockListener, private TickListener {
   void attach_gates();
   void fall_asleep();
   void wake_up(Cycle at);
+  bool between_instructions() const;
   void run_both(Cycle until);
   void run_alone(Core& core, Cycle until);
   bool watched_step(Cycle until);
   void bring_along(std::size_t sleeper);
+  void wait_for_woken(std::size_t woken);
 
   std::vector<std::string> not_modelled_;
   std::set<std::string> known_;

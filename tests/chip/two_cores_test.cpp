@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <initializer_list>
 #include <random>
@@ -101,6 +102,65 @@ class Onlooker final : public StepWatcher {
  public:
   bool before_step(Core& /*core*/) override { return true; }
 };
+
+/// The cycles of a pin's edges.
+class Edges final : public PadListener {
+ public:
+  void pad_changed(unsigned gpio, bool /*level*/, Cycle at) override {
+    if (gpio == pin) cycles.push_back(at);
+  }
+  static constexpr unsigned pin = 3;
+  std::vector<Cycle> cycles;
+};
+
+/// What core 0 shows on its pin, a store and a branch for each edge, while core 1 keeps entering a
+/// handler and moves lists of words, from memories that core 0 does not use.
+std::vector<Cycle> edges_beside_a_busy_core(Cycle period, bool every_clock, bool watched,
+                                            Cycle slice) {
+  constexpr std::uint32_t clear_reset = 0x4000'f000, io_and_pads = 1u << 5 | 1u << 8,
+                          pin_control = 0x4001'4004 + 8 * Edges::pin, function_sio = 5,
+                          enable_set = 0xd000'0024, toggle = 0xd000'001c;
+  Chip chip;
+  Onlooker onlooker;
+  Start start(chip);
+  const auto write = [&chip](std::uint32_t address, std::uint32_t value) {
+    chip.bus().write(address, value, Width::word, Master::core0, chip.now());
+  };
+  write(clear_reset, io_and_pads);
+  write(pin_control, function_sio);
+  write(enable_set, 1u << Edges::pin);
+  put(chip, loop_code, {0x6001, 0xe7fd});  // STR r1, [r0]; B
+  put(chip, sleep_code, {0x6041, 0x2200, 0x6082, 0x2207, 0x6002, 0xb4f0, 0xbcf0, 0xe7fc});
+  put(chip, handler, {0xb5f0, 0xbdf0});  // PUSH, POP {r4-r7, lr or pc}
+  put_word(chip, vectors + 15 * 4, handler | 1);
+  chip.core(1).set_vtor(vectors);
+  start.core(0, loop_code, {toggle, 1u << Edges::pin});
+  start.core(1, sleep_code, {syst_csr, static_cast<std::uint32_t>(period - 1)});
+  Edges edges;
+  chip.gpio().listen(edges);
+  if (watched) chip.watch_steps(&onlooker);
+  chip.pio_dma().set_step_every_clock(every_clock);
+  const Cycle end = chip.now() + 4000;
+  while (chip.now() < end) chip.run_until(std::min(end, chip.now() + slice));
+  std::erase_if(edges.cycles, [end](Cycle at) { return at >= end; });
+  return edges.cycles;
+}
+
+// Nothing that a core does in several cycles takes time ahead of the other one: neither an
+// exception nor a multiple access of core 1 moves an edge of core 0.
+TEST(TwoCores, NoneTakesTimeAheadOfTheOther) {
+  constexpr Cycle whole = 1'000'000;
+  for (Cycle period = 60; period < 60 + static_cast<Cycle>(scaled(12)); ++period) {
+    SCOPED_TRACE(period);
+    const std::vector<Cycle> plain = edges_beside_a_busy_core(period, false, false, whole);
+    ASSERT_GT(plain.size(), 1000u);
+    for (std::size_t i = 1; i < plain.size(); ++i)
+      ASSERT_EQ(plain[i] - plain[i - 1], 3u) << "at " << plain[i];
+    EXPECT_EQ(edges_beside_a_busy_core(period, true, false, whole), plain);
+    EXPECT_EQ(edges_beside_a_busy_core(period, false, true, whole), plain);
+    EXPECT_EQ(edges_beside_a_busy_core(period, true, false, 7), plain);
+  }
+}
 
 // A core may run on without the other one only where nobody can tell: random programs that share
 // words, wake each other and sleep give the same run step by step, and however time is cut.

@@ -76,6 +76,7 @@ void Core::reset(std::uint32_t vector_table) {
   c_ = v_ = false;
   takeable_ = locked_up_ = stop_ = primask_ = event_ = nmi_level_ = false;
   sleep_ = Sleep::awake;
+  pause_ = Pause::none;
   ipsr_ = 0;
   control_ = other_sp_ = vtor_ = scr_ = 0;
   mpu_.reset();
@@ -322,20 +323,46 @@ bool Core::store(std::uint32_t address, Width width, std::uint32_t value) {
   return complete(address, access);
 }
 
-// Between two words of a multiple access: an interrupt abandons the instruction, which starts
-// anew after the handler.
-bool Core::abandon_for_interrupt() {
-  if (wheel_.next() > cycle_ && irqs_.changes() == seen_changes_ && !takeable_) return false;
-  notice_access();
-  run_events(cycle_);
-  return takeable_;
+// Between two words of a multiple access, where nearly always nothing is in the way.
+inline bool Core::word_may_begin(unsigned word) {
+  if (other_ == nullptr && wheel_.next() > cycle_ && irqs_.changes() == seen_changes_ && !takeable_)
+      [[likely]]
+    return true;
+  return !pause_or_abandon(word);
 }
 
-// The words of a multiple access, one after the other. False: it faulted or was abandoned.
+// An interrupt abandons the instruction, which starts anew after the handler. Before it is looked
+// for, the other core has to have come as far.
+[[gnu::noinline]] bool Core::pause_or_abandon(unsigned word) {
+  if (!waits()) {
+    notice_access();
+    run_events(cycle_);
+    if (!waits()) return takeable_;
+  }
+  multiple_.next = word;
+  pause_ = Pause::words;
+  update_attention();
+  return true;
+}
+
+// The first word that is not done, of an instruction that begins or goes on.
+inline unsigned Core::begin_words(std::uint16_t instruction) {
+  if (pause_ != Pause::words) {
+    multiple_.instruction = instruction;
+    return 0;
+  }
+  pause_ = Pause::none;
+  update_attention();
+  return multiple_.next;
+}
+
+// The words of a multiple access from `first` on, one after the other. False: it faulted, pauses or
+// was abandoned.
 template <class Transfer>
-inline bool Core::each_word(std::uint32_t address, unsigned count, const Transfer& transfer) {
-  for (unsigned i = 0; i < count; ++i) {
-    if (i != 0 && abandon_for_interrupt()) return false;
+inline bool Core::each_word(std::uint32_t address, unsigned first, unsigned count,
+                            const Transfer& transfer) {
+  for (unsigned i = first; i < count; ++i) {
+    if (i != 0 && !word_may_begin(i)) return false;
     const Access access = (address & 3) == 0 ? transfer(address + 4 * i, i) : Access{0, 0, true};
     if (access.fault) {
       hard_fault();
@@ -346,16 +373,16 @@ inline bool Core::each_word(std::uint32_t address, unsigned count, const Transfe
   return true;
 }
 
-bool Core::load_block(std::uint32_t address, unsigned count, Words& words) {
-  return each_word(address, count, [&](std::uint32_t at, unsigned i) {
+bool Core::load_block(std::uint32_t address, unsigned first, unsigned count) {
+  return each_word(address, first, count, [&](std::uint32_t at, unsigned i) {
     const Access access = read_bus(at, Width::word);
-    words[i] = access.value;
+    multiple_.words[i] = access.value;
     return access;
   });
 }
 
-bool Core::store_block(std::uint32_t address, unsigned count, const Words& words) {
-  return each_word(address, count, [&](std::uint32_t at, unsigned i) {
+bool Core::store_block(std::uint32_t address, unsigned first, unsigned count, const Words& words) {
+  return each_word(address, first, count, [&](std::uint32_t at, unsigned i) {
     return write_bus(at, Width::word, words[i]);
   });
 }
@@ -399,11 +426,10 @@ bool Core::load_multiple(std::uint16_t op) {
   const unsigned list = imm8(op), base = register8(op);
   if (list == 0) return unpredictable(op);
   const auto count = static_cast<unsigned>(std::popcount(list));
-  Words words;
   const std::uint32_t address = r_[base];
-  if (!load_block(address, count, words)) return false;
+  if (!load_block(address, begin_words(op), count)) return false;
   r_[base] = address + 4 * count;
-  scatter(list, words);
+  scatter(list, multiple_.words);
   return true;
 }
 
@@ -413,7 +439,7 @@ bool Core::store_multiple(std::uint16_t op) {
   Words words;
   const unsigned count = gather(list, words);
   const std::uint32_t address = r_[base];
-  if (!store_block(address, count, words)) return false;
+  if (!store_block(address, begin_words(op), count, words)) return false;
   r_[base] = address + 4 * count;
   return true;
 }
@@ -425,7 +451,7 @@ bool Core::push(std::uint16_t op) {
   unsigned count = gather(list, words);
   if ((list & 0x100) != 0) words[count++] = r_[14];
   const std::uint32_t address = r_[13] - 4 * count;
-  if (!store_block(address, count, words)) return false;
+  if (!store_block(address, begin_words(op), count, words)) return false;
   r_[13] = address;
   return true;
 }
@@ -439,15 +465,15 @@ void Core::pop(std::uint16_t op) {
     return;
   }
   const auto count = static_cast<unsigned>(std::popcount(list));
-  Words words;
-  cycle_ += 1;
-  if (abandon_for_interrupt() || !load_block(r_[13], count, words)) return;
+  if (pause_ != Pause::words) cycle_ += 1;
+  const unsigned first = begin_words(op);
+  if ((first == 0 && !word_may_begin(0)) || !load_block(r_[13], first, count)) return;
   r_[13] += 4 * count;
-  const unsigned next = scatter(list, words);
+  const unsigned next = scatter(list, multiple_.words);
   if ((list & 0x100) == 0)
     pc_ += 2;
   else
-    branch_exchange(words[next]);
+    branch_exchange(multiple_.words[next]);
 }
 
 // --- Branches ------------------------------------------------------------------------------------
@@ -1127,11 +1153,48 @@ void Core::give_back() {
   update_attention();
 }
 
+void Core::resume() {
+  switch (pause_) {
+    case Pause::none:
+      break;
+    case Pause::words:
+      return resume_words();
+    case Pause::entering:
+      return finish_entry();
+    case Pause::leaving:
+      return finish_return();
+  }
+}
+
+void Core::resume_words() {
+  const std::uint16_t op = multiple_.instruction;
+  switch (decode(op)) {
+    case Op::pop:
+      return pop(op);
+    case Op::push:
+      if (!push(op)) return;
+      break;
+    case Op::stm:
+      if (!store_multiple(op)) return;
+      break;
+    default:
+      if (!load_multiple(op)) return;
+      break;
+  }
+  pc_ += 2;
+  cycle_ += 1;
+}
+
 Cycle Core::step() {
   const Cycle start = cycle_;
   give_back();
-  if (attention_needed() && attend()) return cycle_ - start;
-  execute(0);
+  if (waits()) return cycle_ - start;
+  if (pause_ != Pause::none)
+    resume();
+  else if (attention_needed() && attend())
+    return cycle_ - start;
+  else
+    execute(0);
   notice_access();
   return cycle_ - start;
 }
@@ -1146,6 +1209,10 @@ void Core::run_until(Cycle limit) {
       give_back();
       if (attention_) {
         if (stop_) break;
+        if (pause_ != Pause::none) {
+          resume();
+          continue;
+        }
         if (idle()) {
           idle_to(limit);
           continue;
@@ -1157,14 +1224,17 @@ void Core::run_until(Cycle limit) {
   }
   notice_access();
   stop_ = false;
+  other_ = nullptr;
   update_attention();
 }
 
 // The same steps as step() makes, one core's after the other's.
 void Core::run_two(Core& first, Core& second, Cycle limit) {
+  first.other_ = &second;
+  second.other_ = &first;
   for (;;) {
     Core& core = first.cycle_ <= second.cycle_ ? first : second;
-    if (core.cycle_ >= limit) return;
+    if (core.cycle_ >= limit) break;
     if (core.attention_needed()) [[unlikely]] {
       core.step();
     } else {
@@ -1174,8 +1244,9 @@ void Core::run_two(Core& first, Core& second, Cycle limit) {
     // Who stops or falls asleep, or wakes the other in a way that needs to be looked at, wants
     // attention.
     if (core.attention_ && (core.stop_ || core.idle())) [[unlikely]]
-      return;
+      break;
   }
+  first.other_ = second.other_ = nullptr;
 }
 
 }  // namespace lamplock::sim::chip

@@ -82,7 +82,8 @@ class Core {
   /// Reset state; stack pointer and entry point from the vector table there (VTOR stays 0). Time
   /// goes on from the wheel's.
   void reset(std::uint32_t vector_table);
-  /// Runs what is due, then one instruction or one exception entry. Cycles it took; 0: idle().
+  /// Runs what is due, then one instruction or one exception entry. Cycles it took; 0: idle(), or
+  /// the other core goes first.
   Cycle step();
   /// Steps and sleeps until cycle() is `limit` or a little more, or until request_stop().
   void run_until(Cycle limit);
@@ -97,6 +98,20 @@ class Core {
   void run_events(Cycle to);
   /// run_until() returns after the current step.
   void request_stop();
+  /// While the other core is awake, this one never runs time ahead of it, not inside a step either:
+  /// what takes several cycles pauses until the other one has come as far. null: it sleeps. Until
+  /// run_until() or run_two() returns.
+  void wait_for(const Core* other) { other_ = other; }
+  /// In the middle of a multiple access, or on the way into or out of a handler; the next step goes
+  /// on with it.
+  bool paused() const { return pause_ != Pause::none; }
+  /// Interrupt lines have changed, and somebody else has noticed it. On the way into or out of a
+  /// handler it matters when.
+  void lines_changed(Cycle when);
+  /// An access of the other master went before one of this core after all (Arbiter).
+  bool owes() const { return bus_.arbiter().owes(static_cast<Requester>(master_)); }
+  /// What step() begins with: the cycles that it owes.
+  void give_back();
 
   Cycle cycle() const { return cycle_; }
   /// In WFI, WFE or after SLEEPONEXIT, and nothing has happened yet to end it.
@@ -150,8 +165,9 @@ class Core {
   void send_event() { event_ = true; }
   /// This core's SEV; it has set its own event register already.
   std::function<void()> on_event;
-  /// This core has noticed that interrupt lines have changed; not called from inside an event.
-  std::function<void()> on_lines_changed;
+  /// This core has noticed that interrupt lines have changed in cycle `when`; not called from
+  /// inside an event.
+  std::function<void(Cycle when)> on_lines_changed;
   /// This core slept and its SysTick has just ended that; called from inside an event, perhaps of
   /// the other core's time.
   std::function<void()> on_woken;
@@ -169,6 +185,8 @@ class Core {
 
  private:
   enum class Sleep : std::uint8_t { awake, wfi, wfe };
+  /// What a step has not ended.
+  enum class Pause : std::uint8_t { none, words, entering, leaving };
   static constexpr std::uint32_t scr_sleep_deep = 1u << 2;
 
   // core.cpp: instructions
@@ -198,13 +216,20 @@ class Core {
   std::uint8_t* put(unsigned list, std::uint8_t* words) const;
   void take(unsigned list, const std::uint8_t* words);
   template <class Transfer>
-  bool each_word(std::uint32_t address, unsigned count, const Transfer& transfer);
-  bool load_block(std::uint32_t address, unsigned count, Words& words);
-  bool store_block(std::uint32_t address, unsigned count, const Words& words);
-  bool abandon_for_interrupt();
-  /// An access of the other master went before one of this core after all (Arbiter).
-  bool owes() const { return bus_.arbiter().owes(static_cast<Requester>(master_)); }
-  void give_back();
+  bool each_word(std::uint32_t address, unsigned first, unsigned count, const Transfer& transfer);
+  bool load_block(std::uint32_t address, unsigned first, unsigned count);
+  bool store_block(std::uint32_t address, unsigned first, unsigned count, const Words& words);
+  bool word_may_begin(unsigned word);
+  bool pause_or_abandon(unsigned word);
+  unsigned begin_words(std::uint16_t instruction);
+  void resume();
+  void resume_words();
+  /// The last cycle whose events this core may run now.
+  Cycle horizon() const { return other_ == nullptr ? never_cycle : other_->cycle_; }
+  /// The other core makes the next step.
+  bool waits() const {
+    return other_ != nullptr && (id_ == 0 ? other_->cycle_ < cycle_ : other_->cycle_ <= cycle_);
+  }
   bool complete(std::uint32_t address, const Access& access);
   [[gnu::noinline]] bool load(std::uint32_t address, Width width, std::uint32_t& value);
   [[gnu::noinline]] bool store(std::uint32_t address, Width width, std::uint32_t value);
@@ -254,6 +279,10 @@ class Core {
   void enter(unsigned number, std::uint32_t return_address);
   bool push_frame(std::uint32_t return_address, std::uint32_t& waits);
   void start_handler(unsigned number, Cycle since, Cycle end);
+  bool pass_exchange();
+  void finish_entry();
+  void finish_return();
+  void notice_in_exchange(unsigned best, Cycle when);
   void exception_return(std::uint32_t value);
   void chain(unsigned number, std::uint32_t exc_return, Cycle at);
   bool pop_frame(std::uint32_t exc_return, std::uint32_t& waits);
@@ -295,6 +324,7 @@ class Core {
   bool locked_up_ = false;
   bool stop_ = false;
   bool primask_ = false;
+  Pause pause_ = Pause::none;
   bool event_ = false;  ///< the event register of WFE
   bool nmi_level_ = false;
   Sleep sleep_ = Sleep::awake;
@@ -306,6 +336,23 @@ class Core {
   std::uint32_t scr_ = 0;
   std::uint32_t nmi_mask_ = 0;
   Mpu mpu_;
+
+  const Core* other_ = nullptr;  ///< awake
+  /// A multiple access, of which words before `next` are done.
+  struct Multiple {
+    std::uint16_t instruction = 0;
+    unsigned next = 0;
+    Words words{};
+  };
+  Multiple multiple_;
+  /// The way into a handler or out of it.
+  struct Exchange {
+    unsigned number = 0;       ///< of the handler entered
+    std::uint32_t value = 0;   ///< EXC_RETURN of the handler left
+    Cycle start = 0;           ///< where it began
+    Cycle since = 0, end = 0;  ///< of entry, chain or return; what comes before `end` may turn it
+  };
+  Exchange exchange_;
 
   int id_;
   Master master_;

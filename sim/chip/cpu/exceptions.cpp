@@ -42,11 +42,13 @@ void Core::refresh(Cycle when) {
   const bool take = best != 0 && nvic_.priority(best) < execution_priority();
   if (take && !takeable_) since_ = when;
   takeable_ = take;
+  if (pause_ == Pause::entering || pause_ == Pause::leaving) notice_in_exchange(best, when);
   update_attention();
 }
 
 void Core::update_attention() {
-  attention_ = takeable_ || stop_ || locked_up_ || !thumb_ || sleep_ != Sleep::awake || owes();
+  attention_ = takeable_ || stop_ || locked_up_ || !thumb_ || sleep_ != Sleep::awake ||
+               pause_ != Pause::none || owes();
 }
 
 void Core::sample(Cycle when) {
@@ -61,12 +63,16 @@ void Core::sample(Cycle when) {
   nmi_level_ = nmi;
   if (pended && (scr_ & scr_sev_on_pend) != 0) event_ = true;
   refresh(when);
-  if (on_lines_changed) on_lines_changed();
+  if (on_lines_changed) on_lines_changed(when);
 }
 
-// One event after the other, so that it is known when a line rose.
+void Core::lines_changed(Cycle when) {
+  if (pause_ != Pause::none && irqs_.changes() != seen_changes_) sample(when);
+}
+
+// One event after the other, so that it is known when a line rose; one may wake the other core.
 void Core::run_events(Cycle to) {
-  while (wheel_.next() <= to) {
+  while (wheel_.next() <= std::min(to, horizon())) {
     const Cycle when = wheel_.next();
     wheel_.advance_to(when);
     if (irqs_.changes() != seen_changes_) sample(when);
@@ -108,6 +114,7 @@ void Core::systick_expired() {
 // Whatever comes before the next instruction; true if the step is used up.
 bool Core::attend() {
   run_events(cycle_);
+  if (waits()) return true;
   if (stop_) {
     stop_ = false;
     update_attention();
@@ -219,15 +226,52 @@ bool Core::push_frame(std::uint32_t return_address, std::uint32_t& waits) {
 // The end of an entry or a chain: until the handler's first instruction runs, a higher priority may
 // still take its place.
 void Core::start_handler(unsigned number, Cycle since, Cycle end) {
-  while (wheel_.next() < end) {
+  exchange_ = {number, 0, cycle_, since, end};
+  pause_ = Pause::entering;
+  finish_entry();
+}
+
+// What is due until the end of an exchange, one event after the other; refresh() may turn it.
+// False: it pauses there, because others have not come as far.
+bool Core::pass_exchange() {
+  const Pause kind = pause_;
+  while (wheel_.next() < exchange_.end && wheel_.next() <= horizon()) {
     const Cycle when = wheel_.next();
     wheel_.advance_to(when);
     if (irqs_.changes() != seen_changes_) sample(when);
-    const unsigned best = nvic_.best();
-    if (best == 0 || nvic_.priority(best) >= nvic_.priority(number)) continue;
-    number = best;
-    end = std::max(end, when + timing_.tail_chain);
+    if (pause_ != kind) return true;
   }
+  if (horizon() >= exchange_.end - 1) {
+    cycle_ = exchange_.start;
+    return true;
+  }
+  cycle_ = exchange_.end - 1;
+  update_attention();
+  return false;
+}
+
+// Something has become pending on the way.
+void Core::notice_in_exchange(unsigned best, Cycle when) {
+  if (when >= exchange_.end) return;
+  if (pause_ == Pause::entering) {
+    if (best == 0 || nvic_.priority(best) >= nvic_.priority(exchange_.number)) return;
+    exchange_.number = best;
+    exchange_.end = std::max(exchange_.end, when + timing_.tail_chain);
+  } else {
+    // What comes while the registers are on their way back ends that, and is chained.
+    if (!takeable_) return;
+    r_[14] = exchange_.value;
+    const Cycle since = std::max(when, exchange_.start);
+    exchange_ = {best, 0, exchange_.start, since, since + timing_.tail_chain};
+    pause_ = Pause::entering;
+  }
+  cycle_ = exchange_.end - 1;
+}
+
+void Core::finish_entry() {
+  if (!pass_exchange()) return;
+  pause_ = Pause::none;
+  unsigned number = exchange_.number;
   std::uint32_t vector = 0;
   // Vectors are read past the MPU (ARMv6-M ARM, B3.5.1).
   Access access = bus_.read(vtor_ + 4 * number, Width::word, master_, cycle_);
@@ -236,7 +280,7 @@ void Core::start_handler(unsigned number, Cycle since, Cycle end) {
     access = bus_.read(vtor_ + 4 * number, Width::word, master_, cycle_);
   }
   vector = access.value;
-  cycle_ = end + access.wait;
+  cycle_ = exchange_.end + access.wait;
   nvic_.activate(number);
   ipsr_ = number;
   event_ = true;
@@ -244,7 +288,7 @@ void Core::start_handler(unsigned number, Cycle since, Cycle end) {
   pc_ = vector & ~1u;
   if (access.fault) return lock_up();
   refresh(cycle_);
-  if (listener_ != nullptr) listener_->exception_entered(id_, number, since, cycle_);
+  if (listener_ != nullptr) listener_->exception_entered(id_, number, exchange_.since, cycle_);
 }
 
 void Core::exception_return(std::uint32_t value) {
@@ -258,14 +302,17 @@ void Core::exception_return(std::uint32_t value) {
   refresh(cycle_);
   run_events(cycle_);
   if (takeable_) return chain(nvic_.best(), value, cycle_);
-  // What comes while the registers are on their way back ends that, and is chained too.
-  const Cycle end = cycle_ + timing_.exception_return;
-  while (wheel_.next() < end) {
-    const Cycle when = wheel_.next();
-    wheel_.advance_to(when);
-    if (irqs_.changes() != seen_changes_) sample(when);
-    if (takeable_) return chain(nvic_.best(), value, std::max(when, cycle_));
-  }
+  exchange_ = {0, value, cycle_, cycle_, cycle_ + timing_.exception_return};
+  pause_ = Pause::leaving;
+  finish_return();
+}
+
+void Core::finish_return() {
+  if (!pass_exchange()) return;
+  if (pause_ == Pause::entering) return finish_entry();
+  pause_ = Pause::none;
+  const std::uint32_t value = exchange_.value;
+  const Cycle end = exchange_.end;
   std::uint32_t waits = 0;
   if (!pop_frame(value, waits)) {
     if (execution_priority() <= -1) return lock_up();
@@ -274,7 +321,7 @@ void Core::exception_return(std::uint32_t value) {
   cycle_ = end + waits;
   event_ = true;
   refresh(cycle_);
-  if (to_thread && (scr_ & scr_sleep_on_exit) != 0) sleep(Sleep::wfi);
+  if (value != return_to_handler && (scr_ & scr_sleep_on_exit) != 0) sleep(Sleep::wfi);
 }
 
 void Core::chain(unsigned number, std::uint32_t exc_return, Cycle at) {
