@@ -103,12 +103,19 @@ bool ChipRun::advance(chip::Cycle target, const std::function<bool()>& give_up) 
 
 bool ChipRun::run_until(sim::Picoseconds until, const std::function<bool()>& give_up) {
   bool goes_on = true;
+  chip::Cycle reached = 0;
   // A change of the clock moves the cycle that a time means.
   for (chip::Cycle target = chip_.wheel().cycle_at(until); goes_on && target > chip_.wheel().now();
-       target = chip_.wheel().cycle_at(until))
+       target = chip_.wheel().cycle_at(until)) {
     goes_on = advance(target, give_up);
-  chip_.gpio().catch_up(chip_.wheel().now());
-  ports_.poll();
+    reached = target;
+  }
+  // Instructions may have ended a little later.
+  const chip::Cycle end =
+      std::min(std::max(reached, chip_.wheel().cycle_at(until)), chip_.wheel().now());
+  reached_ = chip_.wheel().time_of(end);
+  chip_.gpio().catch_up(end);
+  ports_.poll(end);
   if (trace_) trace_->writer.flush(now());
   return goes_on;
 }

@@ -48,10 +48,12 @@ class ChipRun {
 
   /// Where a debugger finds the chip, HOST:PORT; empty without one.
   std::string debugger_address() const { return door_ ? door_->address() : std::string(); }
-  /// Runs to a simulated time, or a little more; with a debugger as it wants, and `give_up` is
-  /// asked while it halts the chip. False: the debugger or give_up has ended the run.
+  /// Runs to a simulated time, and the instructions in progress to their ends; with a debugger as
+  /// it wants, and `give_up` is asked while it halts the chip. False: the debugger or give_up has
+  /// ended the run.
   bool run_until(sim::Picoseconds until, const std::function<bool()>& give_up);
-  sim::Picoseconds now() const { return chip_.time(); }
+  /// The first cycle at the time it has been run to, whatever its instructions have done beyond.
+  sim::Picoseconds now() const { return reached_; }
   /// Puts the trace and the profile in their places. Throws Error(bad_input).
   void finish();
 
@@ -96,6 +98,7 @@ class ChipRun {
   std::array<std::unique_ptr<CoreProfile>, 2> profiles_;
   std::unique_ptr<sim::TcpEndpoint> door_;
   std::unique_ptr<sim::chip::gdb::Server> debugger_;
+  sim::Picoseconds reached_ = 0;
 };
 
 }  // namespace lamplock::cli

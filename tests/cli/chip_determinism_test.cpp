@@ -1,7 +1,10 @@
 // Runs of the flash image in `lamplock chip` are the same to the byte: twice, with and without
-// traces and profiles, and with PIO and DMA run in every clock. With a debugger: tests/gdb/session.
+// traces and profiles, and with PIO and DMA run in every clock, as are runs of the small images.
+// With a debugger: tests/gdb/session.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/program.hpp"
@@ -29,18 +32,29 @@ constexpr const char* short_script =
 
 /// What a run leaves behind.
 struct Left {
-  std::string summary, vcd, profile;
+  std::string summary, said, vcd, profile;
 };
+
+/// Ends tried of one image.
+constexpr int test_ends = 16;
 
 class ChipDeterminism : public testing::Test {
  protected:
   Left left(const std::vector<std::string>& more) { return left(busy_, more); }
   Left left(const std::string& script, const std::vector<std::string>& more) {
-    std::vector<std::string> all{"chip", LAMPLOCK_UF2, "--script", script, "--json"};
+    return left(LAMPLOCK_UF2, script, more);
+  }
+  /// No script: empty.
+  Left left(const std::string& image, const std::string& script,
+            const std::vector<std::string>& more) {
+    std::vector<std::string> all{"chip", image, "--json"};
+    if (!script.empty()) all.insert(all.end(), {"--script", script});
     all.insert(all.end(), more.begin(), more.end());
     const Finished done = run(all);
     EXPECT_EQ(done.status, 0) << done.err;
     Left result;
+    // The first line tells how long it took.
+    result.said = done.err.substr(std::min(done.err.size(), done.err.find('\n')));
     nlohmann::json summary = nlohmann::json::parse(done.out);
     summary.erase("wall");
     result.summary = summary.dump(2);
@@ -86,6 +100,55 @@ TEST_F(ChipDeterminism, skipping_clocks_changes_nothing) {
   const Left sleeping = left(short_, vcd_), stepping = left(short_, stepped);
   expect_same(sleeping.vcd, stepping.vcd, "trace with every clock stepped");
   EXPECT_EQ(sleeping.summary, stepping.summary);
+}
+
+/// The small images with their scripts: a subject of the chip each.
+class ChipImages : public ChipDeterminism {
+ protected:
+  static std::vector<std::filesystem::path> scripts() {
+    std::vector<std::filesystem::path> found;
+    for (const auto& entry : std::filesystem::directory_iterator(LAMPLOCK_CHIP_SCRIPTS))
+      if (entry.path().extension() == ".script") found.push_back(entry.path());
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+  Left left_of(const std::filesystem::path& script, const std::vector<std::string>& more) {
+    const std::filesystem::path image =
+        std::filesystem::path(LAMPLOCK_CHIP_IMAGES) / script.stem().replace_extension(".uf2");
+    std::vector<std::string> options{"--until", "2s"};
+    for (const auto& each : {vcd_, profile_, more})
+      options.insert(options.end(), each.begin(), each.end());
+    return left(image, script, options);
+  }
+};
+
+TEST_F(ChipImages, SteppingEveryClockLeavesTheSameFiles) {
+  const std::vector<std::filesystem::path> all = scripts();
+  EXPECT_GE(all.size(), 20u);
+  for (const std::filesystem::path& script : all) {
+    SCOPED_TRACE(script.stem().string());
+    const Left skipping = left_of(script, {}), stepping = left_of(script, {"--step-every-clock"});
+    expect_same(skipping.vcd, stepping.vcd, "trace with every clock stepped");
+    expect_same(skipping.profile, stepping.profile, "profile with every clock stepped");
+    EXPECT_EQ(skipping.summary, stepping.summary);
+    EXPECT_EQ(skipping.said, stepping.said);
+  }
+}
+
+// What its script has no say in: the end, anywhere.
+TEST_F(ChipImages, EndInTheSameCycleWhereverThatIs) {
+  for (int i = 0; i < test_ends; ++i) {
+    const std::string until = std::to_string(10'600'000 + 937 * i) + "ns";
+    const std::filesystem::path image = std::filesystem::path(LAMPLOCK_CHIP_IMAGES) / "nested.uf2";
+    std::vector<std::string> options{"--until", until};
+    options.insert(options.end(), vcd_.begin(), vcd_.end());
+    const Left skipping = left(image, {}, options);
+    options.emplace_back("--step-every-clock");
+    const Left stepping = left(image, {}, options);
+    SCOPED_TRACE(until);
+    expect_same(skipping.vcd, stepping.vcd, "trace with every clock stepped");
+    EXPECT_EQ(skipping.summary, stepping.summary);
+  }
 }
 
 }  // namespace

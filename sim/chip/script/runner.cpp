@@ -34,7 +34,7 @@ void Runner::run(Cycle /*to*/) {
   if (done_) return;
   const Cycle now = wheel_.now();
   chip_.gpio().catch_up(now);
-  ports_.poll();
+  ports_.poll(now);
   drive_trains(now);
   look_beside(now);
   while (!done_ && advance(now)) {
@@ -78,7 +78,7 @@ bool Runner::arrive(Cycle now) {
 }
 
 bool Runner::finish_sending(Cycle now) {
-  ports_.poll();
+  ports_.poll(now);
   if (!ports_.ready(*sending_) || !ports_.sent(*sending_)) return false;
   sending_.reset();
   act_now(now);

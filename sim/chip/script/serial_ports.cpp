@@ -47,10 +47,10 @@ void SerialPorts::heard(Port port, std::uint8_t byte, Cycle at) {
   if (heard.to_take.size() > 2 * most_kept) heard.to_take.erase(0, most_kept);
 }
 
-void SerialPorts::poll() {
+void SerialPorts::poll(Cycle now) {
   std::array<std::uint8_t, 1024> bytes{};
   for (std::size_t count = host_.read(bytes); count > 0; count = host_.read(bytes))
-    for (std::size_t i = 0; i < count; ++i) heard(Port::usb, bytes[i], chip_.wheel().now());
+    for (std::size_t i = 0; i < count; ++i) heard(Port::usb, bytes[i], now);
   if (to_host_.empty()) return;
   const auto* const first = reinterpret_cast<const std::uint8_t*>(to_host_.data());
   to_host_.erase(0, host_.write({first, to_host_.size()}));
@@ -59,7 +59,7 @@ void SerialPorts::poll() {
 void SerialPorts::send(Port port, std::string_view bytes) {
   if (port == Port::usb) {
     to_host_ += bytes;
-    return poll();
+    return poll(chip_.wheel().now());
   }
   Uart& uart = port == Port::uart0 ? chip_.system().uart0 : chip_.system().uart1;
   for (const char each : bytes) uart.send_to_chip(static_cast<std::uint8_t>(each));

@@ -28,8 +28,8 @@ class SerialPorts {
   SerialPorts(const SerialPorts&) = delete;
   SerialPorts& operator=(const SerialPorts&) = delete;
 
-  /// Exchanges bytes with the USB host, at the wheel's time.
-  void poll();
+  /// Exchanges bytes with the USB host; those from it are of cycle `now`.
+  void poll(Cycle now);
   /// The port is there: found on the USB.
   bool ready(Port port) const { return port != Port::usb || host_.enumerated(); }
   /// Sends bytes, later ones after those before.
