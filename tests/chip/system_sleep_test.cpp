@@ -99,6 +99,7 @@ struct Sleeper : PadListener, CoreListener {
 
 TEST(SystemSleep, StopsClocksUntilACoreWakes) {
   Sleeper rig;
+  rig.chip.run_until(rig.chip.now() + 20);  // two periods of the PWM
   rig.put(sleep_en0, 0);
   rig.put(sleep_en1, sleep_timer);
   rig.alarm_in(1000);
