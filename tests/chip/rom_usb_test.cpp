@@ -268,7 +268,8 @@ TEST_F(RomUsb, FlashesAProgramThatThenRuns) {
   EXPECT_EQ(status().code, Status::rebooting);
   while (chip_.rom().state() == RomState::bootsel && now() < asked + 100 * ps_per_ms)
     run(ps_per_ms / 10);
-  EXPECT_NEAR(static_cast<double>(now() - asked) / ps_per_ms, 20, 1) << "2.8.5.4.2: dDelayMS";
+  EXPECT_NEAR(static_cast<double>(now() - asked) / ps_per_ms, 10, 1)
+      << "half of dDelayMS (2.8.5.4.2), by erratum E1";
   run(20 * ps_per_ms);
   EXPECT_FALSE(host_.connected());
   EXPECT_EQ(chip_.rom().state(), RomState::running);
@@ -339,8 +340,15 @@ TEST_F(RomUsb, ResetToUsbBootTakesItsTwoMasks) {  // 2.8.3.1.4
   std::memcpy(program.data() + 12, words.data(), sizeof words);
   ASSERT_EQ(write(sram + 0x2000, program), End::done);
   ASSERT_EQ(order(Command::reboot, {sram + 0x2001, sram + 0x8000, 1}), End::done);
-  run(3 * ps_per_ms);
-  ASSERT_EQ(chip_.rom().state(), RomState::running);
+  while (chip_.rom().state() != RomState::running) {
+    ASSERT_LT(now(), 2'000 * ps_per_ms);
+    run(ps_per_ms / 10);
+  }
+  const Picoseconds called = now();
+  while (chip_.rom().state() == RomState::running && now() < called + 100 * ps_per_ms)
+    run(ps_per_ms / 10);
+  EXPECT_NEAR(static_cast<double>(now() - called) / ps_per_ms, 5, 0.3)
+      << "half of the 10 ms it asks for, by erratum E1";
   run(30 * ps_per_ms);
   ASSERT_EQ(chip_.rom().state(), RomState::bootsel);
   ASSERT_TRUE(host_.enumerate());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim/chip/rom/rom_reboot.hpp"
+
 namespace lamplock::sim::chip {
 
 using namespace picoboot;
@@ -323,24 +325,9 @@ void Picoboot::vectorize(LoaderBus& bus) {
 }
 
 void Picoboot::reboot(LoaderBus& bus) {
-  // By the watchdog (2.8.5.4.2), and its boot vector if there is an address (2.8.1.1).
-  constexpr std::uint32_t watchdog = 0x4005'8000, set_alias = 0x2000, clear_alias = 0x3000;
-  constexpr std::uint32_t scratch4 = watchdog + 0x1c, boot_magic = 0xb007'c0d3;
-  constexpr std::uint32_t psm_wdsel = 0x4001'0008, all_but_oscillators = 0x1'fffc;
-  constexpr std::uint32_t enable = 1u << 30, pauses = 7u << 24, longest = 0xff'ffff;
   rebooting_ = true;
-  bus.store(watchdog + clear_alias, enable | pauses, Width::word);
-  bus.store(psm_wdsel, all_but_oscillators, Width::word);
-  const std::uint32_t entry = arguments_[0];
-  bus.store(scratch4, entry == 0 ? 0 : boot_magic, Width::word);
-  bus.store(scratch4 + 4, entry ^ (0u - boot_magic), Width::word);
-  bus.store(scratch4 + 8, arguments_[1], Width::word);
-  bus.store(scratch4 + 12, entry, Width::word);
-  // Two counts a microsecond (erratum RP2040-E1); at least a millisecond, for the answer (assumed).
-  const std::uint64_t counts = std::uint64_t{std::max(arguments_[2], 1u)} * 2000;
-  bus.store(watchdog + 4, static_cast<std::uint32_t>(std::min<std::uint64_t>(counts, longest)),
-            Width::word);
-  bus.store(watchdog + set_alias, enable, Width::word);
+  // At least a millisecond, for the answer (assumed).
+  rom::reboot(bus, arguments_[0], arguments_[1], std::max(arguments_[2], 1u));
 }
 
 }  // namespace lamplock::sim::chip

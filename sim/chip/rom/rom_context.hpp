@@ -15,8 +15,13 @@ namespace lamplock::sim::chip {
 namespace rom {
 inline constexpr std::uint32_t set_alias = 0x2000, clear_alias = 0x3000;
 
+inline constexpr std::uint32_t clk_ref = 0x4000'8030, ref_crystal = 2;
 inline constexpr std::uint32_t resets = 0x4000'c000;
 inline constexpr std::uint32_t reset_io_qspi = 1u << 6, reset_pads_qspi = 1u << 9;
+
+inline constexpr std::uint32_t watchdog = 0x4005'8000, watchdog_load = watchdog + 0x04,
+                               watchdog_scratch0 = watchdog + 0x0c, watchdog_tick = watchdog + 0x2c;
+inline constexpr std::uint32_t tick_of_crystal = 1u << 9 | 12;  ///< 1 us of 12 MHz
 
 inline constexpr std::uint32_t qspi_select_control = 0x4001'800c;
 // Forcing of chip select (OUTOVER).
@@ -111,6 +116,21 @@ class BootRom::Context {
   Cycle now_;
   std::uint32_t cycles_ = 0;
   bool fault_ = false;
+};
+
+/// A core's accesses as the loader wants them.
+class BootRom::LoaderView final : public LoaderBus {
+ public:
+  explicit LoaderView(Context& context) : context_(context) {}
+  std::uint32_t load(std::uint32_t address, Width width) override {
+    return context_.load(address, width);
+  }
+  void store(std::uint32_t address, std::uint32_t value, Width width) override {
+    context_.store(address, value, width);
+  }
+
+ private:
+  Context& context_;
 };
 
 }  // namespace lamplock::sim::chip

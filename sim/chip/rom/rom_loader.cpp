@@ -24,12 +24,9 @@ constexpr std::uint32_t pll_usb = 0x4002'c000, pll_power = pll_usb + 4, pll_feed
 constexpr std::uint32_t pll_off = 1u << 0 | 1u << 5, pll_dividers_off = 1u << 3;
 constexpr std::uint32_t pll_multiplier = 100, pll_divide_by_25 = 5u << 16 | 5u << 12;  // 48 MHz
 constexpr std::uint32_t stable = 1u << 31;
-constexpr std::uint32_t clk_ref = 0x4000'8030, clk_sys = 0x4000'803c, clk_usb = 0x4000'8054;
-constexpr std::uint32_t ref_crystal = 2, sys_auxiliary = 1, sys_pll_usb = 1u << 5,
-                        clock_enable = 1u << 11;
-constexpr std::uint32_t watchdog_tick = 0x4005'802c, tick_enable = 1u << 9, crystal_mhz = 12;
+constexpr std::uint32_t clk_sys = 0x4000'803c, clk_usb = 0x4000'8054;
+constexpr std::uint32_t sys_auxiliary = 1, sys_pll_usb = 1u << 5, clock_enable = 1u << 11;
 
-constexpr std::uint32_t scratch0 = 0x4005'800c;
 constexpr std::uint32_t gpio_control = 0x4001'4004, function_sio = 5;
 constexpr std::uint32_t gpio_out_clear = 0xd000'0018, gpio_enable_set = 0xd000'0024;
 constexpr std::uint32_t scs_vtor = 0xe000'ed08, nvic_enable = 0xe000'e100, usb_interrupt = 1u << 5;
@@ -39,21 +36,6 @@ constexpr std::uint32_t flash_page = 256, flash_sector = 4096, flash_block = 1u 
 constexpr std::uint32_t interrupt_cycles = 80;  ///< beside its accesses; assumed
 
 }  // namespace
-
-/// A core's accesses as the loader wants them.
-class BootRom::LoaderView final : public LoaderBus {
- public:
-  explicit LoaderView(Context& context) : context_(context) {}
-  std::uint32_t load(std::uint32_t address, Width width) override {
-    return context_.load(address, width);
-  }
-  void store(std::uint32_t address, std::uint32_t value, Width width) override {
-    context_.store(address, value, width);
-  }
-
- private:
-  Context& context_;
-};
 
 void BootRom::enter_boot_loader(Context& c) {
   // r0 = the pin that shows mass storage at work, r1 = interfaces not wanted; kept in r8, r10.
@@ -74,7 +56,7 @@ void BootRom::loader_clocks(Context& c) {
     return;
   }
   c.store(clk_ref, ref_crystal);
-  c.store(watchdog_tick, tick_enable | crystal_mhz);
+  c.store(watchdog_tick, tick_of_crystal);
   c.store(resets + set_alias, reset_pll_usb);
   c.store(resets + clear_alias, reset_pll_usb);
   c.store(pll_usb, 1);
@@ -154,8 +136,8 @@ void BootRom::run_loader(Trap trap, Context& c) {
   LoaderView view(c);
   switch (trap) {
     case Trap::loader_scratch:  // what reset_to_usb_boot was given
-      c.set(0, c.load(scratch0));
-      c.set(1, c.load(scratch0 + 4));
+      c.set(0, c.load(watchdog_scratch0));
+      c.set(1, c.load(watchdog_scratch0 + 4));
       break;
     case Trap::loader_blocks:
       if ((c.load(reset_done) & loader_blocks) != loader_blocks) return;

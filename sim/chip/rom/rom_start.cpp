@@ -6,6 +6,7 @@
 #include <span>
 
 #include "sim/chip/rom/crc32.hpp"
+#include "sim/chip/rom/rom_reboot.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -13,14 +14,11 @@ using namespace rom;
 
 namespace {
 
-constexpr std::uint32_t syscfg = 0x4000'4000, clocks = 0x4000'8000, psm_wdsel = 0x4001'0008;
-constexpr std::uint32_t watchdog = 0x4005'8000, chip_reset = 0x4006'4008;
+constexpr std::uint32_t syscfg = 0x4000'4000, clocks = 0x4000'8000, chip_reset = 0x4006'4008;
 constexpr std::uint32_t sio = 0xd000'0000, scs_vtor = 0xe000'ed08, scs_scr = 0xe000'ed10;
 
 constexpr std::uint32_t reset_syscfg = 1u << 18, reset_timer = 1u << 21;
 constexpr std::uint32_t rescue_flag = 1u << 24;
-constexpr std::uint32_t scratch0 = watchdog + 0x0c, scratch4 = watchdog + 0x1c;
-constexpr std::uint32_t boot_magic = 0xb007'c0d3;
 constexpr std::uint32_t sram_end = 0x2004'2000;
 constexpr int flash_attempts = 128;
 
@@ -57,22 +55,12 @@ void BootRom::enter_loader_cold(Context& c) {
 }
 
 void BootRom::usb_boot(Context& c) {
-  // By way of the watchdog, so that everything is reset, and the boot vector (2.8.1.1).
-  constexpr std::uint32_t control_enable = 1u << 30, control_pause = 7u << 24;
-  constexpr std::uint32_t delay_us = 10'000;  // assumed
-  c.store(scratch0, c.reg(0));
-  c.store(scratch0 + 4, c.reg(1));
-  c.store(psm_wdsel, 0x1'fffc);  // everything but ROSC and XOSC
-  c.store(watchdog + clear_alias, control_enable | control_pause);
-  const std::uint32_t entry = usb_reset_ | 1u;
-  c.store(scratch4, boot_magic);
-  c.store(scratch4 + 4, entry ^ (0u - boot_magic));
-  c.store(scratch4 + 8, sram_end);
-  c.store(scratch4 + 12, entry);
-  c.store(watchdog + 4, delay_us);
-  c.store(clocks + 0x30, 2);  // clk_ref from the crystal
-  c.store(watchdog + 0x2c, 1u << 9 | 12);
-  c.store(watchdog + set_alias, control_enable);
+  // By way of the watchdog, so that everything is reset.
+  constexpr std::uint32_t delay_ms = 10;  // published source of the ROM
+  c.store(watchdog_scratch0, c.reg(0));
+  c.store(watchdog_scratch0 + 4, c.reg(1));
+  LoaderView view(c);
+  reboot(view, usb_reset_, sram_end, delay_ms);
   c.spend(60);
   c.leave();
 }
@@ -99,13 +87,13 @@ void BootRom::boot_start(Context& c) {
     return;
   }
   std::array<std::uint32_t, 4> scratch{};
-  for (std::uint32_t i = 0; i < 4; ++i) scratch[i] = c.load(scratch4 + 4 * i);
+  for (std::uint32_t i = 0; i < 4; ++i) scratch[i] = c.load(boot_vector + 4 * i);
   c.spend(12);
   if (scratch[0] != boot_magic || (scratch[1] ^ scratch[3]) != 0u - boot_magic) {
     c.leave();
     return;
   }
-  c.store(scratch4, 0);
+  c.store(boot_vector, 0);
   c.set(sp, scratch[2] & ~3u);
   c.set(lr, main_ | 1u);  // whoever returns gets the ordinary start
   c.set(pc, scratch[3] & ~1u);
