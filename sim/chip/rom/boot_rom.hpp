@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "sim/chip/bus.hpp"
@@ -147,9 +148,14 @@ class BootRom {
   void boot_enter(Context& context);
   void wait_start(Context& context);
   void wait_for_vector(Context& context);
-  /// Moves a byte each way; true when nothing is left. r5 = bytes to send, r6 = bytes to take.
+  /// Selects the flash and sends a command, with 24 bits of address if there are any; put_get()
+  /// moves the `more` bytes that follow. r5 = bytes to send, r6 = bytes to take, r12 = taken.
+  void begin_command(Context& context, std::uint32_t command, std::optional<std::uint32_t> address,
+                     std::uint32_t more);
+  /// Moves a byte each way; true when nothing is left. `last`: the byte that came, if one did.
   enum class Send : std::uint8_t { zeros, ones, memory };
-  bool put_get(Context& context, Send send, std::uint32_t skip, bool keep, std::uint32_t& last);
+  bool put_get(Context& context, Send send, std::uint32_t skip, bool keep,
+               std::uint32_t* last = nullptr);
 
   std::span<std::uint8_t> memory_;
   const QspiPins& pins_;

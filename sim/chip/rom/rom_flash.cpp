@@ -16,7 +16,8 @@ constexpr std::uint32_t ssi_ctrlr1 = ssi_ctrlr0 + 0x04, ssi_ser = ssi_ctrlr0 + 0
                         ssi_rx_level = ssi_ctrlr0 + 0x24, ssi_status = ssi_ctrlr0 + 0x28,
                         ssi_icr = ssi_ctrlr0 + 0x48, ssi_spi_ctrlr0 = ssi_ctrlr0 + 0xf4;
 constexpr std::uint32_t boot_divider = 6;  // 2.8.3.1.3: "fixed SCK clock divisor of /6"
-constexpr std::uint32_t in_flight = 14;    // less than the receive FIFO's 16
+constexpr std::uint32_t page = 256, sector = 4096;
+constexpr std::uint32_t in_flight = 14;  // less than the receive FIFO's 16
 
 // Flash commands.
 constexpr std::uint32_t page_program = 0x02, read_status = 0x05, write_enable = 0x06,
@@ -65,7 +66,18 @@ void BootRom::connect_flash(Context& c) {
   c.leave();
 }
 
-bool BootRom::put_get(Context& c, Send send, std::uint32_t skip, bool keep, std::uint32_t& last) {
+void BootRom::begin_command(Context& c, std::uint32_t command, std::optional<std::uint32_t> address,
+                            std::uint32_t more) {
+  const std::uint32_t header = address ? 4 : 1;
+  const std::uint32_t word = command << 24 | address.value_or(0);
+  c.store(qspi_select_control, force_low);
+  for (std::uint32_t i = 0; i < header; ++i) c.store(ssi_data, word >> (24 - 8 * i) & 0xffu);
+  c.set(5, more);
+  c.set(6, header + more);
+  c.set(12, 0);
+}
+
+bool BootRom::put_get(Context& c, Send send, std::uint32_t skip, bool keep, std::uint32_t* last) {
   std::uint32_t to_send = c.reg(5), to_take = c.reg(6);
   const std::uint32_t flying = c.load(ssi_tx_level);
   const std::uint32_t arrived = c.load(ssi_rx_level);
@@ -80,13 +92,14 @@ bool BootRom::put_get(Context& c, Send send, std::uint32_t skip, bool keep, std:
     c.set(5, --to_send);
   }
   if (arrived != 0 && to_take != 0) {
-    last = c.load(ssi_data) & 0xffu;
+    const std::uint32_t byte = c.load(ssi_data) & 0xffu;
+    if (last != nullptr) *last = byte;
     c.set(6, --to_take);
     // The first `skip` bytes answer the command; r12 counts them.
     if (c.reg(12) < skip)
       c.set(12, c.reg(12) + 1);
     else if (keep) {
-      c.store(c.reg(7), last, Width::byte);
+      c.store(c.reg(7), byte, Width::byte);
       c.set(7, c.reg(7) + 1);
     }
   }
@@ -124,7 +137,6 @@ void BootRom::exit_xip(Context& c) {
     c.set(6, count);
     c.set(12, 0);
   };
-  std::uint32_t last = 0;
   switch (phase) {
     case delay_low:
     case delay_high:
@@ -133,19 +145,19 @@ void BootRom::exit_xip(Context& c) {
       if (c.reg(5) == 0) begin(phase + 1, 4);
       return;
     case clocks_low:
-      if (!put_get(c, Send::zeros, 0, false, last)) return;
+      if (!put_get(c, Send::zeros, 0, false)) return;
       c.store(qspi_select_control, force_low);
       pads((pad & ~0x8cu) | 0x88u);
       begin(delay_high, exit_delay_steps);
       return;
     case clocks_high:
-      if (!put_get(c, Send::zeros, 0, false, last)) return;
+      if (!put_get(c, Send::zeros, 0, false)) return;
       pads(pad);
       c.store(qspi_select_control, force_low);
       begin(ones, 2);
       return;
     default:
-      if (!put_get(c, Send::ones, 0, false, last)) return;
+      if (!put_get(c, Send::ones, 0, false)) return;
       c.store(qspi_select_control, force_none);
       c.leave();
       return;
@@ -167,54 +179,44 @@ void BootRom::flash_write(Context& c) {
   const bool programs = (c.reg(3) & programming) != 0;
   const std::uint32_t at = c.reg(0), block = c.reg(2);
   const bool whole_block = !programs && (at & (block - 1)) == 0 && c.reg(1) - at >= block;
-  const std::uint32_t step = programs ? 256 : whole_block ? block : 4096;
-  std::uint32_t last = 0;
+  const std::uint32_t step = programs ? page : whole_block ? block : sector;
   switch (c.reg(4)) {
     case next:
       next_write(c);
       return;
     case enable:
-      c.store(qspi_select_control, force_low);
-      c.store(ssi_data, write_enable);
-      c.set(5, 0);
-      c.set(6, 1);
-      c.set(12, 0);
+      begin_command(c, write_enable, std::nullopt, 0);
       c.set(4, enable_wait);
       return;
     case enable_wait:
-      if (put_get(c, Send::zeros, 1, false, last)) c.set(4, command);
+      if (put_get(c, Send::zeros, 1, false)) c.set(4, command);
       return;
-    case command: {
-      const std::uint32_t code = programs ? page_program : whole_block ? c.reg(3) : sector_erase;
-      const std::uint32_t word = at | code << 24;
-      c.store(qspi_select_control, force_low);
-      for (int shift = 24; shift >= 0; shift -= 8) c.store(ssi_data, word >> shift & 0xffu);
-      c.set(5, programs ? 256 : 0);
-      c.set(6, programs ? 260 : 4);
-      c.set(12, 0);
+    case command:
+      begin_command(c,
+                    programs      ? page_program
+                    : whole_block ? c.reg(3)
+                                  : sector_erase,
+                    at, programs ? page : 0);
       c.set(4, data);
       return;
-    }
     case data:
-      if (put_get(c, programs ? Send::memory : Send::zeros, 4, false, last)) c.set(4, poll);
+      if (put_get(c, programs ? Send::memory : Send::zeros, 4, false)) c.set(4, poll);
       return;
     case poll:
-      c.store(qspi_select_control, force_low);
-      c.store(ssi_data, read_status);
-      c.set(5, 1);
-      c.set(6, 2);
-      c.set(12, 0);
+      begin_command(c, read_status, std::nullopt, 1);
       c.set(4, poll_wait);
       return;
-    default:
-      if (!put_get(c, Send::zeros, 1, false, last)) return;
-      if ((last & 1u) != 0) {
+    default: {
+      std::uint32_t status = 0;
+      if (!put_get(c, Send::zeros, 1, false, &status)) return;
+      if ((status & 1u) != 0) {
         c.set(4, poll);
         return;
       }
       c.set(0, at + step);
       c.set(4, next);
       return;
+    }
   }
 }
 

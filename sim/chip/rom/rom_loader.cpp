@@ -118,18 +118,13 @@ void BootRom::loader_task(Context& c) {
 
 void BootRom::page_read(Context& c) {
   if (static_cast<Trap>(memory_[c.reg(pc)]) == Trap::page_read_start) {
-    const std::uint32_t command = read_data << 24 | (c.reg(0) & 0xff'ffffu);
+    const std::uint32_t address = c.reg(0) & 0xff'ffffu;
     c.set(7, c.reg(1));
-    c.store(qspi_select_control, force_low);
-    for (int shift = 24; shift >= 0; shift -= 8) c.store(ssi_data, command >> shift & 0xffu);
-    c.set(5, flash_page);
-    c.set(6, flash_page + 4);
-    c.set(12, 0);
+    begin_command(c, read_data, address, flash_page);
     c.leave();
     return;
   }
-  std::uint32_t last = 0;
-  if (put_get(c, Send::zeros, 4, true, last)) c.leave();
+  if (put_get(c, Send::zeros, 4, true)) c.leave();
 }
 
 void BootRom::run_loader(Trap trap, Context& c) {

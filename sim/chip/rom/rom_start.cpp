@@ -106,19 +106,13 @@ void BootRom::boot_attempt(Context& c) {
   c.store(ssi_enable, 0);
   c.store(ssi_ctrlr0, bytes_both_ways | (attempt & 3u) << 6);
   c.store(ssi_enable, 1);
-  c.store(qspi_select_control, force_low);
-  for (int shift = 24; shift >= 0; shift -= 8)
-    c.store(ssi_data, (read_data << 24) >> shift & 0xffu);
-  c.set(5, boot2_size);
-  c.set(6, boot2_size + 4);
-  c.set(12, 0);
+  begin_command(c, read_data, 0, boot2_size);
   c.set(7, boot2_address);
   c.leave();
 }
 
 void BootRom::boot_read(Context& c) {
-  std::uint32_t last = 0;
-  if (put_get(c, Send::zeros, 4, true, last)) c.leave();
+  if (put_get(c, Send::zeros, 4, true)) c.leave();
 }
 
 void BootRom::boot_check(Context& c) {
