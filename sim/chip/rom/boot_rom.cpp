@@ -39,135 +39,81 @@ BootRom::Step BootRom::step(RomCore& core, Cycle now) {
   return context.result();
 }
 
-namespace {
-std::uint32_t reversed(std::uint32_t word) {
-  std::uint32_t result = 0;
-  for (unsigned bit = 0; bit < 32; ++bit) result |= ((word >> bit) & 1u) << (31 - bit);
-  return result;
-}
-}  // namespace
-
 void BootRom::run(Trap trap, Context& c) {
-  const auto unary = [&](std::uint32_t value, std::uint32_t cycles) {
-    c.set(0, value);
-    c.spend(cycles - 2);  // the BX LR that follows takes the other two
-    c.leave();
-  };
-  const std::uint32_t r0 = c.reg(0);
   switch (trap) {
     case Trap::lookup:
-      lookup(c);
-      return;
+      return lookup(c);
     case Trap::popcount:
-      unary(static_cast<std::uint32_t>(std::popcount(r0)), timing_.popcount);
-      return;
     case Trap::reverse:
-      unary(reversed(r0), timing_.reverse);
-      return;
     case Trap::leading_zeros:
-      unary(static_cast<std::uint32_t>(std::countl_zero(r0)), timing_.leading_zeros);
-      return;
     case Trap::trailing_zeros:
-      unary(static_cast<std::uint32_t>(std::countr_zero(r0)), timing_.trailing_zeros);
-      return;
+      return bit_function(trap, c);
     case Trap::memset_start:
-      fill_start(c, false);
-      return;
+      return fill_start(c, false);
     case Trap::memcpy_start:
-      fill_start(c, true);
-      return;
+      return fill_start(c, true);
     case Trap::memset_block:
-      fill_block(c, false, false);
-      return;
+      return fill_block(c, false, false);
     case Trap::memset4_block:
-      fill_block(c, false, true);
-      return;
+      return fill_block(c, false, true);
     case Trap::memcpy_block:
-      fill_block(c, true, false);
-      return;
+      return fill_block(c, true, false);
     case Trap::memcpy44_block:
-      fill_block(c, true, true);
-      return;
+      return fill_block(c, true, true);
     case Trap::connect:
     case Trap::connect_wait:
-      connect_flash(c);
-      return;
+      return connect_flash(c);
     case Trap::exit_xip_start:
-      exit_xip_start(c);
-      return;
+      return exit_xip_start(c);
     case Trap::exit_xip:
-      exit_xip(c);
-      return;
+      return exit_xip(c);
     case Trap::erase_start:
-      erase_start(c);
-      return;
+      return erase_start(c);
     case Trap::program_start:
-      program_start(c);
-      return;
+      return program_start(c);
     case Trap::flash_write:
-      flash_write(c);
-      return;
+      return flash_write(c);
     case Trap::flush:
-      flush_cache(c);
-      return;
+      return flush_cache(c);
     case Trap::enter_xip:
-      enter_command_xip(c);
-      return;
+      return enter_command_xip(c);
     case Trap::reset_usb:
-      usb_boot(c);
-      return;
+      return usb_boot(c);
     case Trap::usb_boot:
-      enter_boot_loader(c);
-      return;
+      return enter_boot_loader(c);
     case Trap::boot_start:
-      boot_start(c);
-      return;
+      return boot_start(c);
     case Trap::boot_main:
-      boot_main(c);
-      return;
+      return boot_main(c);
     case Trap::boot_attempt:
-      boot_attempt(c);
-      return;
+      return boot_attempt(c);
     case Trap::boot_read:
-      boot_read(c);
-      return;
+      return boot_read(c);
     case Trap::boot_check:
-      boot_check(c);
-      return;
+      return boot_check(c);
     case Trap::boot_enter:
-      boot_enter(c);
-      return;
+      return boot_enter(c);
     case Trap::wait_start:
-      wait_start(c);
-      return;
+      return wait_start(c);
     case Trap::wait:
-      wait_for_vector(c);
-      return;
+      return wait_for_vector(c);
     case Trap::float_start:
-      float_start(c);
-      return;
+      return float_start(c);
     case Trap::float_wait:
-      float_wait(c);
-      return;
+      return float_wait(c);
     case Trap::float_finish:
-      float_finish(c);
-      return;
+      return float_finish(c);
     case Trap::loader_crystal:
-      loader_clocks(c);
-      return;
+      return loader_clocks(c);
     case Trap::loader_pll:
-      loader_pll(c);
-      return;
+      return loader_pll(c);
     case Trap::loader_ready:
-      loader_ready(c);
-      return;
+      return loader_ready(c);
     case Trap::loader_task:
-      loader_task(c);
-      return;
+      return loader_task(c);
     case Trap::page_read_start:
     case Trap::page_read:
-      page_read(c);
-      return;
+      return page_read(c);
     case Trap::loader_scratch:
     case Trap::loader_blocks:
     case Trap::loader_done:
@@ -176,10 +122,38 @@ void BootRom::run(Trap trap, Context& c) {
     case Trap::sector_arguments:
     case Trap::page_arguments:
     case Trap::give_zero:
-      run_loader(trap, c);
-      return;
+      return run_loader(trap, c);
     case Trap::bad:
       return;
+  }
+}
+
+// --- bits ---
+
+namespace {
+std::uint32_t reversed(std::uint32_t word) {
+  std::uint32_t result = 0;
+  for (unsigned bit = 0; bit < 32; ++bit) result |= ((word >> bit) & 1u) << (31 - bit);
+  return result;
+}
+}  // namespace
+
+void BootRom::bit_function(Trap trap, Context& c) {
+  const auto give = [&](std::uint32_t value, std::uint32_t cycles) {
+    c.set(0, value);
+    c.spend(cycles - 2);  // the BX LR that follows takes the other two
+    c.leave();
+  };
+  const std::uint32_t word = c.reg(0);
+  switch (trap) {
+    case Trap::popcount:
+      return give(static_cast<std::uint32_t>(std::popcount(word)), timing_.popcount);
+    case Trap::reverse:
+      return give(reversed(word), timing_.reverse);
+    case Trap::leading_zeros:
+      return give(static_cast<std::uint32_t>(std::countl_zero(word)), timing_.leading_zeros);
+    default:
+      return give(static_cast<std::uint32_t>(std::countr_zero(word)), timing_.trailing_zeros);
   }
 }
 

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "sim/chip/bus.hpp"
 #include "sim/chip/flash/qspi_pins.hpp"
@@ -112,10 +113,18 @@ class BootRom {
   class Assembler;
   class LoaderView;
 
+  struct Entry;
+  struct Shared;
+
   void build();
+  Shared build_functions(Assembler& code, std::vector<Entry>& table);
+  void build_wait(Assembler& code, std::vector<Entry>& table);
+  std::uint32_t build_start(Assembler& code, const Shared& shared);
+  std::vector<Entry> build_data(Assembler& code);
   std::uint32_t build_float(Assembler& code, soft_float::Precision precision);
-  void build_loader(Assembler& code, std::uint32_t connect, std::uint32_t exit_xip);
+  void build_loader(Assembler& code, const Shared& shared);
   void run(Trap trap, Context& context);
+  void bit_function(Trap trap, Context& context);
   void lookup(Context& context);
   void fill_start(Context& context, bool copy);
   void fill_block(Context& context, bool copy, bool words);

@@ -6,6 +6,12 @@
 
 namespace lamplock::sim::chip {
 
+/// What a function or datum is looked up by.
+struct BootRom::Entry {
+  char first, second;
+  std::uint32_t address;
+};
+
 /// Lays Thumb code and tables down.
 class BootRom::Assembler {
  public:
@@ -33,6 +39,34 @@ class BootRom::Assembler {
   void align(std::uint32_t boundary) {
     while (at_ % boundary != 0) half(0);
   }
+  void letters(char first, char second) {
+    half(static_cast<std::uint8_t>(first) |
+         static_cast<std::uint32_t>(static_cast<std::uint8_t>(second)) << 8);
+  }
+  /// A function of one or more traps, then BX LR.
+  std::uint32_t leaf(std::initializer_list<Trap> traps) {
+    const std::uint32_t at = at_;
+    for (const Trap number : traps) trap(number);
+    half(bx_lr);
+    return at;
+  }
+  /// A function that keeps its state in r4..r7.
+  std::uint32_t framed(std::initializer_list<Trap> traps) {
+    const std::uint32_t at = half(push);
+    for (const Trap number : traps) trap(number);
+    half(pop);
+    return at;
+  }
+  /// Codes and addresses, as lookup() wants them.
+  std::uint32_t table(const std::vector<Entry>& entries) {
+    const std::uint32_t at = at_;
+    for (const Entry& entry : entries) {
+      letters(entry.first, entry.second);
+      half(entry.address);
+    }
+    half(0);
+    return at;
+  }
   static constexpr std::uint32_t bx_lr = 0x4770, push = 0xb5f0, pop = 0xbdf0, wfe = 0xbf20,
                                  wfi = 0xbf30, sev = 0xbf40, cpsid = 0xb672, cpsie = 0xb662,
                                  breakpoint = 0xbe00, blx_r7 = 0x47b8, blx_r9 = 0x47c8,
@@ -43,53 +77,62 @@ class BootRom::Assembler {
   std::uint32_t at_;
 };
 
+/// Functions that several parts call.
+struct BootRom::Shared {
+  std::uint32_t lookup, connect, exit_xip, flush;
+};
+
 void BootRom::build() {
-  using A = Assembler;
   // Nothing that is not ours may run: UDF everywhere.
   for (std::size_t i = 0; i < memory_.size(); i += 2) {
     memory_[i] = static_cast<std::uint8_t>(Trap::bad);
     memory_[i + 1] = 0xde;
   }
-  A code(memory_, 0x100);
-  struct Entry {
-    char first, second;
-    std::uint32_t address;
-  };
+  Assembler code(memory_, 0x100);
   std::vector<Entry> functions;
+  const Shared shared = build_functions(code, functions);
+  build_wait(code, functions);
+  build_loader(code, shared);
+  const std::uint32_t start = build_start(code, shared);
+  const std::vector<Entry> data = build_data(code);
+  function_table_ = code.table(functions);
+  data_table_ = code.table(data);
+
+  // Vectors and the words at fixed places (2.8.3).
+  Assembler vectors(memory_, 0);
+  vectors.word(boot2_address);
+  vectors.word(start | 1u);
+  vectors.word(dead_ | 1u);
+  vectors.word(dead_ | 1u);
+  vectors.half('M' | 'u' << 8);
+  vectors.half(0x01 | version_ << 8);
+  vectors.half(function_table_);
+  vectors.half(data_table_);
+  vectors.half(shared.lookup | 1u);
+}
+
+BootRom::Shared BootRom::build_functions(Assembler& code, std::vector<Entry>& table) {
+  using A = Assembler;
   const auto listed = [&](const char* letters, std::uint32_t address) {
-    functions.push_back({letters[0], letters[1], address | 1u});
+    table.push_back({letters[0], letters[1], address | 1u});
     return address;
   };
-  // A leaf: one or more traps, then BX LR.
-  const auto leaf = [&](std::initializer_list<Trap> traps) {
-    const std::uint32_t at = code.here();
-    for (const Trap trap : traps) code.trap(trap);
-    code.half(A::bx_lr);
-    return at;
-  };
-  // A function that keeps its state in r4..r7.
-  const auto framed = [&](std::initializer_list<Trap> traps) {
-    const std::uint32_t at = code.half(A::push);
-    for (const Trap trap : traps) code.trap(trap);
-    code.half(A::pop);
-    return at;
-  };
-
-  const std::uint32_t lookup = leaf({Trap::lookup});
-  listed("P3", leaf({Trap::popcount}));
-  listed("R3", leaf({Trap::reverse}));
-  listed("L3", leaf({Trap::leading_zeros}));
-  listed("T3", leaf({Trap::trailing_zeros}));
-  listed("MS", leaf({Trap::memset_start, Trap::memset_block}));
-  listed("S4", leaf({Trap::memset_start, Trap::memset4_block}));
-  listed("MC", leaf({Trap::memcpy_start, Trap::memcpy_block}));
-  listed("C4", leaf({Trap::memcpy_start, Trap::memcpy44_block}));
-  const std::uint32_t connect = listed("IF", leaf({Trap::connect, Trap::connect_wait}));
-  const std::uint32_t exit_xip = listed("EX", framed({Trap::exit_xip_start, Trap::exit_xip}));
-  listed("RE", framed({Trap::erase_start, Trap::flash_write}));
-  listed("RP", framed({Trap::program_start, Trap::flash_write}));
-  const std::uint32_t flush = listed("FC", leaf({Trap::flush}));
-  listed("CX", leaf({Trap::enter_xip}));
+  Shared shared{};
+  shared.lookup = code.leaf({Trap::lookup});
+  listed("P3", code.leaf({Trap::popcount}));
+  listed("R3", code.leaf({Trap::reverse}));
+  listed("L3", code.leaf({Trap::leading_zeros}));
+  listed("T3", code.leaf({Trap::trailing_zeros}));
+  listed("MS", code.leaf({Trap::memset_start, Trap::memset_block}));
+  listed("S4", code.leaf({Trap::memset_start, Trap::memset4_block}));
+  listed("MC", code.leaf({Trap::memcpy_start, Trap::memcpy_block}));
+  listed("C4", code.leaf({Trap::memcpy_start, Trap::memcpy44_block}));
+  shared.connect = listed("IF", code.leaf({Trap::connect, Trap::connect_wait}));
+  shared.exit_xip = listed("EX", code.framed({Trap::exit_xip_start, Trap::exit_xip}));
+  listed("RE", code.framed({Trap::erase_start, Trap::flash_write}));
+  listed("RP", code.framed({Trap::program_start, Trap::flash_write}));
+  shared.flush = listed("FC", code.leaf({Trap::flush}));
+  listed("CX", code.leaf({Trap::enter_xip}));
   listed("UB", code.here());
   code.trap(Trap::reset_usb);
   dead_ = code.half(A::wfi);
@@ -97,27 +140,36 @@ void BootRom::build() {
   // For debuggers: calls what r7 points to and stops (2.8.3.1.4).
   listed("DT", code.half(A::blx_r7));
   listed("DE", code.half(A::breakpoint));
+  return shared;
+}
 
-  wait_ = listed("WV", code.trap(Trap::wait_start));
+void BootRom::build_wait(Assembler& code, std::vector<Entry>& table) {
+  using A = Assembler;
+  wait_ = code.trap(Trap::wait_start);
+  table.push_back({'W', 'V', wait_ | 1u});
   const std::uint32_t wait = code.trap(Trap::wait);
   code.half(A::wfe);
   code.branch(wait);
   code.half(A::sev);
   code.branch(wait);
+}
 
-  build_loader(code, connect, exit_xip);
+std::uint32_t BootRom::build_start(Assembler& code, const Shared& shared) {
   const std::uint32_t start = code.trap(Trap::boot_start);
   main_ = code.trap(Trap::boot_main);
-  code.call(connect);
-  code.call(exit_xip);
+  code.call(shared.connect);
+  code.call(shared.exit_xip);
   code.half(0x2000);  // MOVS r0, #0
   code.half(0x4680);  // MOV r8, r0: attempts
   attempt_ = code.trap(Trap::boot_attempt);
   code.trap(Trap::boot_read);
   code.trap(Trap::boot_check);
-  code.call(flush);
+  code.call(shared.flush);
   code.trap(Trap::boot_enter);
+  return start;
+}
 
+std::vector<BootRom::Entry> BootRom::build_data(Assembler& code) {
   const std::uint32_t float_table = build_float(code, soft_float::Precision::float32);
   const std::uint32_t double_table =
       version_ == 1 ? 0 : build_float(code, soft_float::Precision::float64);
@@ -127,36 +179,10 @@ void BootRom::build() {
   const std::uint32_t copyright = code.here();
   constexpr char text[] = "lamplock model of the RP2040 boot ROM";
   static_assert(sizeof text % 2 == 0);
-  for (std::size_t i = 0; i < sizeof text; i += 2)
-    code.half(static_cast<std::uint8_t>(text[i]) |
-              static_cast<std::uint32_t>(static_cast<std::uint8_t>(text[i + 1])) << 8);
-
-  const auto table = [&](const std::vector<Entry>& entries) {
-    const std::uint32_t at = code.here();
-    for (const Entry& entry : entries) {
-      code.half(static_cast<std::uint8_t>(entry.first) |
-                static_cast<std::uint32_t>(static_cast<std::uint8_t>(entry.second)) << 8);
-      code.half(entry.address);
-    }
-    code.half(0);
-    return at;
-  };
-  function_table_ = table(functions);
+  for (std::size_t i = 0; i < sizeof text; i += 2) code.letters(text[i], text[i + 1]);
   std::vector<Entry> data = {{'G', 'R', revision}, {'C', 'R', copyright}, {'S', 'F', float_table}};
   if (double_table != 0) data.push_back({'S', 'D', double_table});
-  data_table_ = table(data);
-
-  // Vectors and the words at fixed places (2.8.3).
-  A vectors(memory_, 0);
-  vectors.word(boot2_address);
-  vectors.word(start | 1u);
-  vectors.word(dead_ | 1u);
-  vectors.word(dead_ | 1u);
-  vectors.half('M' | 'u' << 8);
-  vectors.half(0x01 | version_ << 8);
-  vectors.half(function_table_);
-  vectors.half(data_table_);
-  vectors.half(lookup | 1u);
+  return data;
 }
 
 std::uint32_t BootRom::build_float(Assembler& code, soft_float::Precision precision) {
@@ -186,23 +212,17 @@ std::uint32_t BootRom::build_float(Assembler& code, soft_float::Precision precis
   return table;
 }
 
-void BootRom::build_loader(Assembler& code, std::uint32_t connect, std::uint32_t exit_xip) {
+void BootRom::build_loader(Assembler& code, const Shared& shared) {
   using A = Assembler;
-  const auto flash_function = [&](std::initializer_list<Trap> traps) {
-    const std::uint32_t at = code.half(A::push);
-    for (const Trap trap : traps) code.trap(trap);
-    code.trap(Trap::give_zero);
-    code.half(A::pop);
-    return at | 1u;
-  };
   loader_functions_ = {
-      flash_function({Trap::flush, Trap::enter_xip}),
-      flash_function({Trap::exit_xip_start, Trap::exit_xip}),
-      flash_function({Trap::sector_arguments, Trap::erase_start, Trap::flash_write}),
-      flash_function({Trap::range_arguments, Trap::erase_start, Trap::flash_write}),
-      flash_function({Trap::page_arguments, Trap::program_start, Trap::flash_write}),
-      flash_function({Trap::page_read_start, Trap::page_read}),
+      code.framed({Trap::flush, Trap::enter_xip, Trap::give_zero}),
+      code.framed({Trap::exit_xip_start, Trap::exit_xip, Trap::give_zero}),
+      code.framed({Trap::sector_arguments, Trap::erase_start, Trap::flash_write, Trap::give_zero}),
+      code.framed({Trap::range_arguments, Trap::erase_start, Trap::flash_write, Trap::give_zero}),
+      code.framed({Trap::page_arguments, Trap::program_start, Trap::flash_write, Trap::give_zero}),
+      code.framed({Trap::page_read_start, Trap::page_read, Trap::give_zero}),
   };
+  for (std::uint32_t& function : loader_functions_) function |= 1u;
   loader_.set_functions(loader_functions_);
 
   const std::uint32_t handler = code.trap(Trap::loader_interrupt);
@@ -218,8 +238,8 @@ void BootRom::build_loader(Assembler& code, std::uint32_t connect, std::uint32_t
   code.trap(Trap::loader_crystal);
   code.trap(Trap::loader_pll);
   code.trap(Trap::loader_blocks);
-  code.call(connect);
-  code.call(exit_xip);
+  code.call(shared.connect);
+  code.call(shared.exit_xip);
   code.trap(Trap::loader_ready);
   code.half(A::str_r1_at_r0);
   const std::uint32_t loop = code.half(A::cpsid);
