@@ -255,17 +255,74 @@ std::uint8_t FlashChip::output_byte(Picoseconds now) {
   return 0xff;
 }
 
-void FlashChip::start_command(std::uint8_t command, Picoseconds now) {
-  Protocol& p = protocol_;
-  p.command = command;
-  p.position = 0;
+bool FlashChip::start_read(std::uint8_t command) {
+  const bool quad = (status_[1] & status_quad_enable) != 0;
+  switch (command) {
+    case cmd_read:
+      read_command(1, 0, 1);
+      return true;
+    case cmd_fast_read:
+      read_command(1, 8, 1);
+      return true;
+    case cmd_fast_read_dual_output:
+      read_command(1, 8, 2);
+      return true;
+    case cmd_fast_read_dual_io:
+      read_command(2, 0, 2);
+      return true;
+    case cmd_fast_read_quad_output:
+      if (quad)
+        read_command(1, 8, 4);
+      else
+        protocol_.phase = Phase::ignore;
+      return true;
+    case cmd_fast_read_quad_io:
+      if (quad)
+        read_command(4, 4, 4);
+      else
+        protocol_.phase = Phase::ignore;
+      return true;
+    case cmd_manufacturer_id:
+      read_command(1, 0, 1);
+      protocol_.source = Source::ids;
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool FlashChip::start_answer(std::uint8_t command) {
   const auto output = [&](Source source, unsigned dummies) {
+    Protocol& p = protocol_;
     p.source = source;
     p.output_lanes = 1;
     p.after_dummy = Phase::output;
     p.dummy_clocks = dummies;
     begin(dummies != 0 ? Phase::dummy : Phase::output, 1);
+    return true;
   };
+  switch (command) {
+    case cmd_read_status_1:
+      return output(Source::status1, 0);
+    case cmd_read_status_2:
+      return output(Source::status2, 0);
+    case cmd_read_status_3:
+      return output(Source::status3, 0);
+    case cmd_jedec_id:
+      return output(Source::jedec, 0);
+    case cmd_unique_id:
+      return output(Source::unique, 32);
+    case cmd_release_power_down:
+      return output(Source::device, 24);
+    default:
+      return false;
+  }
+}
+
+void FlashChip::start_command(std::uint8_t command, Picoseconds now) {
+  Protocol& p = protocol_;
+  p.command = command;
+  p.position = 0;
   if (command != cmd_reset && command != cmd_enable_reset) reset_enabled_ = false;
   const bool while_busy = command == cmd_read_status_1 || command == cmd_read_status_2 ||
                           command == cmd_read_status_3 || command == cmd_enable_reset;
@@ -276,54 +333,8 @@ void FlashChip::start_command(std::uint8_t command, Picoseconds now) {
     ++counts_.ignored;
     return;
   }
-  const bool quad = (status_[1] & status_quad_enable) != 0;
+  if (start_read(command) || start_answer(command)) return;
   switch (command) {
-    case cmd_read:
-      read_command(1, 0, 1);
-      return;
-    case cmd_fast_read:
-      read_command(1, 8, 1);
-      return;
-    case cmd_fast_read_dual_output:
-      read_command(1, 8, 2);
-      return;
-    case cmd_fast_read_dual_io:
-      read_command(2, 0, 2);
-      return;
-    case cmd_fast_read_quad_output:
-      if (quad)
-        read_command(1, 8, 4);
-      else
-        p.phase = Phase::ignore;
-      return;
-    case cmd_fast_read_quad_io:
-      if (quad)
-        read_command(4, 4, 4);
-      else
-        p.phase = Phase::ignore;
-      return;
-    case cmd_read_status_1:
-      output(Source::status1, 0);
-      return;
-    case cmd_read_status_2:
-      output(Source::status2, 0);
-      return;
-    case cmd_read_status_3:
-      output(Source::status3, 0);
-      return;
-    case cmd_jedec_id:
-      output(Source::jedec, 0);
-      return;
-    case cmd_unique_id:
-      output(Source::unique, 32);
-      return;
-    case cmd_release_power_down:
-      output(Source::device, 24);
-      return;
-    case cmd_manufacturer_id:
-      read_command(1, 0, 1);
-      p.source = Source::ids;
-      return;
     case cmd_page_program:
     case cmd_sector_erase:
     case cmd_block_erase_32k:

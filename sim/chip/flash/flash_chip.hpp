@@ -127,6 +127,10 @@ class FlashChip {
   enum class Work : std::uint8_t { none, program, erase, status };
 
   void start_command(std::uint8_t command, Picoseconds now);
+  /// Those that send an address first, then data; false: it is none of them.
+  bool start_read(std::uint8_t command);
+  /// Those that are answered without an address.
+  bool start_answer(std::uint8_t command);
   void read_command(unsigned address_lanes, unsigned dummies, unsigned data_lanes);
   void begin(Phase phase, unsigned lanes);
   void after_address();

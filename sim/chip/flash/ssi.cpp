@@ -81,7 +81,9 @@ unsigned Ssi::instruction_bits() const {
 
 // --- time ---
 
-void Ssi::run(Cycle) {
+void Ssi::run(Cycle) { settle(); }
+
+void Ssi::settle() {
   catch_up();
   update_mapping();
   plan();
@@ -395,18 +397,19 @@ std::uint32_t Ssi::read(std::uint32_t offset) {
   return peek(offset);
 }
 
+void Ssi::write_data(std::uint32_t value) {
+  if (!enabled_) return;  // the FIFOs are held empty
+  if (tx_.size() < fifo_depth)
+    tx_.push_back(low_bits(value, lanes() == 1 ? frame_bits() : 32));
+  else
+    raw_interrupts_ |= raw_tx_overflow;
+  settle();
+}
+
 void Ssi::write(std::uint32_t offset, std::uint32_t value) {
   catch_up();
   if (offset >= dr0 && offset < dr_end) {
-    if (!enabled_) return;  // the FIFOs are held empty
-    if (tx_.size() < fifo_depth)
-      tx_.push_back(low_bits(value, lanes() == 1 ? frame_bits() : 32));
-    else
-      raw_interrupts_ |= raw_tx_overflow;
-    catch_up();
-    update_mapping();
-    plan();
-    tell_levels();
+    write_data(value);
     return;
   }
   const auto set = [&](std::uint32_t& field, std::uint32_t mask) {
@@ -466,10 +469,7 @@ void Ssi::write(std::uint32_t offset, std::uint32_t value) {
     default:
       break;
   }
-  catch_up();
-  update_mapping();
-  plan();
-  tell_levels();
+  settle();
 }
 
 void Ssi::clear() {
@@ -489,9 +489,7 @@ void Ssi::reset() {
   spi_control_ = spi_control_reset;
   tx_threshold_ = rx_threshold_ = rx_delay_ = drive_edge_ = raw_interrupts_ = 0;
   dma_control_ = dma_tx_level_ = dma_rx_level_ = 0;
-  update_mapping();
-  plan();
-  tell_levels();
+  settle();
 }
 
 void Ssi::power_cut() {

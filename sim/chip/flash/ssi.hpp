@@ -57,6 +57,9 @@ class Ssi final : public Peripheral, private Timed {
   std::uint32_t transfer_cycles(unsigned data_bits) const;
   void plan();
   void tell_levels();
+  /// All that follows from the registers, the FIFOs and the time.
+  void settle();
+  void write_data(std::uint32_t value);
   bool start_frame(Cycle at);
   void start(Stage stage, unsigned bits, unsigned lanes, Cycle at);
   void finish_frame();
