@@ -53,6 +53,22 @@ constexpr bool has_mux(Clock clock) { return clock == Clock::ref || clock == Clo
 
 }  // namespace
 
+enum class Clocks::Source : std::uint8_t {
+  nothing,
+  sys_pll,
+  usb_pll,
+  ring,
+  crystal,
+  pin0,
+  pin1,
+  ref,
+  sys,
+  peri,
+  usb,
+  adc,
+  rtc
+};
+
 Clocks::Clocks(TimeWheel& wheel, Xosc& xosc, Rosc& rosc, Pll& pll_sys, Pll& pll_usb,
                FunctionPins& pins, IrqLines& irqs, Held held, NotModelled not_modelled)
     : wheel_(wheel),
@@ -98,77 +114,67 @@ void Clocks::update_irq() { irqs_.set(Irq::clocks, interrupts_.status(raised()) 
 
 // --- frequencies
 
+template <std::size_t size>
+Clocks::Source Clocks::pick(const std::array<Source, size>& table, std::uint32_t index) {
+  return index < size ? table[index] : Source::nothing;
+}
+
+std::uint64_t Clocks::hz_of(Source source) const {
+  switch (source) {
+    case Source::sys_pll:
+      return pll_sys_.hz();
+    case Source::usb_pll:
+      return pll_usb_.hz();
+    case Source::ring:
+      return rosc_.hz();
+    case Source::crystal:
+      return xosc_.hz();
+    case Source::pin0:
+      return input_hz(0);
+    case Source::pin1:
+      return input_hz(1);
+    case Source::ref:
+      return hz(Clock::ref);
+    case Source::sys:
+      return hz(Clock::sys);
+    case Source::peri:
+      return hz(Clock::peri);
+    case Source::usb:
+      return hz(Clock::usb);
+    case Source::adc:
+      return hz(Clock::adc);
+    case Source::rtc:
+      return hz(Clock::rtc);
+    case Source::nothing:
+      break;
+  }
+  return 0;
+}
+
 std::uint64_t Clocks::auxiliary_hz(Clock clock) const {
-  enum Source : std::uint8_t {
-    sys_pll,
-    usb_pll,
-    ring,
-    crystal,
-    pin0,
-    pin1,
-    nothing,
-    of_sys,
-    of_usb,
-    of_adc,
-    of_rtc,
-    of_ref
-  };
-  static constexpr std::array<Source, 11> for_gpout{
-      sys_pll, pin0, pin1, usb_pll, ring, crystal, of_sys, of_usb, of_adc, of_rtc, of_ref};
+  // In the order of AUXSRC (2.15.7).
+  using enum Source;
+  static constexpr std::array<Source, 11> for_gpout{sys_pll, pin0, pin1, usb_pll, ring, crystal,
+                                                    sys,     usb,  adc,  rtc,     ref};
   static constexpr std::array<Source, 3> for_ref{usb_pll, pin0, pin1};
   static constexpr std::array<Source, 6> for_sys{sys_pll, usb_pll, ring, crystal, pin0, pin1};
-  static constexpr std::array<Source, 7> for_peri{of_sys,  sys_pll, usb_pll, ring,
-                                                  crystal, pin0,    pin1};
+  static constexpr std::array<Source, 7> for_peri{sys, sys_pll, usb_pll, ring, crystal, pin0, pin1};
   static constexpr std::array<Source, 6> for_others{usb_pll, sys_pll, ring, crystal, pin0, pin1};
 
-  const auto field = generators_[index_of(clock)].control >> 5;
-  const auto pick = [](const auto& table, std::uint32_t index) {
-    return index < table.size() ? table[index] : nothing;
-  };
-  Source source = nothing;
+  const std::uint32_t field = generators_[index_of(clock)].control >> 5;
   switch (clock) {
     case Clock::ref:
-      source = pick(for_ref, field & 3u);
-      break;
+      return hz_of(pick(for_ref, field & 3u));
     case Clock::sys:
-      source = pick(for_sys, field & 7u);
-      break;
+      return hz_of(pick(for_sys, field & 7u));
     case Clock::peri:
-      source = pick(for_peri, field & 7u);
-      break;
+      return hz_of(pick(for_peri, field & 7u));
     case Clock::usb:
     case Clock::adc:
     case Clock::rtc:
-      source = pick(for_others, field & 7u);
-      break;
+      return hz_of(pick(for_others, field & 7u));
     default:
-      source = pick(for_gpout, field & 15u);
-  }
-  switch (source) {
-    case sys_pll:
-      return pll_sys_.hz();
-    case usb_pll:
-      return pll_usb_.hz();
-    case ring:
-      return rosc_.hz();
-    case crystal:
-      return xosc_.hz();
-    case pin0:
-      return input_hz(0);
-    case pin1:
-      return input_hz(1);
-    case of_sys:
-      return hz(Clock::sys);
-    case of_usb:
-      return hz(Clock::usb);
-    case of_adc:
-      return hz(Clock::adc);
-    case of_rtc:
-      return hz(Clock::rtc);
-    case of_ref:
-      return hz(Clock::ref);
-    default:
-      return 0;  // reserved numbers
+      return hz_of(pick(for_gpout, field & 15u));
   }
 }
 
@@ -402,34 +408,11 @@ void Clocks::write(std::uint32_t offset, std::uint32_t value) {
 // --- frequency counter (2.15.6)
 
 std::uint64_t Clocks::counted_hz() const {
-  switch (counter_[5]) {
-    case 1:
-      return pll_sys_.hz();
-    case 2:
-      return pll_usb_.hz();
-    case 3:
-    case 4:
-      return rosc_.hz();
-    case 5:
-      return xosc_.hz();
-    case 6:
-    case 7:
-      return input_hz(counter_[5] - 6);
-    case 8:
-      return hz(Clock::ref);
-    case 9:
-      return hz(Clock::sys);
-    case 10:
-      return hz(Clock::peri);
-    case 11:
-      return hz(Clock::usb);
-    case 12:
-      return hz(Clock::adc);
-    case 13:
-      return hz(Clock::rtc);
-    default:
-      return 0;
-  }
+  // In the order of FC0_SRC (2.15.7); the two outputs of the ring oscillator are one.
+  using enum Source;
+  static constexpr std::array<Source, 14> counted{
+      nothing, sys_pll, usb_pll, ring, ring, crystal, pin0, pin1, ref, sys, peri, usb, adc, rtc};
+  return hz_of(pick(counted, counter_[5]));
 }
 
 // The interval is 0.98 us (1 / 1.024 MHz, so that edges are counted in 1024 kHz over the same power

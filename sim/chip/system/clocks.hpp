@@ -74,12 +74,19 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
     std::uint32_t selected = 0;  ///< of the glitchless multiplexer: SRC in use
   };
 
+  /// What a multiplexer or the counter can be given.
+  enum class Source : std::uint8_t;
+
   void run(Cycle to) override;
   void pins_changed(Cycle at) override;
   void refresh();
   void set_system_clock();
   void write_resus(std::uint32_t value);
   std::uint64_t input_hz(unsigned input) const;
+  std::uint64_t hz_of(Source source) const;
+  /// `nothing` for reserved numbers.
+  template <std::size_t size>
+  static Source pick(const std::array<Source, size>& table, std::uint32_t index);
   std::uint64_t divisor(Clock clock) const;
   std::uint64_t generated(Clock clock) const;
   std::uint64_t source_hz(Clock clock) const;
