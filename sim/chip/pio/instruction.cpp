@@ -90,15 +90,14 @@ Decoded decode(std::uint16_t raw, const Mapping& mapping) {
   const unsigned side_field = mapping.side_count < 5 ? mapping.side_count : 5;
   const unsigned delay_bits = 5 - side_field;
   const unsigned bits = raw >> 8 & 31u;
-  result.delay = static_cast<std::uint8_t>(bits & (low_bits(delay_bits == 0 ? 1 : delay_bits)));
-  if (delay_bits == 0) result.delay = 0;
+  result.delay = static_cast<std::uint8_t>(bits & low_bits(delay_bits));
   if (side_field == 0) return result;
   unsigned side = bits >> delay_bits;
   unsigned pins = side_field;
   if (mapping.side_enable) {
     --pins;
     if ((side >> pins & 1u) == 0) return result;
-    side &= pins == 0 ? 0u : low_bits(pins);
+    side &= low_bits(pins);
   }
   result.side_mask = pin_mask(mapping.side_base, pins);
   result.side_bits = std::rotl(side, static_cast<int>(mapping.side_base)) & result.side_mask;

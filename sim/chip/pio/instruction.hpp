@@ -37,12 +37,12 @@ enum class Operation : std::uint8_t {
 };
 constexpr bool is_jump(Operation operation) { return operation <= Operation::jmp_not_osre; }
 
-/// Bits n-1..0, 1 <= n <= 32.
+/// Bits n-1..0, n <= 32.
 constexpr std::uint32_t low_bits(unsigned n) { return n >= 32 ? ~0u : (1u << n) - 1u; }
 
 /// `count` pins from `base` on, modulo 32.
 constexpr std::uint32_t pin_mask(unsigned base, unsigned count) {
-  return count == 0 ? 0 : std::rotl(low_bits(count), static_cast<int>(base));
+  return std::rotl(low_bits(count), static_cast<int>(base));
 }
 
 /// The pin mapping and side-set fields that decoding depends on.
