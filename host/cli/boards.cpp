@@ -27,8 +27,9 @@ std::string image_file(const std::string& image) {
               "build the firmware, or give its file with --image");
 }
 
-sim::chip::Image read_image(const std::string& image) {
-  const std::string file = image_file(image);
+}  // namespace
+
+sim::chip::Image read_image(const std::string& file) {
   try {
     return sim::chip::load_image(file);
   } catch (const std::runtime_error& error) {
@@ -36,11 +37,9 @@ sim::chip::Image read_image(const std::string& image) {
   }
 }
 
-}  // namespace
-
 void check_image(const std::string& name, const std::string& image) {
   if (name == chip_board)
-    read_image(image);
+    read_image(image_file(image));
   else if (!image.empty())
     throw Error(Exit::bad_input, "--image", "only the chip runs an image", "add --board chip");
 }
@@ -52,7 +51,7 @@ SimulatedBoard make_board(const std::string& name, const std::string& image,
     made.board = std::make_unique<sim::VirtualBoard>(stored, world);
     return made;
   }
-  made.image = std::make_unique<sim::chip::Image>(read_image(image));
+  made.image = std::make_unique<sim::chip::Image>(read_image(image_file(image)));
   std::unique_ptr<sim::ChipBoard> board;
   try {
     board = std::make_unique<sim::ChipBoard>(*made.image, stored, world);

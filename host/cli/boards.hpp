@@ -31,6 +31,9 @@ struct SimulatedBoard {
 SimulatedBoard make_board(const std::string& name, const std::string& image,
                           const settings::Values& stored, const sim::WorldConfig& world);
 
+/// Reads a flash image. Throws Error(bad_input).
+sim::chip::Image read_image(const std::string& file);
+
 /// Checks before any work that the image is there and is one. Throws Error(bad_input).
 void check_image(const std::string& name, const std::string& image);
 

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <iterator>
 #include <stdexcept>
-#include <system_error>
 
+#include "host/cli/boards.hpp"
+#include "host/cli/endpoints.hpp"
 #include "host/cli/simulator_error.hpp"
 #include "host/error.hpp"
 #include "sim/chip/script/parser.hpp"
@@ -13,14 +14,6 @@ namespace lamplock::cli {
 namespace {
 
 namespace chip = sim::chip;
-
-chip::Image read_image(const std::string& file) {
-  try {
-    return chip::load_image(file);
-  } catch (const std::runtime_error& error) {
-    refuse(error.what());
-  }
-}
 
 chip::script::Script read_script(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
@@ -41,19 +34,8 @@ chip::ChipOptions chip_options(const ChipRunOptions& options) {
 }
 
 std::unique_ptr<sim::TcpEndpoint> open_door(const std::string& port) {
-  const std::string address = port.find(':') == std::string::npos ? "127.0.0.1:" + port : port;
-  const auto fail = [&port](const std::string& why) {
-    throw Error(Exit::no_device, "--gdb " + port, "cannot be opened (" + why + ")",
-                "give a free port such as 3333, or HOST:PORT");
-  };
-  try {
-    return std::make_unique<sim::TcpEndpoint>(address);
-  } catch (const std::system_error& error) {
-    fail(error.code().message());
-  } catch (const std::invalid_argument& error) {
-    fail(error.what());
-  }
-  return nullptr;
+  const bool port_alone = port.find(':') == std::string::npos;
+  return open_tcp("--gdb " + port, port_alone ? "127.0.0.1:" + port : port);
 }
 
 }  // namespace

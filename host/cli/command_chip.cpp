@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -15,11 +14,11 @@
 #include "host/cli/chip_summary.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/endpoints.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/simulator_error.hpp"
 #include "sim/chip/script/parser.hpp"
-#include "sim/endpoint/pty_endpoint.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -30,8 +29,6 @@ using sim::chip::script::Port;
 
 /// Ports and Ctrl-C are looked at this often, simulated time.
 constexpr Picoseconds slice = 100 * sim::ps_per_us;
-/// What a terminal that nobody reads is owed at most, bytes.
-constexpr std::size_t most_unsent = 65'536;
 /// So much ahead of the wall clock, a run with terminals waits.
 constexpr Picoseconds tolerated_lead = sim::ps_per_ms;
 /// Costliest functions shown per core.
@@ -50,7 +47,8 @@ struct Options {
 class Terminal {
  public:
   Terminal(Port port, const std::string& link, const std::string& option)
-      : port_(port), endpoint_(open(link, option)) {}
+      : port_(port),
+        endpoint_(open_pty(option + ' ' + link, link == unnamed ? std::string() : link)) {}
 
   std::string address() const { return endpoint_->address(); }
   void exchange(sim::chip::script::SerialPorts& ports) {
@@ -64,15 +62,6 @@ class Terminal {
   }
 
  private:
-  static std::unique_ptr<sim::PtyEndpoint> open(const std::string& link,
-                                                const std::string& option) {
-    try {
-      return std::make_unique<sim::PtyEndpoint>(link == unnamed ? std::string() : link);
-    } catch (const std::system_error& error) {
-      throw Error(Exit::no_device, option + ' ' + link,
-                  "cannot be opened (" + error.code().message() + ")", "choose another name");
-    }
-  }
   Port port_;
   std::unique_ptr<sim::PtyEndpoint> endpoint_;
   std::string unsent_;

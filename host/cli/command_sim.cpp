@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -13,11 +12,10 @@
 #include "host/cli/boards.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/endpoints.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/staged_file.hpp"
-#include "sim/endpoint/pty_endpoint.hpp"
-#include "sim/endpoint/tcp_endpoint.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -29,8 +27,6 @@ using sim::Picoseconds;
 constexpr std::chrono::milliseconds pace{1};
 /// Falling behind by more is told, and made up for by waiting less, not by hurrying.
 constexpr std::chrono::milliseconds tolerated_lag{100};
-/// What a host or board that does not read is owed at most, bytes.
-constexpr std::size_t most_unsent = 65'536;
 
 struct Options {
   std::string board = virtual_board, image, pty, tcp, vcd, shots;
@@ -40,26 +36,13 @@ struct Options {
   LampFaults faults;
 };
 
-std::unique_ptr<sim::ByteEndpoint> open_endpoint(const std::string& where, bool tcp) {
-  try {
-    if (tcp) return std::make_unique<sim::TcpEndpoint>(where);
-    return std::make_unique<sim::PtyEndpoint>(where);
-  } catch (const std::invalid_argument& error) {
-    throw Error(Exit::bad_input, "--tcp " + where, error.what(), "write HOST:PORT");
-  } catch (const std::system_error& error) {
-    const std::string name = tcp ? "--tcp " + where : "--pty " + where;
-    throw Error(Exit::no_device, name, "cannot be opened (" + error.code().message() + ")",
-                "choose another name or port");
-  }
-}
-
 /// The board's ports. Whoever spoke last is answered.
 class Ports {
  public:
   explicit Ports(const Options& options) {
     if (!options.pty.empty() || options.tcp.empty())
-      ports_.push_back(open_endpoint(options.pty, false));
-    if (!options.tcp.empty()) ports_.push_back(open_endpoint(options.tcp, true));
+      ports_.push_back(open_pty("--pty " + options.pty, options.pty));
+    if (!options.tcp.empty()) ports_.push_back(open_tcp("--tcp " + options.tcp, options.tcp));
     speaker_ = ports_.front().get();
   }
 

@@ -110,6 +110,8 @@ TEST(Chip, wrong_use_is_told_with_status_2) {
   };
   refused({}, "IMAGE");
   refused({folder / "none.uf2"}, "none.uf2");
+  for (const char* const port : {"foo", "foo:bar", "127.0.0.1:99999"})
+    refused({image, "--gdb", port}, std::string("--gdb ") + port);
   refused({folder.write("bad.uf2", "UF2\n")}, "bad.uf2");
   refused({image, "--until", "soon"}, "'soon' is not a time");
   refused({image, "--until", "1ms", "--script", folder / "none"}, "none: cannot be read");
@@ -117,6 +119,21 @@ TEST(Chip, wrong_use_is_told_with_status_2) {
           "t.script:1: 'gpio77' is not a pin; pins are gpio0 to gpio29");
   refused({image, "--until", "1ms", "--vcd", folder / "none/a.vcd"}, "none/a.vcd");
   refused({image, "--until", "1ms", "--flash-size", "3"}, "--flash-size");
+}
+
+TEST(Chip, a_terminal_or_port_that_cannot_be_opened_is_told_with_status_3) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const Running first({"chip", image, "--gdb", "0"});
+  ASSERT_TRUE(first.wait_for("target remote 127.0.0.1:"));
+  const std::string said = first.out();
+  const std::size_t at = said.find("127.0.0.1:");
+  const std::string taken = said.substr(at, said.find('\'', at) - at);
+  for (const std::string& option : {"--gdb=" + taken, "--pty=" + folder / "none/link"}) {
+    const Finished failed = run({"chip", image, option, "--until", "1ms"});
+    EXPECT_EQ(failed.status, 3) << failed.err;
+    EXPECT_THAT(failed.err, HasSubstr("cannot be opened"));
+  }
 }
 
 TEST(Chip, two_runs_are_the_same_with_and_without_traces) {
