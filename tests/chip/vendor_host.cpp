@@ -1,20 +1,21 @@
-#include "sim/chip/usb_host/vendor_host.hpp"
+#include "tests/chip/vendor_host.hpp"
 
 #include <algorithm>
 #include <utility>
 
-namespace lamplock::sim::chip {
+#include "sim/chip/usb_host/descriptors.hpp"
+#include "sim/chip/usb_host/usb_host.hpp"
+
+namespace lamplock::sim::chip::test {
 
 using usb::Pid;
 
 namespace {
 
 constexpr Picoseconds frame_time = ps_per_ms;
-// USB 2.0, 7.1.7.3, 7.1.7.5, 9.2.6.3, 9.2.6.4.
-constexpr Picoseconds debounce = 100 * ps_per_ms, reset_time = 10 * ps_per_ms,
-                      recovery = 10 * ps_per_ms, address_recovery = 2 * ps_per_ms,
-                      control_timeout = 5'000 * ps_per_ms;
-constexpr int attempts = 3;  ///< at a transaction without an answer
+constexpr UsbHostOptions times{};
+constexpr Picoseconds control_timeout = 5 * ps_per_s;  // USB 2.0, 9.2.6.1
+constexpr int attempts = 3;                            ///< at a transaction without an answer
 constexpr std::uint8_t to_host = 0x80;
 constexpr std::uint8_t own_address = 1;
 
@@ -48,10 +49,10 @@ void VendorHost::wait(Picoseconds time) {
 void VendorHost::reset() {
   next_frame_ = -1;
   device_.begin_reset(now());
-  wait(reset_time);
+  wait(times.reset);
   device_.end_reset(now());
   next_frame_ = now();
-  wait(recovery);
+  wait(times.reset_recovery);
   address_ = 0;
   data1_.clear();
 }
@@ -178,24 +179,24 @@ bool VendorHost::read_descriptor(std::uint8_t type, std::size_t size, Bytes& byt
 }
 
 bool VendorHost::enumerate(Picoseconds patience) {
-  constexpr std::uint8_t device_type = 1, configuration_type = 2;
+  namespace descriptor = usb::descriptor;
   constexpr std::uint8_t set_address = 5, set_configuration = 9;
   constexpr std::size_t device_size = 18, head_size = 9;
   next_frame_ = -1;
   for (const Picoseconds end = now() + patience; !connected(); wait(ps_per_ms))
     if (now() >= end) return false;
-  wait(debounce);
+  wait(times.debounce);
   reset();
   if (!control({0, set_address, own_address, 0, 0, 0, 0, 0}).done()) return false;
   address_ = own_address;
-  wait(address_recovery);
-  if (!read_descriptor(device_type, device_size, device_descriptor_)) return false;
+  wait(times.address_recovery);
+  if (!read_descriptor(descriptor::device, device_size, device_descriptor_)) return false;
   Bytes head;
-  if (!read_descriptor(configuration_type, head_size, head) || head.size() < head_size)
+  if (!read_descriptor(descriptor::configuration, head_size, head) || head.size() < head_size)
     return false;
   const auto size = static_cast<std::size_t>(head[2] | head[3] << 8);
-  if (!read_descriptor(configuration_type, size, configuration_descriptor_)) return false;
+  if (!read_descriptor(descriptor::configuration, size, configuration_descriptor_)) return false;
   return control({0, set_configuration, 1, 0, 0, 0, 0, 0}).done();
 }
 
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::test

@@ -3,7 +3,7 @@
 //
 // In:  transfers; a function that lets the chip run.
 // Out: what became of them, after as much simulated time as they took.
-// Who: tests of devices that are no serial port, and whoever plays a flashing program.
+// Who: tests of devices that are no serial port.
 //
 // Frames of 1 ms begin with SOF; a transaction that is refused (NAK) is repeated until the time for
 // the transfer is over. A stalled endpoint stays stalled until clear_halt().
@@ -21,7 +21,7 @@
 #include "sim/chip/usb/wire.hpp"
 #include "sim/chip/usb_host/transactions.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::test {
 
 /// The host. `run` lets the chip run to a cycle, or a little further.
 class VendorHost final : private usb::HostEnd {
@@ -87,4 +87,4 @@ class VendorHost final : private usb::HostEnd {
   Bytes device_descriptor_, configuration_descriptor_;
 };
 
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::test
