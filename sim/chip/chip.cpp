@@ -27,7 +27,7 @@ Chip::Chip(const ChipOptions& options)
       gpio_(wheel_, irqs_, reporter()),
       flash_(options.flash_size, options.flash_timing, reporter(), options.seed),
       xip_(wheel_, bus_, flash_, reporter()),
-      rom_(bus_.rom(), xip_.pins(), reporter(), {}, options.rom_version),
+      rom_(bus_.rom(), xip_.pins(), reporter(), options.rom_version),
       sio_(
           wheel_, gpio_, irqs_, [this] { return xip_.pins().inputs(); }, reporter()),
       system_(wheel_, gpio_, sio_, irqs_,

@@ -32,7 +32,7 @@ class ChipTest : public testing::Test {
     const std::uint32_t crc = boot2_crc32(std::span(boot2.bytes).first(252));
     for (std::size_t i = 0; i < 4; ++i)
       boot2.bytes[252 + i] = static_cast<std::uint8_t>(crc >> 8 * i);
-    chip_.load({{boot2}, {}, 0}, "test");
+    chip_.load({{boot2}, {}}, "test");
     chip_.power_on();
   }
   std::uint32_t read(std::uint32_t address) {

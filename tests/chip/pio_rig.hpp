@@ -26,7 +26,7 @@ inline constexpr std::uint32_t ctrl = 0x00, fstat = 0x04, fdebug = 0x08, flevel 
                                rxf = 0x20, irq = 0x30, irq_force = 0x34, bypass = 0x38,
                                padout = 0x3c, padoe = 0x40, cfginfo = 0x44, instr_mem = 0x48,
                                intr = 0x128, irq0_inte = 0x12c, irq0_intf = 0x130,
-                               irq0_ints = 0x134, irq1_inte = 0x138, irq1_ints = 0x140;
+                               irq0_ints = 0x134, irq1_inte = 0x138;
 inline constexpr std::uint32_t clkdiv = 0xc8, execctrl = 0xcc, shiftctrl = 0xd0, addr = 0xd4,
                                instr = 0xd8, pinctrl = 0xdc;
 constexpr std::uint32_t sm(unsigned machine, std::uint32_t reg) { return reg + 0x18 * machine; }

@@ -26,8 +26,6 @@ class Xip {
 
   Ssi& ssi() { return ssi_; }
   QspiPins& pins() { return pins_; }
-  Peripheral& control() { return control_; }
-  XipMemory& memory() { return memory_; }
   /// Requests to the DMA go there.
   void connect(DreqLines& dreqs);
 

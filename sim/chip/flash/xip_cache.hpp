@@ -20,13 +20,6 @@ class XipCache {
   static constexpr std::uint32_t line_size = 8;
   static constexpr std::uint32_t size = 2 * set_count * line_size;
 
-  /// An access to a flash offset in the caching window: true if it hits; a miss takes a line.
-  bool access(std::uint32_t offset) {
-    const bool hit = find(offset) != nullptr;
-    count(hit);
-    if (!hit) replace(offset);
-    return hit;
-  }
   /// The line of an offset, which is then the one used last; null: not there.
   std::uint8_t* find(std::uint32_t offset) {
     const Place place(offset);

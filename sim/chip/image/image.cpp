@@ -127,7 +127,6 @@ Image parse_elf(Bytes file, const std::string& where) {
       !inside(file, headers, std::uint64_t{count} * program_header_size))
     fail(where, "program headers lie outside the file", "build the image again");
   Image image;
-  image.entry = word(file, 24);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t header = headers + i * program_header_size;
     const std::uint32_t offset = word(file, header + 4), address = word(file, header + 12);

@@ -34,7 +34,6 @@ struct ImageSymbol {
 struct Image {
   std::vector<ImagePart> parts;      ///< by address, not overlapping
   std::vector<ImageSymbol> symbols;  ///< by address; only ELF files have them
-  std::uint32_t entry = 0;           ///< of an ELF file, else 0
   /// Bytes of all parts.
   std::size_t size() const;
   /// The symbol with this (demangled) name; null if there is none.

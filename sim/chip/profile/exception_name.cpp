@@ -2,11 +2,13 @@
 
 #include <array>
 
+#include "sim/chip/irq_lines.hpp"
+
 namespace lamplock::sim::chip {
 
 std::string exception_name(unsigned number) {
   // Numbers of the exceptions: ARMv6-M ARM, B1.5.2; lines of the RP2040 from 16 on (2.3.2).
-  constexpr std::array<const char*, 26> lines = {
+  constexpr std::array<const char*, irq_line_count> lines = {
       "TIMER_0", "TIMER_1", "TIMER_2", "TIMER_3", "PWM_WRAP", "USBCTRL", "XIP",
       "PIO0_0",  "PIO0_1",  "PIO1_0",  "PIO1_1",  "DMA_0",    "DMA_1",   "IO_BANK0",
       "IO_QSPI", "SIO_0",   "SIO_1",   "CLOCKS",  "SPI0",     "SPI1",    "UART0",

@@ -13,11 +13,10 @@ namespace lamplock::sim::chip {
 using namespace rom;
 
 BootRom::BootRom(std::span<std::uint8_t> memory, const QspiPins& pins, NotModelled not_modelled,
-                 RomTiming timing, unsigned version)
+                 unsigned version)
     : memory_(memory),
       pins_(pins),
       not_modelled_(std::move(not_modelled)),
-      timing_(timing),
       version_(version),
       loader_(not_modelled_) {
   if (version < 1 || version > latest_version)

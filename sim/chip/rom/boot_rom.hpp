@@ -87,7 +87,7 @@ class BootRom {
 
   /// Writes the image into `memory` (16 KiB, Bus::rom()). `pins` tells whether BOOTSEL is pressed.
   BootRom(std::span<std::uint8_t> memory, const QspiPins& pins, NotModelled not_modelled,
-          RomTiming timing = {}, unsigned version = latest_version);
+          unsigned version = latest_version);
   BootRom(const BootRom&) = delete;
   BootRom& operator=(const BootRom&) = delete;
 
@@ -169,7 +169,7 @@ class BootRom {
   std::span<std::uint8_t> memory_;
   const QspiPins& pins_;
   NotModelled not_modelled_;
-  RomTiming timing_;
+  const RomTiming timing_{};
   unsigned version_;
   UsbLoader loader_;
   RomState state_ = RomState::reset;

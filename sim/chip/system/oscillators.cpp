@@ -67,9 +67,8 @@ std::uint32_t PauseCounter::read() const {
   return counted >= start_ ? 0 : start_ - static_cast<std::uint32_t>(counted);
 }
 
-Xosc::Xosc(TimeWheel& wheel, NotModelled not_modelled, std::uint64_t crystal_hz)
+Xosc::Xosc(TimeWheel& wheel, NotModelled not_modelled)
     : not_modelled_(std::move(not_modelled)),
-      crystal_hz_(crystal_hz),
       start_up_(wheel, [this] { set_stable(true); }),
       counter_(wheel) {
   reset();
@@ -129,7 +128,7 @@ void Xosc::write_control(std::uint32_t value) {
   const std::uint64_t periods =
       256ull * (startup_ & 0x3fffu) * ((startup_ & xosc_startup_x4) != 0 ? 4 : 1);
   start_up_.start(static_cast<Picoseconds>(static_cast<Wide>(periods) * ps_per_s /
-                                           static_cast<Wide>(crystal_hz_)));
+                                           static_cast<Wide>(pico_crystal_hz)));
 }
 
 void Xosc::write(std::uint32_t offset, std::uint32_t value) {
@@ -155,8 +154,8 @@ void Xosc::write(std::uint32_t offset, std::uint32_t value) {
   }
 }
 
-Rosc::Rosc(TimeWheel& wheel, NotModelled not_modelled, std::uint64_t ring_hz)
-    : not_modelled_(std::move(not_modelled)), ring_hz_(ring_hz), counter_(wheel) {
+Rosc::Rosc(TimeWheel& wheel, NotModelled not_modelled)
+    : not_modelled_(std::move(not_modelled)), counter_(wheel) {
   reset();
 }
 
@@ -200,7 +199,7 @@ std::uint64_t Rosc::ring_frequency() const {
     const std::uint32_t bits = valid ? word >> (4 * (stage % 4)) & 7u : 0;
     delay += unit / (1u + static_cast<unsigned>(std::popcount(bits)));
   }
-  return ring_hz_ * stages * unit / delay;
+  return nominal_ring_hz * stages * unit / delay;
 }
 
 std::uint32_t Rosc::read(std::uint32_t offset) {

@@ -73,9 +73,9 @@ class PauseCounter {
 class Xosc final : public Peripheral {
  public:
   static constexpr std::uint64_t pico_crystal_hz = 12'000'000;
-  Xosc(TimeWheel& wheel, NotModelled not_modelled, std::uint64_t crystal_hz = pico_crystal_hz);
+  Xosc(TimeWheel& wheel, NotModelled not_modelled);
 
-  std::uint64_t hz() const { return stable_ ? crystal_hz_ : 0; }
+  std::uint64_t hz() const { return stable_ ? pico_crystal_hz : 0; }
   void on_change(SourceChanged changed) { changed_ = std::move(changed); }
 
   std::string_view name() const override { return "XOSC"; }
@@ -89,7 +89,6 @@ class Xosc final : public Peripheral {
   void set_stable(bool stable);
 
   NotModelled not_modelled_;
-  std::uint64_t crystal_hz_;
   SourceChanged changed_;
   std::uint32_t control_ = 0, startup_ = 0;
   bool enabled_ = false, stable_ = false, bad_write_ = false;
@@ -105,7 +104,7 @@ class Rosc final : public Peripheral {
  public:
   /// 6.5 MHz nominally behind the reset divider of 16 (2.17.1: 1.8 to 12 MHz).
   static constexpr std::uint64_t nominal_ring_hz = 104'000'000;
-  Rosc(TimeWheel& wheel, NotModelled not_modelled, std::uint64_t ring_hz = nominal_ring_hz);
+  Rosc(TimeWheel& wheel, NotModelled not_modelled);
 
   std::uint64_t hz() const { return enabled_ ? ring_frequency() / divisor() : 0; }
   void on_change(SourceChanged changed) { changed_ = std::move(changed); }
@@ -122,7 +121,6 @@ class Rosc final : public Peripheral {
   void write_control(std::uint32_t value);
 
   NotModelled not_modelled_;
-  std::uint64_t ring_hz_;
   SourceChanged changed_;
   std::uint32_t control_ = 0, frequency_a_ = 0, frequency_b_ = 0, divider_ = 0, phase_ = 0;
   std::uint32_t random_ = 1;

@@ -83,7 +83,6 @@ class UartReceiver {
   std::optional<std::uint32_t> run(Picoseconds through);
   /// The next sample.
   Picoseconds due() const { return busy_ ? sample_at_ : never; }
-  bool level() const { return level_; }
   /// Time has stood still for so long.
   void delay(Picoseconds time) {
     start_ += time;

@@ -52,8 +52,7 @@ UsbController::UsbController(TimeWheel& wheel, IrqLines& irq, std::span<std::uin
 void UsbController::reset() {
   addr_endp_ = main_ctrl_ = sie_ctrl_ = muxing_ = pwr_ = 0;
   phy_direct_ = phy_override_ = 0;
-  phy_trim_ = 0x1f1f;       // reset value, datasheet 4.1.4
-  nak_poll_ = 0x0010'0010;  // reset value, datasheet 4.1.4
+  phy_trim_ = 0x1f1f;  // reset value, datasheet 4.1.4
   latched_ = changes_ = buff_status_ = abort_ = abort_done_ = stall_arm_ = stall_nak_ = 0;
   interrupts_.reset();
   frame_ = 0;
@@ -132,7 +131,7 @@ std::uint32_t UsbController::peek(std::uint32_t offset) const {
     case reg::ep_stall_arm:
       return stall_arm_;
     case reg::nak_poll:
-      return nak_poll_;
+      return 0x0010'0010;  // reset value; of host mode, which is not there
     case reg::ep_status_stall_nak:
       return stall_nak_;
     case reg::usb_muxing:
@@ -411,7 +410,7 @@ void UsbController::activity(Picoseconds at) {
 void UsbController::plan() {
   Picoseconds due = -1;
   if (bus_ != Bus::idle && !bus_seen_)
-    due = bus_since_ + (bus_ == Bus::reset ? assumed_.reset_detect : assumed_.resume_detect);
+    due = bus_since_ + (bus_ == Bus::reset ? Assumed::reset_detect : Assumed::resume_detect);
   else if (connect_after_ >= 0)
     due = connect_after_;
   else if (bus_ == Bus::idle && pull_up_ && !suspended_)
@@ -424,14 +423,14 @@ void UsbController::clock_changed() { plan(); }
 void UsbController::run(Cycle) {
   const Picoseconds at = now();
   if (bus_ == Bus::reset && !bus_seen_) {
-    bus_seen_ = at >= bus_since_ + assumed_.reset_detect;
+    bus_seen_ = at >= bus_since_ + Assumed::reset_detect;
     if (bus_seen_ && pull_up_ && !hung_) {
       latched_ |= sie_status::bus_reset;
       set_suspended(false);
       set_connected(false);
     }
   } else if (bus_ == Bus::resume && !bus_seen_) {
-    bus_seen_ = at >= bus_since_ + assumed_.resume_detect;
+    bus_seen_ = at >= bus_since_ + Assumed::resume_detect;
     if (bus_seen_ && suspended_ && !hung_) {
       latched_ |= sie_status::resume;
       changes_ |= interrupt::dev_resume_from_host;

@@ -47,9 +47,9 @@ class UsbController final : public Peripheral, public Timed, public usb::DeviceE
   /// What the documents do not give.
   struct Assumed {
     /// SE0 that counts as a bus reset; USB 2.0, 7.1.7.5 permits 2.5 us to 10 ms.
-    Picoseconds reset_detect = 2'500 * ps_per_ns;
+    static constexpr Picoseconds reset_detect = 2'500 * ps_per_ns;
     /// K that counts as resume; not given for this controller.
-    Picoseconds resume_detect = 2'500 * ps_per_ns;
+    static constexpr Picoseconds resume_detect = 2'500 * ps_per_ns;
   };
 
   /// `dpram` of 4096 bytes must outlive the controller.
@@ -103,7 +103,6 @@ class UsbController final : public Peripheral, public Timed, public usb::DeviceE
   /// Bulk IN buffers that were armed in the last 200 us of a frame, where RP2040-E15 can strike:
   /// the host had asked for them in vain within the same 200 us.
   std::uint64_t armed_late() const { return armed_late_; }
-  Assumed& assumed() { return assumed_; }
 
  private:
   /// One direction of one endpoint, as its words in the DPRAM say when a token comes.
@@ -174,14 +173,13 @@ class UsbController final : public Peripheral, public Timed, public usb::DeviceE
   std::span<std::uint8_t> dpram_;
   NotModelled not_modelled_;
   UsbErrata errata_;
-  Assumed assumed_;
   usb::HostEnd* host_ = nullptr;
   std::uint64_t usb_hz_ = 48'000'000;
   bool vbus_pin_ = false;
 
   // Registers
   std::uint32_t addr_endp_ = 0, main_ctrl_ = 0, sie_ctrl_ = 0, muxing_ = 0, pwr_ = 0;
-  std::uint32_t phy_direct_ = 0, phy_override_ = 0, phy_trim_ = 0, nak_poll_ = 0;
+  std::uint32_t phy_direct_ = 0, phy_override_ = 0, phy_trim_ = 0;
   std::uint32_t latched_ = 0;  ///< sticky bits of SIE_STATUS
   std::uint32_t changes_ = 0;  ///< DEV_CONN_DIS, DEV_SUSPEND, DEV_RESUME_FROM_HOST, DEV_SOF
   std::uint32_t buff_status_ = 0, abort_ = 0, abort_done_ = 0, stall_arm_ = 0, stall_nak_ = 0;

@@ -1,6 +1,5 @@
 #include "sim/chip/usb_host/descriptors.hpp"
 
-#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -250,7 +249,6 @@ DeviceInfo parse_device(Bytes bytes, Violations& violations) {
   expect(is_packet_size(bytes[7]), "bMaxPacketSize0 is not 8, 16, 32 or 64");
   info.vendor = word(bytes, 8);
   info.product = word(bytes, 10);
-  info.release = word(bytes, 12);
   info.manufacturer_string = bytes[14];
   info.product_string = bytes[15];
   info.serial_string = bytes[16];
@@ -274,23 +272,6 @@ std::string parse_string(Bytes bytes, int index, Violations& violations) {
   std::string text;
   for (std::size_t at = 2; at < bytes.size(); at += 2)
     text += word(bytes, at) < 128 ? static_cast<char>(bytes[at]) : '?';
-  return text;
-}
-
-std::string dump_descriptors(Bytes bytes) {
-  static constexpr char digits[] = "0123456789abcdef";
-  std::string text;
-  std::size_t at = 0;
-  while (at < bytes.size()) {
-    const std::size_t length = std::clamp<std::size_t>(bytes[at], 1, bytes.size() - at);
-    for (std::size_t i = 0; i < length; ++i) {
-      if (i != 0) text += ' ';
-      text += digits[bytes[at + i] >> 4];
-      text += digits[bytes[at + i] & 15];
-    }
-    text += '\n';
-    at += length;
-  }
   return text;
 }
 

@@ -29,7 +29,7 @@ inline constexpr std::uint8_t class_interface = 0x24;
 
 /// What a host takes from the device descriptor.
 struct DeviceInfo {
-  std::uint16_t vendor = 0, product = 0, release = 0;
+  std::uint16_t vendor = 0, product = 0;
   std::uint8_t device_class = 0, device_subclass = 0, device_protocol = 0;
   std::uint8_t max_packet0 = 0;
   std::uint8_t manufacturer_string = 0, product_string = 0, serial_string = 0;
@@ -54,7 +54,5 @@ SerialPort parse_configuration(std::span<const std::uint8_t> bytes, const Device
                                Violations& violations);
 /// Text of a string descriptor, other than ASCII as '?'.
 std::string parse_string(std::span<const std::uint8_t> bytes, int index, Violations& violations);
-/// One line per descriptor in hexadecimal.
-std::string dump_descriptors(std::span<const std::uint8_t> bytes);
 
 }  // namespace lamplock::sim::chip::usb

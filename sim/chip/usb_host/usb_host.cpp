@@ -212,13 +212,6 @@ void UsbHost::control(const std::array<std::uint8_t, 8>& setup, std::vector<std:
   go_on(now());
 }
 
-std::string UsbHost::descriptor_dump() const {
-  std::string text = dump_descriptors(device_bytes_) + dump_descriptors(configuration_bytes_);
-  for (const auto& [index, string] : strings_)
-    text += "string " + std::to_string(index) + ": " + string + '\n';
-  return text;
-}
-
 void UsbHost::violation(const std::string& text) {
   if (std::find(violations_.begin(), violations_.end(), text) == violations_.end())
     violations_.push_back(text);
@@ -343,8 +336,6 @@ void UsbHost::give_up(const std::string& why) {
 
 void UsbHost::control_done(const ControlTransfer& transfer, const ControlAnswer& answer,
                            Picoseconds at) {
-  ++statistics_.control_transfers;
-  statistics_.longest_control = std::max(statistics_.longest_control, at - transfer.started);
   if (transfer.user) {
     last_control_ = answer;
     return;

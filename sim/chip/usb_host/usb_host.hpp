@@ -57,10 +57,8 @@ struct UsbHostStatistics {
   std::uint64_t repeated = 0;  ///< IN packets with the toggle of the one before: dropped
   std::uint64_t stalls = 0;
   std::uint64_t notifications = 0;  ///< packets of the interrupt endpoint
-  std::uint64_t control_transfers = 0;
   std::uint32_t most_bulk_packets_in_frame = 0;
-  Picoseconds longest_refused = 0;  ///< first NAK of an OUT packet to its ACK, or until now
-  Picoseconds longest_control = 0;
+  Picoseconds longest_refused = 0;    ///< first NAK of an OUT packet to its ACK, or until now
   Picoseconds longest_frame_gap = 0;  ///< SOF to SOF, suspension left out
 };
 
@@ -104,7 +102,6 @@ class UsbHost final : public Timed, public usb::HostEnd {
   const usb::DeviceInfo& device_info() const { return device_info_; }
   const usb::SerialPort& port() const { return port_; }
   const std::map<int, std::string>& strings() const { return strings_; }
-  std::string descriptor_dump() const;
   struct ControlAnswer {
     bool done = false, stalled = false, failed = false;
     std::vector<std::uint8_t> data;
