@@ -66,6 +66,17 @@
   bne 9b
   .endm
 
+// Pends interrupts, bits from 26 on; `pends` says whether IRQ 26 pends others.
+  .macro round interrupts, pends
+  movs r7, #\pends
+  ldr r2, =NVIC_ISPR
+  ldr r3, =\interrupts << 26
+  str r5, [r4, #GPIO_SET]
+  str r3, [r2]
+  str r5, [r4, #GPIO_CLEAR]
+  pause
+  .endm
+
   function main
   start
   .irp gpio, 2, 3, 4, 5, 6
@@ -86,30 +97,9 @@
   ldr r4, =SIO
   movs r5, #1 << 2
 
-  // 1: one interrupt alone.
-  movs r7, #0
-  ldr r2, =NVIC_ISPR
-  ldr r3, =1 << 26
-  str r5, [r4, #GPIO_SET]
-  str r3, [r2]
-  str r5, [r4, #GPIO_CLEAR]
-  pause
-  // 2: it pends an equal and a higher one.
-  movs r7, #1
-  ldr r2, =NVIC_ISPR
-  ldr r3, =1 << 26
-  str r5, [r4, #GPIO_SET]
-  str r3, [r2]
-  str r5, [r4, #GPIO_CLEAR]
-  pause
-  // 3: two at once.
-  movs r7, #0
-  ldr r2, =NVIC_ISPR
-  ldr r3, =3 << 26
-  str r5, [r4, #GPIO_SET]
-  str r3, [r2]
-  str r5, [r4, #GPIO_CLEAR]
-  pause
+  round 1, 0    // 1: one interrupt alone
+  round 1, 1    // 2: it pends an equal and a higher one
+  round 3, 0    // 3: two at once
   // 4: a low one, and SysTick while its registers are being saved.
   ldr r1, =NVIC_ISPR
   ldr r6, =1 << 26
