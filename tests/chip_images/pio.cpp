@@ -2,7 +2,8 @@
 // divider (GPIO 3), machines 2 and 3 from a pin to a pin (8 to 4; 9 to 5, past the synchroniser).
 // Block 1: machines 0 and 1 hand a flag back and forth (GPIO 6, 7), machine 2 turns words round
 // between two DMA channels (the result on UART0), machine 3 shifts a pattern from DMA to GPIO 10.
-// GPIO 11 rises when all run.
+// GPIO 11 rises when all run. At the end the program toggles it, and machine 2 of block 1 follows it
+// with GPIO 12.
 #include "tests/chip_images/dma.hpp"
 
 using namespace image;
@@ -103,6 +104,10 @@ int main() {
                       out_x(8),                 // 6
                       in_x(8),                  //
                       out_pins(1) | delay(4),   // 8
+                      wait_pin(1),              // 9
+                      set_pins(1),              //
+                      wait_pin(0),              //
+                      set_pins(0),              //
                   });
   const Machine asks{pio1_base, 0}, answers{pio1_base, 1}, turns{pio1_base, 2},
       shifts{pio1_base, 3};
@@ -133,6 +138,16 @@ int main() {
   print("words");
   for (const Word each : received) print_hex(each);
   print("\n");
+
+  reg(pio1_base) = 11 | 1u << 6;  // machine 2 stops, SM_RESTART (3.7)
+  const Machine& follows = turns;
+  follows.set_up(whole(1), 9, 12, set_base(12) | in_base(11));
+  follows.drive(12, Function::pio1);
+  reg(pio1_base) = 15;
   for (;;) {
+    const Word begin = now_us();
+    while (now_us() - begin < 10) {
+    }
+    gpio_toggle() = 1u << 11;
   }
 }

@@ -4,7 +4,7 @@
 #include "tests/chip_images/start.inc"
 
 // High for 1 cycle (the store of the rising edge) plus what the instructions cost. r4 is SIO, r5
-// the pin; r6 is a place in SRAM, r7 a register on the APB.
+// the pin; r6 is a place in SRAM, r7 a register on the APB or on the AHB-Lite.
   .macro between instructions
   str r5, [r4, #GPIO_SET]
   \instructions
@@ -16,6 +16,13 @@
 
   function main
   start
+  ldr r0, =RESETS_CLEAR
+  ldr r1, =1 << 10
+  str r1, [r0]
+  ldr r0, =RESETS
+1: ldr r2, [r0, #RESET_DONE]
+  tst r2, r1
+  beq 1b
   make_output 2
   make_output 3
   ldr r4, =SIO
@@ -63,6 +70,9 @@
   between "cpsie i"
   between "ldr r1, [r7]"
   between "str r1, [r7]"
+  ldr r7, =PIO0
+  between "ldr r1, [r7, #4]"  // FSTAT
+  between "str r1, [r7, #8]"  // FDEBUG
 
   ldr r0, =SIO
   movs r1, #1 << 3

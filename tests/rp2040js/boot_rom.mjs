@@ -23,6 +23,12 @@ const lookup_code = [
   0x4770,  //       bx   lr
 ];
 
+/** As the ROM calls the second-stage boot. */
+export function enter_boot2(core) {
+  core.SP = 0x20041f00;
+  core.PC = 0x10000000;
+}
+
 /** ROM for `mcu`. `flash()` gives its flash; `boot_loader()` is called when the image asks for it. */
 export function install_rom(mcu, boot_loader) {
   const sector = 4096;

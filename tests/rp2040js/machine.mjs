@@ -5,11 +5,9 @@
 
 import { ConsoleLogger, LogLevel, Simulator, USBCDC } from 'rp2040js';
 
-import { install_rom } from './boot_rom.mjs';
+import { enter_boot2, install_rom } from './boot_rom.mjs';
 
 const cycle_ns = 8;  // 125 MHz
-const flash_base = 0x10000000;
-const stack_top = 0x20041f00;  // where the ROM's stack is when it calls the second-stage boot
 
 /** CHAN_ABORT reads 0 once the channels have stopped (datasheet, 2.5.5.3); rp2040js knows no read. */
 function patch_dma_abort(mcu) {
@@ -57,8 +55,7 @@ export class Machine {
     this.#usb = new USBCDC(this.#mcu.usbCtrl);
     this.#usb.onDeviceConnected = () => { this.connected = true; };
     this.#usb.onSerialData = (bytes) => { this.#text += Buffer.from(bytes).toString('latin1'); };
-    this.#mcu.core.SP = stack_top;
-    this.#mcu.core.PC = flash_base;
+    enter_boot2(this.#mcu.core);
   }
 
   get flash() { return this.#mcu.flash; }

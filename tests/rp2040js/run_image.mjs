@@ -7,11 +7,11 @@
 
 import { readFileSync, writeSync } from 'node:fs';
 
-import { case_image } from './case_image.mjs';
-import { enable_inputs, run_in_rp2040js } from './edges.mjs';
 import { read_script } from './script.mjs';
 import { ScriptRun } from './script_run.mjs';
 import { Scene } from './script_scene.mjs';
+import { enable_inputs, run_in_rp2040js } from './small_run.mjs';
+import { read_uf2 } from './uf2.mjs';
 
 const until_ms = 2000;  // as the tests chip_images.* have it
 
@@ -22,7 +22,7 @@ const [image, script, ...helps] = process.argv.slice(2);
 let run;
 let stopped;
 try {
-  run_in_rp2040js(case_image(image), until_ms, helps.includes('clocked'), (rp2040, clock) => {
+  run_in_rp2040js(read_uf2(readFileSync(image)), until_ms, helps.includes('clocked'), (rp2040, clock) => {
     if (helps.includes('inputs')) enable_inputs(rp2040);
     run = new ScriptRun(new Scene(rp2040, clock), read_script(readFileSync(script, 'utf8')));
     return () => run.done;

@@ -36,12 +36,7 @@ if (file === undefined) {
   console.log('usage: node second_opinion.mjs lamplock-rp2040.uf2');
   process.exit(2);
 }
-let blocks = 0;
-const flash = new Uint8Array(2 * 1024 * 1024).fill(0xff);
-read_uf2(readFileSync(file), (offset, bytes) => { flash.set(bytes, offset); ++blocks; });
-check(`${blocks} blocks of ${file} flashed`, blocks > 0);
-
-const first = start(flash);
+const first = start(read_uf2(readFileSync(file)));
 check('$I answers with version, options and ok',
       first.ask('$I', /\[VER:1\.1h[^\]]*lamplock\][^]*\[OPT:[^\]]*\]\r\nok\r\n/), first);
 console.log(`        ${first.text.match(/\[VER:[^\]]*\]/)[0]}`);

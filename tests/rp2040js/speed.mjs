@@ -6,7 +6,7 @@
 import { readFileSync } from 'node:fs';
 
 const not_there = 77;
-const { run_in_rp2040js } = await import('./edges.mjs').catch((error) => {
+const { run_in_rp2040js } = await import('./small_run.mjs').catch((error) => {
   if (error.code !== 'ERR_MODULE_NOT_FOUND') throw error;
   process.exit(not_there);
 });
