@@ -5,7 +5,8 @@
 //      for the main loop, which tells the core and starts the lattice again without motion; when
 //      that was, since lamp edges go on while the main loop is still away.
 // Who: interrupt() from IO_IRQ_BANK0, alone at priority 0, nothing masks it longer than 1 us.
-//      Budget: 60 cycles (0.5 us) and the entry; 9 stores.
+//      Budget: 1.25 us with entry and return. The first 7 of its 13 stores switch everything off,
+//      the last of them 64 cycles (0.5 us) after the handler's first instruction.
 //
 // The pads stay low until release_pads(), when the core has left the e-stop state; the trigger's
 // until the lattice runs again.
