@@ -17,7 +17,8 @@
 //   fill                fill interrupt        2 ms ahead        steps and lattice bits
 //   next_span           timing interrupt      up to 1 ms ahead  lengths of ticks
 //   lamp_edge           beat interrupt        on LAMP SYNC      edge and whether it fired
-//   next_token          beat interrupt        after each edge   the right to the next shot
+//   next_token          beat interrupt        250 us            the right to the next shot; after
+//                                                               each edge as well
 //   token_expired       beat interrupt        at its tick       the token was withdrawn
 //   outputs             anywhere              after each call   what may be on
 //
