@@ -28,8 +28,16 @@ const listed = JSON.parse(readFileSync(join(here, 'images.json'), 'utf8'));
 const names = readdirSync(scripts).filter((file) => file.endsWith('.script')).map((file) => file.slice(0, -7)).sort();
 
 const differences = (image) => image.groups.flatMap((group) => group.shows);
-const expectations = (name) =>
-  read_script(readFileSync(join(scripts, `${name}.script`), 'utf8')).filter((step) => step.says !== undefined);
+const read = (name) => read_script(readFileSync(join(scripts, `${name}.script`), 'utf8'));
+const expectations = (name) => read(name).filter((step) => step.says !== undefined);
+const readable = names.filter((name) => {
+  try {
+    return read(name);
+  } catch (error) {
+    console.log(`FAILED  ${name}.script: ${error.message}`);
+    return false;
+  }
+});
 
 /** [expectation, seen instead] of each that is not met, in the order of the script. */
 function run(name, images) {
@@ -69,7 +77,7 @@ const short = (text, length) => (text.length > length ? `${text.slice(0, length 
 /** A line of the table for each group of differences. */
 function table() {
   const lines = ['| image | met | rp2040js instead | of these the first | decides |', '|---|---|---|---|---|'];
-  for (const name of names) {
+  for (const name of readable) {
     const { groups } = listed[name];
     const count = expectations(name).length;
     const met = `${count - differences(listed[name]).length} of ${count}`;
@@ -97,12 +105,13 @@ if (option === '--table') {
   console.log(table());
   process.exit(0);
 }
+const all_readable = readable.length === names.length;
 const page_good = readFileSync(page, 'utf8').includes(`\n${table()}\n`);
 if (!page_good) console.log(`FAILED  ${page} has another table; make it anew with --table`);
 if (page_good && !existsSync(join(here, 'node_modules', 'rp2040js'))) {
   console.log('rp2040js is not installed; run toolchain/setup');
   process.exit(not_there);
 }
-const good = names.map((name) => as_listed(name, images)).every(Boolean) && page_good;
+const good = readable.map((name) => as_listed(name, images)).every(Boolean) && page_good && all_readable;
 console.log(good ? 'ok: all as listed' : 'FAILED');
 process.exit(good ? 0 : 1);

@@ -78,17 +78,21 @@ function converter([what, value]) {
 function statement(words) {
   const [first, ...rest] = words;
   switch (first) {
+    case 'at':
     case 'after':
-      return [{ kind: 'after', span: span(rest[0]) }, ...(rest.length > 1 ? statement(rest.slice(1)) : [])];
+      return [{ kind: first, span: span(rest[0]) }, ...(rest.length > 1 ? statement(rest.slice(1)) : [])];
     case 'set':
       if (/[VC]$/.test(rest[1])) return [converter(rest)];
       return [{ kind: 'set', gpio: pin(rest[0]), level: level(rest[1]) }];
+    case 'release':
+      return [{ kind: 'release', gpio: pin(rest[0]) }];
     case 'join':
       return [{ kind: 'join', gpio: pin(rest[0]), other: pin(rest[1]) }];
     case 'pulse':
       return [pulse(rest)];
     case 'end':
       return [{ kind: 'end' }];
+    case 'wait':
     case 'expect':
       return [{ ...expectation(rest), says: words.join(' ') }];
     case 'meanwhile':

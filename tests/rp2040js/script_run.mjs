@@ -69,8 +69,11 @@ export class ScriptRun {
 
   *#act(step) {
     const scene = this.#scene;
-    if (step.kind === 'after') {
-      this.#time = scene.after(this.#time, step.span);
+    if (step.kind === 'after' || step.kind === 'at') {
+      const past = step.kind === 'at' ? this.#time.ps : 0;
+      const span = { ...step.span, amount: step.span.amount - past };
+      if (span.amount < 0) throw new Error('a time that has passed already');
+      this.#time = scene.after(this.#time, span);
       yield* this.#until(this.#time);
       return;
     }
@@ -86,6 +89,7 @@ export class ScriptRun {
       const train = {};
       this.#trains.set(step.gpio, train);
       if (step.kind === 'set') scene.drive(step.gpio, step.level);
+      else if (step.kind === 'release') scene.release(step.gpio);
       else this.#pulse(step, train, this.#time, step.times);
     }
   }

@@ -61,6 +61,13 @@ export class Scene {
     if (!pin.outputEnable) this.#level(gpio, level);
   }
 
+  /** Leaves the pin to its pulls and to the chip. */
+  release(gpio) {
+    const pin = this.#rp2040.gpio[gpio];
+    this.drive(gpio, pin.value === GPIOPinState.High || pin.value === GPIOPinState.InputPullUp);
+    this.#driven[gpio] = false;
+  }
+
   /** A wire between two pins: low if either drives it low, else high. */
   join(one, other) {
     const pins = [one, other].map((gpio) => this.#rp2040.gpio[gpio]);
