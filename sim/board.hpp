@@ -3,8 +3,7 @@
 // In:  bytes of the host; time, as far as whoever holds the board lets it pass.
 // Out: bytes to the host; pins and world, to trace and to judge.
 // Who: transports of the host, `lamplock sim`, tests. One virtual call per slice of time or piece
-// of
-//      data, none inside.
+//      of data, none inside.
 #pragma once
 
 #include <cstddef>

@@ -1,9 +1,8 @@
 // Flash, SSI and cache on a bus: what tests of execution in place need.
 //
 // In:  nothing; out: the SSI set as the usual second-stage boot leaves it: quad, continuous, so
-// that
-//      a line takes 8 clocks of address and mode, 4 of wait, 16 of data (W25Q16JV, fast read quad
-//      I/O), each `divider` cycles of clk_sys (RP2040 datasheet, 4.10.4).
+//      that a line takes 8 clocks of address and mode, 4 of wait, 16 of data (W25Q16JV, fast read
+//      quad I/O), each `divider` cycles of clk_sys (RP2040 datasheet, 4.10.4).
 // Who: the tests of the cache and of streaming.
 #pragma once
 
