@@ -25,12 +25,11 @@ inline void clear_bits(Word address, Word bits) { reg(address + 0x3000) = bits; 
 // Where the blocks lie (2.2).
 inline constexpr Word clocks_base = 0x4000'8000, resets_base = 0x4000'c000, psm_base = 0x4001'0000,
                       io_bank0_base = 0x4001'4000, pads_bank0_base = 0x4001'c000,
-                      xosc_base = 0x4002'4000, pll_sys_base = 0x4002'8000, uart0_base = 0x4003'4000,
-                      spi0_base = 0x4003'c000, i2c0_base = 0x4004'4000, i2c1_base = 0x4004'8000,
-                      adc_base = 0x4004'c000, pwm_base = 0x4005'0000, timer_base = 0x4005'4000,
-                      watchdog_base = 0x4005'8000, rtc_base = 0x4005'c000, rosc_base = 0x4006'0000,
-                      dma_base = 0x5000'0000, pio0_base = 0x5020'0000, pio1_base = 0x5030'0000,
-                      sio_base = 0xd000'0000, ppb_base = 0xe000'0000;
+                      pll_sys_base = 0x4002'8000, uart0_base = 0x4003'4000, spi0_base = 0x4003'c000,
+                      i2c0_base = 0x4004'4000, i2c1_base = 0x4004'8000, adc_base = 0x4004'c000,
+                      pwm_base = 0x4005'0000, timer_base = 0x4005'4000, watchdog_base = 0x4005'8000,
+                      rtc_base = 0x4005'c000, dma_base = 0x5000'0000, pio0_base = 0x5020'0000,
+                      pio1_base = 0x5030'0000, sio_base = 0xd000'0000, ppb_base = 0xe000'0000;
 
 /// RESETS (2.14.3): bits of the blocks.
 namespace block {
@@ -70,12 +69,6 @@ inline void make_output(unsigned gpio) {
 
 // NVIC (2.4.8).
 inline void enable_irq(unsigned irq) { reg(ppb_base + 0xe100) = 1u << irq; }
-/// 0 (highest) to 3.
-inline void set_priority(unsigned irq, Word priority) {
-  Register& four = reg(ppb_base + 0xe400 + irq / 4 * 4);
-  const unsigned shift = 8 * (irq % 4) + 6;
-  four = (four & ~(3u << shift)) | (priority << shift);
-}
 
 /// UART0 at 1 Mbaud, 8 bits, on GPIO 0 and 1: 125 MHz / 16 / 1 MHz = 7 + 52/64 (4.2.7.1).
 inline void start_uart() {
