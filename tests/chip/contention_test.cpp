@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <random>
 #include <vector>
 
 #include "sim/chip/chip.hpp"
 #include "tests/chip/core_rig.hpp"
+#include "tests/chip/put_code.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -111,10 +111,7 @@ struct Pair {
     bus.set_two_cores(true);
   }
   void code(std::uint32_t at, unsigned instruction, unsigned count) {
-    for (unsigned i = 0; i < count; ++i, at += 2) {
-      const auto half = static_cast<std::uint16_t>(instruction);
-      std::memcpy(bus.memory_at(at).data(), &half, sizeof half);
-    }
+    for (unsigned i = 0; i < count; ++i) put(bus, at + 2 * i, {instruction});
   }
   /// Cycles that each needs for its `count` instructions.
   std::array<Cycle, 2> run(std::uint32_t code0, std::uint32_t code1, unsigned count) {
@@ -216,9 +213,7 @@ struct LoneCore {
     for (std::uint32_t i = 0; i < load_count; ++i) put(bank5 + 2 * i, 0x6801);  // ldr r1, [r0]
     put(end, 0xe7fe);                                                           // b .
   }
-  void put(std::uint32_t address, std::uint16_t half) {
-    std::memcpy(chip.bus().memory_at(address).data(), &half, sizeof half);
-  }
+  void put(std::uint32_t address, std::uint16_t half) { test::put(chip, address, {half}); }
   void write(std::uint32_t address, std::uint32_t value) {
     chip.bus().write(address, value, Width::word, Master::core0, chip.now());
   }

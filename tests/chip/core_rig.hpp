@@ -14,6 +14,7 @@
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/time_wheel.hpp"
 #include "sim/chip/timing.hpp"
+#include "tests/chip/put_code.hpp"
 
 namespace lamplock::test {
 
@@ -71,15 +72,9 @@ struct CoreRig {
   }
   static std::uint32_t handler_of(unsigned number) { return handlers + handler_size * number; }
   void put(std::uint32_t address, std::initializer_list<unsigned> halfwords) {
-    for (const unsigned value : halfwords) {
-      const auto half = static_cast<std::uint16_t>(value);
-      std::memcpy(bus.memory_at(address).data(), &half, sizeof half);
-      address += 2;
-    }
+    test::put(bus, address, halfwords);
   }
-  void put_word(std::uint32_t address, std::uint32_t value) {
-    std::memcpy(bus.memory_at(address).data(), &value, sizeof value);
-  }
+  void put_word(std::uint32_t address, std::uint32_t value) { test::put_word(bus, address, value); }
   std::uint32_t word(std::uint32_t address) {
     std::uint32_t value = 0;
     std::memcpy(&value, bus.memory_at(address).data(), sizeof value);

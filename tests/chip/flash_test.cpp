@@ -13,10 +13,13 @@
 #include "sim/chip/bus.hpp"
 #include "sim/chip/flash/ssi.hpp"
 #include "sim/chip/flash/xip.hpp"
+#include "tests/chip/random_bytes.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::sim::chip {
 namespace {
+
+using test::random_bytes;
 
 /// A flash chip and its host, wire by wire.
 struct Bench {
@@ -69,12 +72,6 @@ struct Bench {
   FlashChip flash;
   Picoseconds now = ps_per_ms;
 };
-
-std::vector<std::uint8_t> random_bytes(std::mt19937_64& random, std::size_t count) {
-  std::vector<std::uint8_t> bytes(count);
-  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
-  return bytes;
-}
 
 TEST(FlashChip, TellsWhoItIs) {
   Bench b;

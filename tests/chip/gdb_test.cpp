@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <initializer_list>
 #include <random>
 #include <string>
 #include <vector>
@@ -14,11 +13,14 @@
 #include "sim/chip/gdb/accesses.hpp"
 #include "sim/chip/gdb/server.hpp"
 #include "sim/chip/gdb/stub.hpp"
+#include "tests/chip/put_code.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::sim::chip::gdb {
 namespace {
 
+using test::put;
+using test::put_word;
 using test::scaled;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -110,22 +112,10 @@ constexpr std::uint32_t handler = main0 + 0x100;
 // Code of core 1: counts by three.
 constexpr std::uint32_t main1 = main0 + 0x200, loop1 = main1 + 2, store1 = main1 + 6;
 
-void put(Chip& chip, std::uint32_t address, std::initializer_list<unsigned> halves) {
-  for (const unsigned each : halves) {
-    const auto half = static_cast<std::uint16_t>(each);
-    std::memcpy(chip.bus().memory_at(address).data(), &half, sizeof half);
-    address += 2;
-  }
-}
-
 std::uint32_t word(Chip& chip, std::uint32_t address) {
   std::uint32_t value = 0;
   std::memcpy(&value, chip.bus().memory_at(address).data(), sizeof value);
   return value;
-}
-
-void put_word(Chip& chip, std::uint32_t address, std::uint32_t value) {
-  std::memcpy(chip.bus().memory_at(address).data(), &value, sizeof value);
 }
 
 /// Both cores in front of their programs, out of the ROM.

@@ -3,12 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <initializer_list>
 #include <utility>
 #include <vector>
 
 #include "sim/chip/chip.hpp"
+#include "tests/chip/put_code.hpp"
 
 namespace lamplock::sim::chip {
 namespace {
@@ -52,17 +52,12 @@ struct Sleeper : PadListener, CoreListener {
   }
   /// Core 0 lets an interrupt through to wake it, without a handler, and sleeps.
   void sleep(std::uint32_t scr_value, unsigned irq) {
-    const std::initializer_list<unsigned> program{0xb672,   // cpsid i
-                                                  0x6013,   // str r3, [r2]
-                                                  0x6001,   // str r1, [r0]
-                                                  0xbf30,   // wfi
-                                                  0xe7fe};  // b .
-    std::uint32_t at = code;
-    for (const unsigned each : program) {
-      const auto half = static_cast<std::uint16_t>(each);
-      std::memcpy(chip.bus().memory_at(at).data(), &half, sizeof half);
-      at += 2;
-    }
+    test::put(chip, code,
+              {0xb672,    // cpsid i
+               0x6013,    // str r3, [r2]
+               0x6001,    // str r1, [r0]
+               0xbf30,    // wfi
+               0xe7fe});  // b .
     Core& core = chip.core(0);
     unsigned number = 0;
     for (const std::uint32_t value : {scr, scr_value, iser, 1u << irq})

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <initializer_list>
 #include <random>
 #include <tuple>
 #include <vector>
 
 #include "sim/chip/chip.hpp"
+#include "tests/chip/put_code.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::test {
@@ -20,17 +20,6 @@ using namespace sim::chip;  // NOLINT(google-build-using-namespace)
 constexpr std::uint32_t sleep_code = 0x2004'0000, handler = 0x2004'0100, vectors = 0x2004'1000,
                         loop_code = 0x2000'0000, marks = 0x2004'0800, other_stack = 0x2004'2000;
 constexpr std::uint32_t syst_csr = 0xe000'e010;
-
-void put(Chip& chip, std::uint32_t address, std::initializer_list<unsigned> code) {
-  for (const unsigned value : code) {
-    const auto half = static_cast<std::uint16_t>(value);
-    std::memcpy(chip.bus().memory_at(address).data(), &half, sizeof half);
-    address += 2;
-  }
-}
-void put_word(Chip& chip, std::uint32_t address, std::uint32_t value) {
-  std::memcpy(chip.bus().memory_at(address).data(), &value, sizeof value);
-}
 
 /// Enters code as the ROM would, both cores in the same cycle.
 class Start {

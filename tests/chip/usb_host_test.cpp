@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <random>
 
+#include "tests/chip/random_bytes.hpp"
 #include "tests/chip/usb_bench.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::sim::chip {
 namespace {
 
+using lamplock::test::random_bytes;
 using test::Bytes;
 using test::FakeCdc;
 using test::FakeOptions;
@@ -64,12 +66,6 @@ struct Desk {
     EXPECT_TRUE(bench.unknown.empty()) << *bench.unknown.begin();
   }
 };
-
-Bytes random_bytes(std::mt19937_64& random, std::size_t size) {
-  Bytes bytes(size);
-  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
-  return bytes;
-}
 
 TEST(UsbHost, EnumeratesASerialPort) {
   for (const bool second_reset : {false, true}) {
