@@ -2,8 +2,8 @@
 // divider (GPIO 3), machines 2 and 3 from a pin to a pin (8 to 4; 9 to 5, past the synchroniser).
 // Block 1: machines 0 and 1 hand a flag back and forth (GPIO 6, 7), machine 2 turns words round
 // between two DMA channels (the result on UART0), machine 3 shifts a pattern from DMA to GPIO 10.
-// GPIO 11 rises when all run. At the end the program toggles it, and machine 2 of block 1 follows it
-// with GPIO 12.
+// GPIO 11 rises when all run. At the end the program toggles it, and machine 2 of block 1 follows
+// it with GPIO 12.
 #include "tests/chip_images/dma.hpp"
 
 using namespace image;
