@@ -25,7 +25,8 @@ class Peripheral {
   virtual void write(std::uint32_t offset, std::uint32_t value) = 0;
   /// Bits that a written 1 clears. An alias passes them on as they were written instead of
   /// combining them with what peek() gives: firmware clears such a bit through any alias but XOR.
-  virtual std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const { return 0; }
+  /// Each block says so, even that it has none: one left out would clear its neighbours as well.
+  virtual std::uint32_t write_clear_bits(std::uint32_t offset) const = 0;
   /// Held in reset by RESETS: registers take their reset values.
   virtual void reset() = 0;
 };

@@ -124,6 +124,7 @@ TEST_F(ClocksTest, BlocksInResetDoNotAnswer) {
     std::uint32_t read(std::uint32_t) override { return value; }
     std::uint32_t peek(std::uint32_t) const override { return value; }
     void write(std::uint32_t, std::uint32_t written) override { value = written; }
+    std::uint32_t write_clear_bits(std::uint32_t) const override { return 0; }
     void reset() override { value = 0, ++resets; }
     std::uint32_t value = 0;
     int& resets;

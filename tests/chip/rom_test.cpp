@@ -38,6 +38,7 @@ struct PlainBlock final : Peripheral {
     return found == words.end() ? 0 : found->second;
   }
   void write(std::uint32_t offset, std::uint32_t value) override { words[offset] = value; }
+  std::uint32_t write_clear_bits(std::uint32_t) const override { return 0; }
   void reset() override { words.clear(); }
   bool done;
   std::map<std::uint32_t, std::uint32_t> words{{0, 0}};
@@ -57,6 +58,7 @@ struct Mailbox final : Peripheral {
   void write(std::uint32_t offset, std::uint32_t value) override {
     if (offset == 0x54) out.push_back(value);
   }
+  std::uint32_t write_clear_bits(std::uint32_t) const override { return 0; }
   void reset() override {}
   std::deque<std::uint32_t> in, out;
 };

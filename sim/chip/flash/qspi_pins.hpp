@@ -48,6 +48,7 @@ class QspiPins {
     std::uint32_t read(std::uint32_t offset) override;
     std::uint32_t peek(std::uint32_t offset) const override;
     void write(std::uint32_t offset, std::uint32_t value) override;
+    std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
     void reset() override;
     QspiPins& owner;
     std::array<std::uint32_t, count> control{};
@@ -58,6 +59,7 @@ class QspiPins {
     std::uint32_t read(std::uint32_t offset) override;
     std::uint32_t peek(std::uint32_t offset) const override;
     void write(std::uint32_t offset, std::uint32_t value) override;
+    std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
     void reset() override;
     void set_defaults();
     QspiPins& owner;

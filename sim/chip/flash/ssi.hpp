@@ -37,6 +37,7 @@ class Ssi final : public Peripheral, private Timed {
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
   void reset() override;
 
   /// Cycles of clk_sys that filling a line of eight bytes takes at the present setting.

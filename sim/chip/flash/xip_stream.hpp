@@ -71,6 +71,7 @@ class XipStream final : private Timed {
     std::uint32_t read(std::uint32_t) override { return owner.pop(); }
     std::uint32_t peek(std::uint32_t) const override { return owner.front(); }
     void write(std::uint32_t, std::uint32_t) override {}
+    std::uint32_t write_clear_bits(std::uint32_t) const override { return 0; }
     void reset() override {}
     XipStream& owner;
   };

@@ -82,6 +82,7 @@ class I2c final : public Peripheral,
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
   void reset() override;
 
  private:

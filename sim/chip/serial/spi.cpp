@@ -363,6 +363,10 @@ std::uint32_t Spi::read(std::uint32_t offset) {
   return peek(offset);
 }
 
+std::uint32_t Spi::write_clear_bits(std::uint32_t offset) const {
+  return offset == offset_icr ? irq_clearable : 0;
+}
+
 void Spi::write_data(std::uint32_t value) {
   if (transmit_.size() >= fifo_depth)
     return not_modelled_(name_ + " DR: written while the transmit FIFO is full; the word is lost");

@@ -68,6 +68,7 @@ class Spi final : public Peripheral,
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
   /// clk_peri stops or goes on behind its gate: a word under way stands still, as a slave no edge
   /// is seen.

@@ -59,6 +59,7 @@ class Sio {
     void write(std::uint32_t offset, std::uint32_t value) override {
       sio_.write(core_, offset, value);
     }
+    std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
     void reset() override { sio_.reset(); }
 
    private:

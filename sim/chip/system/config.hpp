@@ -27,6 +27,7 @@ class Identification final : public Peripheral {
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t /*offset*/, std::uint32_t /*value*/) override {}
+  std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
   void reset() override {}
 
  private:
@@ -49,6 +50,7 @@ class Syscfg final : public Peripheral {
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
   void reset() override;
 
  private:
@@ -68,6 +70,7 @@ class Busctrl final : public Peripheral {
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
   void reset() override;
   /// Whose priorities and counts these are.
   void connect(Arbiter& arbiter) { arbiter_ = &arbiter; }

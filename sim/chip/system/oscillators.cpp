@@ -112,6 +112,10 @@ std::uint32_t Xosc::peek(std::uint32_t offset) const {
   }
 }
 
+std::uint32_t Xosc::write_clear_bits(std::uint32_t offset) const {
+  return offset == 0x04 ? status_bad_write : 0;
+}
+
 void Xosc::write_control(std::uint32_t value) {
   control_ = value & control_mask;
   const std::uint32_t code = control_ >> 12;
@@ -235,6 +239,10 @@ std::uint32_t Rosc::peek(std::uint32_t offset) const {
     default:
       return 0;
   }
+}
+
+std::uint32_t Rosc::write_clear_bits(std::uint32_t offset) const {
+  return offset == 0x18 ? status_bad_write : 0;
 }
 
 void Rosc::write_control(std::uint32_t value) {

@@ -82,6 +82,7 @@ class Xosc final : public Peripheral {
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
 
  private:
@@ -113,6 +114,7 @@ class Rosc final : public Peripheral {
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
 
  private:
@@ -145,6 +147,7 @@ class Pll final : public Peripheral {
   std::uint32_t read(std::uint32_t offset) override { return peek(offset); }
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
   void reset() override;
 
  private:

@@ -148,6 +148,10 @@ std::uint32_t VregAndChipReset::peek(std::uint32_t offset) const {
   }
 }
 
+std::uint32_t VregAndChipReset::write_clear_bits(std::uint32_t offset) const {
+  return offset == 0x8 ? psm_restart_flag : 0;
+}
+
 void VregAndChipReset::write(std::uint32_t offset, std::uint32_t value) {
   switch (offset) {
     case 0x0:

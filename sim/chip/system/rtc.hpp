@@ -43,6 +43,7 @@ class Rtc final : public Peripheral, private Timed, private ClockListener {
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
   void reset() override;
   /// clk_rtc stops or goes on behind its gate.
   void set_clock(bool runs);

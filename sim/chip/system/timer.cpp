@@ -136,6 +136,10 @@ std::uint32_t Timer::read(std::uint32_t offset) {
   return peek(offset);
 }
 
+std::uint32_t Timer::write_clear_bits(std::uint32_t offset) const {
+  return offset == offset_armed || offset == offset_intr ? alarm_mask : 0;
+}
+
 void Timer::write(std::uint32_t offset, std::uint32_t value) {
   switch (offset) {
     case offset_time_low_write:

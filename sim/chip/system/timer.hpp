@@ -31,6 +31,7 @@ class Timer final : public Peripheral, private Timed, private TickListener {
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
   /// Its clock stops, and time with it, or goes on.
   void set_clock(bool runs);

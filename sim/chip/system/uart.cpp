@@ -384,6 +384,10 @@ std::uint32_t Uart::read(std::uint32_t offset) {
   return peek(offset);
 }
 
+std::uint32_t Uart::write_clear_bits(std::uint32_t offset) const {
+  return offset == offset_icr ? irq_mask : 0;
+}
+
 void Uart::write_control(std::uint32_t value) {
   control_ = value & control_mask;
   if ((control_ & control_irda) != 0) not_modelled_(name_ + " CR: IrDA is without effect");

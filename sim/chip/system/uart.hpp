@@ -56,6 +56,7 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
   /// clk_peri stops or goes on behind its gate: a frame under way stands still with its bit on the
   /// line, nobody listens. The other end of a line of whole bytes waits (assumed).
