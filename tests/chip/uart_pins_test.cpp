@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/chip/system/uart.hpp"
+#include "sim/chip/serial/uart.hpp"
 #include "tests/chip/dma_system_rig.hpp"
 
 namespace lamplock::sim::chip {

@@ -15,6 +15,7 @@
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/serial/i2c.hpp"
 #include "sim/chip/serial/spi.hpp"
+#include "sim/chip/serial/uart.hpp"
 #include "sim/chip/sio/sio.hpp"
 #include "sim/chip/system/clocks.hpp"
 #include "sim/chip/system/config.hpp"
@@ -25,7 +26,6 @@
 #include "sim/chip/system/rtc.hpp"
 #include "sim/chip/system/tick_generator.hpp"
 #include "sim/chip/system/timer.hpp"
-#include "sim/chip/system/uart.hpp"
 #include "sim/chip/system/watchdog.hpp"
 #include "sim/chip/time_wheel.hpp"
 

@@ -1,4 +1,4 @@
-#include "sim/chip/system/uart.hpp"
+#include "sim/chip/serial/uart.hpp"
 
 #include <algorithm>
 #include <array>

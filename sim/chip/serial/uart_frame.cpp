@@ -1,4 +1,4 @@
-#include "sim/chip/system/uart_frame.hpp"
+#include "sim/chip/serial/uart_frame.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -23,8 +23,8 @@
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/serial/primecell.hpp"
 #include "sim/chip/serial/serial_requests.hpp"
+#include "sim/chip/serial/uart_frame.hpp"
 #include "sim/chip/system/clocks.hpp"
-#include "sim/chip/system/uart_frame.hpp"
 #include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
