@@ -145,7 +145,6 @@ I2c::I2c(int number, TimeWheel& wheel, FunctionPins& pins, IrqLines& irqs, NotMo
 void I2c::reset() {
   slave_.leave();
   slave_cut_off_ = 0;
-  enter(Phase::idle, wheel_.now());
   addressed_ = nullptr;
   transmit_.clear();
   receive_.clear();
@@ -165,6 +164,7 @@ void I2c::reset() {
   setup_ = 0x64;
   acknowledge_general_ = 1;
   slave_nack_ = 0;
+  enter(Phase::idle, wheel_.now());  // with the times that hold from now on
   settle();
 }
 
