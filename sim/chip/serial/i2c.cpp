@@ -229,16 +229,14 @@ bool I2c::lines_are_high() const { return pins_.input(scl()) && pins_.input(sda(
 
 /// The nine bits that the master puts on SDA.
 std::uint32_t I2c::bits_of(Phase phase) const {
-  const bool general = (target_ & (tar_special | tar_start_byte)) == tar_special;
-  const bool ten_bits = on(con_ten_bits) && !general;
   const std::uint32_t ten_first = 0xf0u | (target_ >> 7 & 6u);  // 11110, bits 9 and 8
   const auto byte = [](std::uint32_t value, bool ninth = true) {
     return (value & 0xffu) << 1 | (ninth ? 1u : 0u);
   };
   switch (phase) {
     case Phase::address:
-      if (ten_bits) return byte(ten_first);
-      return byte((general ? general_call : target_ & 0x7fu) << 1 | (reads_ ? 1u : 0u));
+      if (targets_ten_bits()) return byte(ten_first);
+      return byte((targets_all() ? general_call : target_ & 0x7fu) << 1 | (reads_ ? 1u : 0u));
     case Phase::address_low:
       return byte(target_);
     case Phase::address_again:
@@ -395,6 +393,11 @@ bool I2c::refused(std::uint32_t command) {
   return false;
 }
 
+/// IC_TAR asks for a general call.
+bool I2c::targets_all() const { return (target_ & (tar_special | tar_start_byte)) == tar_special; }
+
+bool I2c::targets_ten_bits() const { return on(con_ten_bits) && !targets_all(); }
+
 /// Some device has the two high bits of a 10-bit address.
 bool I2c::first_address_acknowledged() const {
   if (wired()) return wired_device_.acknowledged();
@@ -405,9 +408,9 @@ bool I2c::first_address_acknowledged() const {
 
 /// Looks for the device and tells it; false: nobody acknowledges.
 bool I2c::address_device(Cycle at) {
-  const bool general = (target_ & (tar_special | tar_start_byte)) == tar_special;
-  const bool ten_bits = on(con_ten_bits) && !general;
-  const std::uint32_t address = general ? general_call : target_ & (ten_bits ? 0x3ffu : 0x7fu);
+  const bool ten_bits = targets_ten_bits();
+  const std::uint32_t address =
+      targets_all() ? general_call : target_ & (ten_bits ? 0x3ffu : 0x7fu);
   I2cDevice* before = std::exchange(addressed_, nullptr);
   for (const Slave& slave : devices_) {
     if (slave.ten_bits != ten_bits || slave.address != address) continue;
@@ -420,9 +423,8 @@ bool I2c::address_device(Cycle at) {
 }
 
 void I2c::address_ended(Cycle at) {
-  const bool general = (target_ & (tar_special | tar_start_byte)) == tar_special;
-  const bool ten_bits = on(con_ten_bits) && !general;
-  std::uint32_t source = general ? abort_general_call : abort_7_bit_address;
+  const bool ten_bits = targets_ten_bits();
+  std::uint32_t source = targets_all() ? abort_general_call : abort_7_bit_address;
   if (ten_bits && phase_ == Phase::address) {
     if (first_address_acknowledged()) return enter(Phase::address_low, at);
     source = abort_10_bit_first;

@@ -159,6 +159,8 @@ class I2c final : public Peripheral,
   void begin(Cycle at);
   bool refused(std::uint32_t command);
   void address_ended(Cycle at);
+  bool targets_all() const;
+  bool targets_ten_bits() const;
   bool first_address_acknowledged() const;
   bool address_device(Cycle at);
   void begin_data(Cycle at);
