@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -386,6 +387,23 @@ TEST_F(I2cTest, TheDmaFeedsCommands) {
   rig_.pass(20 * byte);
   EXPECT_FALSE(rig_.dma_busy(4));
   for (std::uint32_t n = 0; n < 12; ++n) EXPECT_EQ(rig_.bus.sram()[0x200 + n], n + 1);
+}
+
+TEST_F(I2cTest, GapsBetweenRegistersAreReported) {
+  constexpr std::uint32_t end = 0x100, comp_parameters = 0xf4;
+  const std::set<std::uint32_t> gaps{0x0c, 0x24, 0x28, 0xa4, 0xac, 0xb0, 0xb4, 0xb8,
+                                     0xbc, 0xc0, 0xc4, 0xc8, 0xcc, 0xd0, 0xd4, 0xd8,
+                                     0xdc, 0xe0, 0xe4, 0xe8, 0xec, 0xf0, end};
+  for (std::uint32_t offset = 0; offset <= end; offset += 4) {
+    const std::size_t wanted = gaps.count(offset);
+    rig_.reports.clear();
+    i2c_.read(offset);
+    EXPECT_EQ(rig_.reports.size(), wanted) << std::hex << offset;
+    rig_.reports.clear();
+    i2c_.write(offset, 0);
+    EXPECT_EQ(rig_.reports.size(), wanted) << std::hex << offset;
+  }
+  EXPECT_EQ(i2c_.read(comp_parameters), 0u);
 }
 
 TEST_F(I2cTest, ResetAndWhatIsNotModelled) {

@@ -47,6 +47,7 @@ constexpr std::uint32_t offset_ack_general = 0x98;
 constexpr std::uint32_t offset_enable_status = 0x9c;
 constexpr std::uint32_t offset_spklen = 0xa0;
 constexpr std::uint32_t offset_clr_restart_det = 0xa8;
+constexpr std::uint32_t offset_comp_parameters = 0xf4;  // reads 0 (4.3.17)
 constexpr std::uint32_t offset_comp_version = 0xf8;
 constexpr std::uint32_t offset_comp_type = 0xfc;
 
@@ -122,6 +123,14 @@ constexpr std::uint32_t high_overhead = 7, low_overhead = 1;  // 4.3.14.1
 constexpr Cycle bits_of_byte = 9;
 // IC_SDA_HOLD: shorter ones are not implemented.
 constexpr Cycle shortest_master_hold = 1, shortest_slave_hold = 7;
+
+/// Not one of the gaps between the registers.
+constexpr bool is_register(std::uint32_t offset) {
+  return offset <= offset_sar || (offset >= offset_data_cmd && offset <= offset_fs_low) ||
+         (offset >= offset_intr_stat && offset <= offset_spklen) ||
+         offset == offset_clr_restart_det ||
+         (offset >= offset_comp_parameters && offset <= offset_comp_type);
+}
 
 }  // namespace
 
@@ -761,10 +770,10 @@ std::uint32_t I2c::read(std::uint32_t offset) {
   else if ((offset >= offset_clr_intr && offset <= offset_clr_gen_call) ||
            offset == offset_clr_restart_det)
     value = read_clear(offset);
-  else if (offset > offset_comp_type)
-    not_modelled_(name_ + ": no register at this offset");
-  else
+  else if (is_register(offset))
     return peek(offset);
+  else
+    not_modelled_(name_ + ": no register at this offset");
   settle();
   return value;
 }
@@ -890,7 +899,7 @@ void I2c::write(std::uint32_t offset, std::uint32_t value) {
       slave_.take_general_calls(acknowledge_general_ != 0);
       break;
     default:
-      if (!write_settings(offset, value) && offset > offset_comp_type)
+      if (!write_settings(offset, value) && !is_register(offset))
         not_modelled_(name_ + ": no register at this offset");
   }
   settle();
