@@ -143,6 +143,25 @@ TEST(ClockGates, UartReceivesWhereItWas) {
   EXPECT_EQ(rig.load(uart0), 0x5au);
 }
 
+TEST(ClockGates, AByteForTheUartWaitsForItsClock) {
+  Gated rig;
+  Uart& uart = rig.system.uart0;
+  uart.write(0x24, 67);
+  uart.write(0x28, 52);
+  uart.write(0x2c, 0x70);
+  uart.write(0x30, 0x301);
+  rig.set_gate(ClockGate::peri_uart0, false);
+  rig.pass(1000);
+  uart.send_to_chip(0x5a);
+  rig.pass(still);
+  rig.set_gate(ClockGate::peri_uart0, true);
+  constexpr Cycle bit = 1085, sample = 9 * bit + bit / 2;  // the middle of the stop bit
+  rig.pass(sample - 1);
+  EXPECT_NE(uart.read(0x18) & 1u << 4, 0u);
+  rig.pass(2);
+  EXPECT_EQ(uart.read(0), 0x5au);
+}
+
 TEST(ClockGates, SpiStandsStill) {
   expect_stands_still(ClockGate::peri_spi0, 1'500, 40, [](Gated& rig) {
     rig.select(2, 1);

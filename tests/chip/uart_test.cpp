@@ -56,6 +56,30 @@ TEST_F(UartTest, ParityAndStopBitsLengthenTheFrame) {
   EXPECT_EQ(sent_.at(0).first, 0x7f);
 }
 
+TEST_F(UartTest, BytesWaitForClkPeri) {
+  constexpr std::uint32_t clk_peri_ctrl = 0x48, enable = 1u << 11;
+  rig_.system.clocks.write(clk_peri_ctrl, 0);
+  EXPECT_EQ(uart_.frame_time(), 0);
+  uart_.write(0, 0x55);
+  uart_.send_to_chip(0xaa);
+  rig_.pass(20 * frame);
+  EXPECT_TRUE(sent_.empty());
+  EXPECT_NE(flags() & 1u << 4, 0u) << "nothing received";
+  rig_.system.clocks.write(clk_peri_ctrl, enable);
+  const Cycle start = rig_.wheel.now();
+  rig_.wheel.advance_to(start + frame);
+  ASSERT_EQ(sent_.size(), 1u);
+  EXPECT_EQ(sent_[0], std::make_pair(0x55, start + frame));
+  EXPECT_EQ(uart_.read(0), 0xaau);
+}
+
+TEST_F(UartTest, ABitFollowsClkPeri) {
+  constexpr std::uint32_t clk_peri_ctrl = 0x48, enable = 1u << 11, from_crystal = 4u << 5;
+  rig_.system.clocks.write(clk_peri_ctrl, enable | from_crystal);
+  // 16 * 67.8125 cycles of 12 MHz, rounded down to picoseconds.
+  EXPECT_EQ(uart_.frame_time(), 10 * (ps_per_s * 1085 / 12'000'000));
+}
+
 TEST_F(UartTest, BaudRateTakesEffectWithLcrH) {
   uart_.write(0x24, 1000);
   EXPECT_EQ(uart_.frame_time(), static_cast<Picoseconds>(frame) * 8000);

@@ -79,6 +79,7 @@ Uart::Uart(int number, TimeWheel& wheel, Clocks& clocks, FunctionPins& pins, Irq
       requests_(number == 0 ? Dreq::uart0_tx : Dreq::uart1_tx,
                 number == 0 ? Dreq::uart0_rx : Dreq::uart1_rx),
       first_signal_(number == 0 ? 0 : 4) {
+  clocks_.listen(*this);
   pins_.listen(*this);
   pins_.sense(signal(signal_rx));
   pins_.sense(signal(signal_cts));
@@ -95,6 +96,7 @@ void Uart::reset() {
   raised_ = low_power_ = 0;
   cell_.reset();
   requests_.set_control(0);
+  set_format();
   receiver_.reset(true);
   drive_tx(wheel_.now());
   take_line(wheel_.now());
@@ -113,14 +115,14 @@ std::size_t Uart::trigger(unsigned field) const {
 }
 
 /// A bit takes sixteen times the divisor (16.6 fixed point) in cycles of clk_peri.
-Picoseconds Uart::bit_time() const {
+void Uart::set_format() {
   const std::uint64_t hz = clocks_.hz(Clock::peri);
-  if (hz == 0 || divisor_ < 1u << 6) return 0;
-  return static_cast<Picoseconds>(static_cast<Wide>(divisor_) * 16 * ps_per_s /
-                                  (64 * static_cast<Wide>(hz)));
+  Picoseconds bit = 0;
+  if (hz != 0 && divisor_ >= 1u << 6)
+    bit = static_cast<Picoseconds>(static_cast<Wide>(divisor_) * 16 * ps_per_s /
+                                   (64 * static_cast<Wide>(hz)));
+  format_ = UartFormat::from(line_control_, bit);
 }
-
-Picoseconds Uart::frame_time() const { return format().length(); }
 
 void Uart::schedule() {
   if (stopped_) return wheel_.set(slot_, never_cycle);
@@ -146,6 +148,17 @@ void Uart::set_clock(bool runs) {
   take_line(wheel_.now());
   take_clear_to_send();
   start_frame();
+  start_arrival();
+  update_lines();
+  schedule();
+}
+
+/// What has waited for clk_peri goes on its way. Frames under way keep their rate.
+void Uart::clocks_changed() {
+  set_format();
+  if (format_.bit == 0) return;
+  start_frame();
+  start_arrival();
   update_lines();
   schedule();
 }
@@ -176,13 +189,12 @@ void Uart::start_frame() {
       breaking_)
     return;
   if (on(control_cts_flow) && !clear_to_send()) return;
-  const UartFormat form = format();
-  if (form.bit == 0) return not_modelled_(name_ + ": a byte was sent without a baud rate");
-  shift_ = static_cast<std::uint8_t>(transmit_.front() & form.data_mask());
+  if (format_.bit == 0) return not_modelled_(name_ + ": a byte was sent without a baud rate");
+  shift_ = static_cast<std::uint8_t>(transmit_.front() & format_.data_mask());
   transmit_.pop_front();
   sending_ = true;
-  sent_at_ = now() + form.length();
-  frame_ = UartFrame(shift_, form, now());
+  sent_at_ = now() + format_.length();
+  frame_ = UartFrame(shift_, format_, now());
   drive_tx(wheel_.now());
   // The interrupt comes with the transition through the level, not with the level (PL011, 2.8).
   if (transmit_.size() == trigger(0)) raised_ |= irq_tx;
@@ -260,7 +272,7 @@ void Uart::take_line(Cycle at) {
   if (stopped_) return;
   const Picoseconds time = wheel_.time_of(at);
   const bool level = on(control_loop) ? tx_level(time) : line_level();
-  UartFormat form = format();
+  UartFormat form = format_;
   if (!on(control_uart) || !on(control_rx)) form.bit = 0;
   if (const auto character = receiver_.line(level, time, form)) push_received(*character);
 }
@@ -274,13 +286,12 @@ void Uart::send_to_chip(std::uint8_t byte) {
 }
 
 void Uart::start_arrival() {
-  if (arriving_ || incoming_.empty() || !on(control_uart) || !on(control_rx)) return;
-  const UartFormat form = format();
-  if (form.bit == 0) return;
+  if (stopped_ || arriving_ || incoming_.empty() || !on(control_uart) || !on(control_rx)) return;
+  if (format_.bit == 0) return;
   arriving_ = true;
   const Picoseconds start = std::max(now(), arrival_end_);
-  arrives_at_ = start + form.to_stop_sample();
-  arrival_end_ = start + form.length();
+  arrives_at_ = start + format_.to_stop_sample();
+  arrival_end_ = start + format_.length();
 }
 
 void Uart::arrive() {
@@ -288,7 +299,7 @@ void Uart::arrive() {
   const std::uint8_t byte = incoming_.front();
   incoming_.pop_front();
   if (on(control_uart) && on(control_rx) && !on(control_loop))
-    push_received(byte & format().data_mask());
+    push_received(byte & format_.data_mask());
   start_arrival();
 }
 
@@ -303,7 +314,7 @@ void Uart::push_received(std::uint32_t character) {
   receive_.push_back(static_cast<std::uint16_t>(character));
   if (receive_.size() >= trigger(3)) raised_ |= irq_rx;
   timeout_running_ = true;
-  timeout_at_ = now() + timeout_bits * bit_time();
+  timeout_at_ = now() + timeout_bits * format_.bit;
 }
 
 /// The errors of a character are in RSR from when it is read (description of UARTRSR).
@@ -401,6 +412,7 @@ void Uart::write_control(std::uint32_t value) {
 void Uart::write_line_control(std::uint32_t value) {
   line_control_ = value & 0xffu;
   divisor_ = integer_baud_ << 6 | fraction_baud_;
+  set_format();
   if (!sending_) {
     breaking_ = (line_control_ & line_break) != 0;
     drive_tx(wheel_.now());

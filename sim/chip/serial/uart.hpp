@@ -1,7 +1,7 @@
 // UART0 and UART1: the PL011 of the RP2040 (RP2040 datasheet, 4.2; ARM PrimeCell UART PL011
 // manual).
 //
-// In:  registers; the levels of RX and CTS; whole bytes from the line.
+// In:  registers; clk_peri; the levels of RX and CTS; whole bytes from the line.
 // Out: the levels of TX and RTS, bit by bit; whole bytes to the line, at the end of their frames;
 //      the interrupt line; the DREQs.
 // Who: the bus; the wheel at the ends of frames, and at each edge of TX that a pin shows and each
@@ -38,7 +38,10 @@ class ByteLine {
 };
 
 /// One of the two.
-class Uart final : public Peripheral, private Timed, private FunctionPins::User {
+class Uart final : public Peripheral,
+                   private Timed,
+                   private ClockListener,
+                   private FunctionPins::User {
  public:
   Uart(int number, TimeWheel& wheel, Clocks& clocks, FunctionPins& pins, IrqLines& irqs,
        NotModelled not_modelled);
@@ -49,8 +52,8 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   void connect(ByteLine& line) { line_ = &line; }
   /// The other end begins to send a byte as soon as the line is free.
   void send_to_chip(std::uint8_t byte);
-  /// Time of a frame as configured; 0: the baud rate is not set.
-  Picoseconds frame_time() const;
+  /// Time of a frame as configured; 0: the baud rate is not set, or there is no clock.
+  Picoseconds frame_time() const { return format_.length(); }
 
   std::string_view name() const override { return name_; }
   std::uint32_t read(std::uint32_t offset) override;
@@ -67,6 +70,7 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
 
   void run(Cycle to) override;
   void clock_changed() override { schedule(); }
+  void clocks_changed() override;
   void pins_changed(Cycle at) override;
   void pins_connecting(Cycle at) override;
 
@@ -76,8 +80,7 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   bool on(std::uint32_t control_bit) const { return (control_ & control_bit) != 0; }
   std::size_t depth() const;
   std::size_t trigger(unsigned field) const;
-  Picoseconds bit_time() const;
-  UartFormat format() const { return UartFormat::from(line_control_, bit_time()); }
+  void set_format();
   Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
   /// The time that TX shows: stands still without a clock.
   Picoseconds line_time(Cycle at) const { return stopped_ ? stopped_at_ : wheel_.time_of(at); }
@@ -132,6 +135,7 @@ class Uart final : public Peripheral, private Timed, private FunctionPins::User 
   std::uint32_t error_status_ = 0;  ///< RSR
   std::uint32_t integer_baud_ = 0, fraction_baud_ = 0;
   std::uint32_t divisor_ = 0;  ///< 16.6, taken over when LCR_H is written
+  UartFormat format_;          ///< of frames that begin now
   std::uint32_t line_control_ = 0, control_ = 0, trigger_levels_ = 0;
   std::uint32_t raised_ = 0, low_power_ = 0;
 };
