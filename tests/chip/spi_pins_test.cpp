@@ -169,6 +169,22 @@ TEST_F(SpiPinsTest, TwoBlocksTalkInAllModes) {
     }
 }
 
+// More than its FIFO holds is answered with zeroes; by itself a slave sends nothing.
+TEST_F(SpiPinsTest, SlaveAnswersFromItsFifo) {
+  connect_master();
+  configure(two_, 0, enable | slave);
+  connect_slave();
+  two_.write(dr, 0x21);
+  rig_.pass(100 * bit);
+  EXPECT_EQ(two_.read(sr) & rx_not_empty, 0u);
+  for (const std::uint32_t word : {0xaau, 0x55u}) one_.write(dr, word);
+  rig_.pass(50 * bit);
+  EXPECT_EQ(one_.read(dr), 0x21u);
+  EXPECT_EQ(one_.read(dr), 0u);
+  EXPECT_EQ(two_.read(dr), 0xaau);
+  EXPECT_EQ(two_.read(dr), 0x55u);
+}
+
 // SOD keeps a slave's TX from driving.
 TEST_F(SpiPinsTest, SlaveOutputOff) {
   connect_master();

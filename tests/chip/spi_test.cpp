@@ -15,7 +15,7 @@ constexpr std::uint32_t cr0 = 0x00, cr1 = 0x04, dr = 0x08, sr = 0x0c, cpsr = 0x1
                         ris = 0x18, mis = 0x1c, icr = 0x20, dmacr = 0x24;
 constexpr std::uint32_t tx_empty = 1, tx_not_full = 2, rx_not_empty = 4, rx_full = 8, busy = 16;
 constexpr std::uint32_t overrun = 1, timeout = 2, rx_half = 4, tx_half = 8;
-constexpr std::uint32_t loop_back = 1, enable = 2, slave = 4, output_off = 8;
+constexpr std::uint32_t loop_back = 1, enable = 2;
 constexpr std::uint32_t phase_1 = 1u << 7;
 constexpr std::uint32_t size(std::uint32_t bits) { return bits - 1; }
 constexpr std::uint32_t base = 0x4003'c000;
@@ -153,23 +153,6 @@ TEST_F(SpiTest, LoopBackDisablingAndReset) {
   EXPECT_EQ(spi_.read(sr), 3u);
   EXPECT_EQ(spi_.read(ris), 8u);
   EXPECT_EQ(spi_.read(0xfe0), 0x22u);
-}
-
-TEST_F(SpiTest, ASlaveAnswersFromItsFifo) {
-  spi_.write(cr1, slave);
-  spi_.write(cr1, slave | enable);
-  spi_.write(dr, 0x21);
-  spi_.write(dr, 0x43);
-  rig_.pass(100 * bit);
-  EXPECT_EQ(spi_.word_from_master(0x1aa), 0x21u);
-  EXPECT_EQ(spi_.word_from_master(0x55), 0x43u);
-  EXPECT_EQ(spi_.word_from_master(0x66), 0u);
-  EXPECT_EQ(spi_.read(dr), 0xaau);
-  EXPECT_EQ(spi_.read(dr), 0x55u);
-  spi_.write(cr1, slave | enable | output_off);
-  spi_.write(dr, 0x77);
-  EXPECT_EQ(spi_.word_from_master(0), 0u);
-  EXPECT_TRUE(sent_.empty());
 }
 
 TEST_F(SpiTest, TheDmaKeepsTheWiresBusyBothWays) {

@@ -267,21 +267,6 @@ void Spi::exchange() {
     free_at_ = wants_to_send() ? captured_at_ : frame_end_at_;
 }
 
-// --- slave
-
-std::uint16_t Spi::word_from_master(std::uint16_t word) {
-  if (stopped_ || !enabled() || !slave()) return 0;
-  std::uint16_t answer = 0;
-  if (!transmit_.empty()) {
-    answer = static_cast<std::uint16_t>(transmit_.front() & word_mask());
-    transmit_.pop_front();
-  }
-  push_received(static_cast<std::uint16_t>(word & word_mask()));
-  update_lines();
-  schedule();
-  return (control_1_ & cr1_slave_output_off) != 0 ? std::uint16_t{0} : answer;
-}
-
 // --- receiver
 
 void Spi::push_received(std::uint16_t word) {

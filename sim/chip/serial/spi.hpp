@@ -1,9 +1,9 @@
 // SPI0 and SPI1: the PL022 of the RP2040 in Motorola format, as a master and as a slave (RP2040
 // datasheet, 4.4; ARM PrimeCell Synchronous Serial Port PL022 manual).
 //
-// In:  registers; clk_peri; the levels of RX and, as a slave, of SCK and CSn; whole words from the
-//      other end.
-// Out: the levels of SCK, TX and CSn; whole words to the other end, when their last bit has been
+// In:  registers; clk_peri; the levels of RX and, as a slave, of SCK and CSn; as a master, whole
+//      words of a device instead of RX.
+// Out: the levels of SCK, TX and CSn; whole words to that device, when their last bit has been
 //      captured; the interrupt line; the DREQs.
 // Who: the bus; the wheel at the ends of words, and at each half bit while a pin shows it. A device
 //      that takes whole words and needs its chip select watches that pin (PadListener).
@@ -58,9 +58,6 @@ class Spi final : public Peripheral,
   void connect(DreqLines& lines) { requests_.connect(lines); }
   /// Words come from the device instead of from the RX pin.
   void connect(SpiDevice& device) { device_ = &device; }
-  /// The chip is the slave: the master at the other end has clocked a whole word in. Returns what
-  /// the chip sent meanwhile; 0 if it had nothing, drives nothing or is no slave.
-  std::uint16_t word_from_master(std::uint16_t word);
   /// Time of a bit as configured; 0: there is no clock.
   Picoseconds bit_time() const;
 
