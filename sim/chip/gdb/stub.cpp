@@ -340,12 +340,11 @@ std::string Stub::monitor(std::string_view command) {
     return std::string(ok);
   }
   if (*text == "time") {
-    constexpr Picoseconds second = 1'000'000'000'000;
     const auto now = static_cast<std::uint64_t>(target_.chip().time());
     std::array<char, 128> line{};
     std::snprintf(line.data(), line.size(), "%llu.%012llu s, cycle %llu, clk_sys %llu Hz\n",
-                  static_cast<unsigned long long>(now / second),
-                  static_cast<unsigned long long>(now % second),
+                  static_cast<unsigned long long>(now / ps_per_s),
+                  static_cast<unsigned long long>(now % ps_per_s),
                   static_cast<unsigned long long>(wheel().now()),
                   static_cast<unsigned long long>(wheel().frequency()));
     return to_hex(std::string_view(line.data()));

@@ -97,14 +97,14 @@ class Line {
   /// The next word; `possible` says what may stand there.
   std::string_view word(const std::string& possible) {
     if (done()) refuse("the line ends too early", possible);
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(" \t\r#\""));
+    const std::string_view word = next_word();
     if (word.empty()) refuse("a text has no place here", possible);
     take(word.size());
     return word;
   }
   /// The next word is this one, or else it is none of ours.
   bool accept(std::string_view wanted) {
-    if (rest_.substr(0, rest_.find_first_of(" \t\r#\"")) != wanted) return false;
+    if (next_word() != wanted) return false;
     take(wanted.size());
     return true;
   }
@@ -160,7 +160,7 @@ class Line {
   }
   /// The next word if it is a voltage.
   std::optional<double> accept_volts() {
-    const std::string_view text = rest_.substr(0, rest_.find_first_of(" \t\r#\""));
+    const std::string_view text = next_word();
     const std::optional<Number> read = number(text);
     if (!read || read->unit != "V") return std::nullopt;
     take(text.size());
@@ -239,6 +239,8 @@ class Line {
     }
     refuse("a backslash is followed by something unknown", possible);
   }
+  /// Up to a blank, a comment or a text; empty at one of them.
+  std::string_view next_word() const { return rest_.substr(0, rest_.find_first_of(" \t\r#\"")); }
   void take(std::size_t count) {
     rest_.remove_prefix(count);
     read_to_ = rest_.data();
