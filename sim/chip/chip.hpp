@@ -79,7 +79,7 @@ class Chip final : private ClockListener, private TickListener {
   /// From inside a step of a core that was requested to stop: run_until() returns after it.
   void halt() { halted_ = true; }
   Cycle now() const { return wheel_.now(); }
-  Picoseconds time() const { return wheel_.time_of(wheel_.now()); }
+  Picoseconds time() const { return wheel_.time(); }
 
   TimeWheel& wheel() { return wheel_; }
   const TimeWheel& wheel() const { return wheel_; }

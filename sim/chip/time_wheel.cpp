@@ -45,6 +45,7 @@ Picoseconds TimeWheel::time_of(Cycle cycle) const {
 
 Cycle TimeWheel::cycle_at(Picoseconds time) const {
   if (time <= base_time_) return base_cycle_;
+  if (time == never) return never_cycle;
   const auto scaled = static_cast<Wide>(time - base_time_) * static_cast<Wide>(hz_);
   return base_cycle_ + static_cast<Cycle>((scaled + ps_per_s - 1) / ps_per_s);
 }

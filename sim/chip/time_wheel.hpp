@@ -83,7 +83,8 @@ class TimeWheel {
   std::uint64_t frequency() const { return hz_; }
   /// Real time of a cycle not before the last change of frequency, rounded down.
   Picoseconds time_of(Cycle cycle) const;
-  /// First cycle at or after a time.
+  Picoseconds time() const { return time_of(now_); }
+  /// First cycle at or after a time; of `never`: never_cycle.
   Cycle cycle_at(Picoseconds time) const;
 
  private:

@@ -128,7 +128,7 @@ void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
 
 void ChipBoard::plan() {
   const Picoseconds next = world_->next_event();
-  chip_.wheel().set(slot_, next == never ? chip::never_cycle : chip_.wheel().cycle_at(next));
+  chip_.wheel().set(slot_, chip_.wheel().cycle_at(next));
 }
 
 void ChipBoard::run(chip::Cycle to) {

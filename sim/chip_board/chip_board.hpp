@@ -52,7 +52,7 @@ class ChipBoard final : public Board,
   bool has_output() const override { return host_.has_output(); }
   void reconnect() override { host_.reset_device(); }
   void run_until(Picoseconds until) override;
-  Picoseconds now() const override { return chip_.wheel().time_of(chip_.wheel().now()); }
+  Picoseconds now() const override { return chip_.wheel().time(); }
   PinBus& bus() override { return bus_; }
   World& world() override { return *world_; }
   const World& world() const override { return *world_; }

@@ -19,15 +19,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <random>
 
 #include "sim/world/pins.hpp"
 
 namespace lamplock::sim {
-
-/// "No event": later than everything.
-inline constexpr Picoseconds never = std::numeric_limits<Picoseconds>::max();
 
 /// What the lamp does; probabilities are per period, 0..1.
 struct LampConfig {

@@ -7,12 +7,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace lamplock::sim {
 
 /// Simulated time since power-up.
 using Picoseconds = std::int64_t;
+/// "No event": later than everything.
+inline constexpr Picoseconds never = std::numeric_limits<Picoseconds>::max();
 inline constexpr Picoseconds ps_per_ns = 1'000;
 inline constexpr Picoseconds ps_per_us = 1'000'000;
 inline constexpr Picoseconds ps_per_ms = 1'000'000'000;

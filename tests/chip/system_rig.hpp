@@ -30,9 +30,7 @@ struct SystemRig {
     return (irqs.levels(core) >> static_cast<unsigned>(irq) & 1u) != 0;
   }
   void pass(Cycle cycles) { wheel.advance_to(wheel.now() + cycles); }
-  void pass_time(Picoseconds time) {
-    wheel.advance_to(wheel.cycle_at(wheel.time_of(wheel.now()) + time));
-  }
+  void pass_time(Picoseconds time) { wheel.advance_to(wheel.cycle_at(wheel.time() + time)); }
   /// The usual start: crystal, PLL_SYS at 125 MHz, clk_ref from the crystal, 1 us ticks, clk_peri.
   void start_clocks() {
     system.xosc.write(0xc, 1);

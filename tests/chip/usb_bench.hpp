@@ -31,7 +31,7 @@ struct UsbBench {
   std::set<std::string> unknown;
   UsbController controller;
 
-  Picoseconds now() const { return wheel.time_of(wheel.now()); }
+  Picoseconds now() const { return wheel.time(); }
   std::uint32_t load(std::uint32_t at) const {
     return static_cast<std::uint32_t>(dpram[at] | dpram[at + 1] << 8 | dpram[at + 2] << 16) |
            static_cast<std::uint32_t>(dpram[at + 3]) << 24;

@@ -24,22 +24,22 @@ constexpr std::uint8_t own_address = 1;
 VendorHost::VendorHost(TimeWheel& wheel, usb::DeviceEnd& device, std::function<void(Cycle)> run)
     : wheel_(wheel), device_(device), run_(std::move(run)), engine_(wheel, device) {
   engine_.on_done([this](const usb::Transaction&, const usb::Result& result) { result_ = result; });
-  device_.connect(this, now());
+  device_.connect(this, wheel_.time());
 }
 
-VendorHost::~VendorHost() { device_.connect(nullptr, now()); }
+VendorHost::~VendorHost() { device_.connect(nullptr, wheel_.time()); }
 
 // --- time ---
 
 void VendorHost::run_to(Picoseconds time) {
-  while (now() < time) run_(std::max(wheel_.cycle_at(time), wheel_.now() + 1));
+  while (wheel_.time() < time) run_(std::max(wheel_.cycle_at(time), wheel_.now() + 1));
 }
 
 void VendorHost::wait(Picoseconds time) {
-  const Picoseconds end = now() + time;
+  const Picoseconds end = wheel_.time() + time;
   while (next_frame_ >= 0 && next_frame_ <= end) {
     run_to(next_frame_);
-    device_.start_of_frame(frame_, now());
+    device_.start_of_frame(frame_, wheel_.time());
     frame_ = (frame_ + 1) & 0x7ff;
     next_frame_ += frame_time;
   }
@@ -48,10 +48,10 @@ void VendorHost::wait(Picoseconds time) {
 
 void VendorHost::reset() {
   next_frame_ = -1;
-  device_.begin_reset(now());
+  device_.begin_reset(wheel_.time());
   wait(times.reset);
-  device_.end_reset(now());
-  next_frame_ = now();
+  device_.end_reset(wheel_.time());
+  next_frame_ = wheel_.time();
   wait(times.reset_recovery);
   address_ = 0;
   data1_.clear();
@@ -66,15 +66,15 @@ VendorHost::End VendorHost::end_of(const usb::Result& result) {
 }
 
 usb::Result VendorHost::transact(const usb::Transaction& transaction, Picoseconds timeout) {
-  const Picoseconds end = now() + timeout;
+  const Picoseconds end = wheel_.time() + timeout;
   int silences = 0;
   for (;;) {
     // Not over the beginning of a frame.
     const Picoseconds most = usb::bit_times(usb::transaction_bits(usb::max_packet)) * 2;
-    Picoseconds at = std::max(bus_free_, now());
+    Picoseconds at = std::max(bus_free_, wheel_.time());
     if (next_frame_ >= 0 && at + most > next_frame_) {
-      wait(next_frame_ - now());
-      at = now() + usb::bit_times(usb::token_bits + usb::gap_bits);
+      wait(next_frame_ - wheel_.time());
+      at = wheel_.time() + usb::bit_times(usb::token_bits + usb::gap_bits);
     }
     result_.reset();
     engine_.start(transaction, at);
@@ -82,7 +82,7 @@ usb::Result VendorHost::transact(const usb::Transaction& transaction, Picosecond
     bus_free_ = result_->end;
     run_to(bus_free_);
     if (!result_->answer && ++silences < attempts) continue;
-    if (result_->answer != Pid::nak || now() >= end) return *result_;
+    if (result_->answer != Pid::nak || wheel_.time() >= end) return *result_;
   }
 }
 
@@ -183,8 +183,8 @@ bool VendorHost::enumerate(Picoseconds patience) {
   constexpr std::uint8_t set_address = 5, set_configuration = 9;
   constexpr std::size_t device_size = 18, head_size = 9;
   next_frame_ = -1;
-  for (const Picoseconds end = now() + patience; !connected(); wait(ps_per_ms))
-    if (now() >= end) return false;
+  for (const Picoseconds end = wheel_.time() + patience; !connected(); wait(ps_per_ms))
+    if (wheel_.time() >= end) return false;
   wait(times.debounce);
   reset();
   if (!control({0, set_address, own_address, 0, 0, 0, 0, 0}).done()) return false;

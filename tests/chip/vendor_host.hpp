@@ -62,7 +62,6 @@ class VendorHost final : private usb::HostEnd {
   void set_timeout(Picoseconds timeout) { timeout_ = timeout; }
 
  private:
-  Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
   void run_to(Picoseconds time);
   void reset();
   /// One transaction, repeated while it is refused.

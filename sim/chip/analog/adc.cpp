@@ -57,7 +57,7 @@ Adc::Adc(TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_model
       not_modelled_(std::move(not_modelled)),
       interrupts_(offset_intr, interrupt_fifo) {
   clocks_.listen(*this);
-  counter_.set_frequency(clock_hz(), now());
+  counter_.set_frequency(clock_hz(), wheel_.time());
   set_temperature(27);
   reset();
 }
@@ -98,7 +98,7 @@ std::uint64_t Adc::trigger(std::uint64_t number) const {
 /// Brings conversions up to date: each end and each start until now, in order.
 void Adc::advance() {
   if (!on(cs_enable) || counter_.hz() == 0) return;
-  const std::uint64_t cycles = counter_.cycles(now());
+  const std::uint64_t cycles = counter_.cycles(wheel_.time());
   skip_unseen(cycles);
   for (;;) {
     if (converting_) {
@@ -205,7 +205,7 @@ void Adc::set_clock(bool runs) {
 void Adc::clocks_changed() {
   if (counter_.hz() == clock_hz()) return;
   advance();
-  counter_.set_frequency(clock_hz(), now());
+  counter_.set_frequency(clock_hz(), wheel_.time());
   update_lines();
   schedule();
 }
@@ -215,12 +215,12 @@ void Adc::schedule() {
                             (interrupts_.enabled() != 0 || (fifo_control_ & fcs_dreq) != 0);
   // An alias writes AINSEL back as it was peeked, so round robins are kept up to date.
   const bool awaited = fifo_awaited || (control_ & cs_round_mask) != 0;
-  Picoseconds end = ClockCounter::never;
+  Picoseconds end = never;
   if (awaited && on(cs_enable) && converting_)
     end = counter_.time_of(started_ + conversion_cycles);
   else if (awaited && on(cs_enable) && on(cs_start_many))
     end = counter_.time_of(trigger(triggers_));
-  wheel_.set(slot_, end == ClockCounter::never ? never_cycle : wheel_.cycle_at(end));
+  wheel_.set(slot_, wheel_.cycle_at(end));
 }
 
 void Adc::update_lines() {
@@ -281,7 +281,7 @@ void Adc::write_control(std::uint32_t value) {
     converting_ = false;
     return;
   }
-  const std::uint64_t edge = counter_.next_edge(now());
+  const std::uint64_t edge = counter_.next_edge(wheel_.time());
   if (on(cs_start_many)) {
     if (was_many) return;
     origin_ = converting_ ? started_ + conversion_cycles : edge;
@@ -295,7 +295,7 @@ void Adc::write_control(std::uint32_t value) {
 void Adc::write_divider(std::uint32_t value) {
   divider_ = value & divider_mask;
   if (!on(cs_enable) || !on(cs_start_many)) return;
-  const std::uint64_t edge = counter_.next_edge(now());
+  const std::uint64_t edge = counter_.next_edge(wheel_.time());
   origin_ = divider_ == 0 && converting_ ? started_ + conversion_cycles : edge;
   triggers_ = divider_ == 0 ? 0 : 1;
 }

@@ -62,7 +62,6 @@ class Adc final : public Peripheral, private Timed, private ClockListener {
   void clocks_changed() override;
 
   bool on(std::uint32_t control_bit) const { return (control_ & control_bit) != 0; }
-  Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
   std::uint64_t clock_hz() const { return stopped_ ? 0 : clocks_.hz(Clock::adc); }
   std::uint64_t period() const;
   std::uint64_t trigger(std::uint64_t number) const;

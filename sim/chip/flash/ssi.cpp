@@ -258,7 +258,7 @@ void Ssi::update_select(Cycle at) {
 }
 
 std::uint64_t Ssi::xip_read(std::uint32_t address) {
-  const Picoseconds now = wheel_.time_of(wheel_.now());
+  const Picoseconds now = wheel_.time();
   const std::uint32_t command = spi_control_ >> 24;
   const unsigned width = lanes();
   const auto send = [&](std::uint64_t value, unsigned bits, unsigned on) {
@@ -294,7 +294,7 @@ void Ssi::update_mapping() {
   bool works = enabled() && reads && lanes() <= 4 && frame_bits() == 32 && address_bits() >= 24 &&
                stage_ == Stage::idle && tx_.empty() && pins_.select_override() == OutOver::normal;
   if (works) {
-    const Picoseconds now = wheel_.time_of(wheel_.now());
+    const Picoseconds now = wheel_.time();
     works = flash_.would_read([this](std::uint32_t address) { return xip_read(address); }, now);
     // Looks again once the flash has done what keeps it busy.
     look_again_ = !works && flash_.busy(now) ? wheel_.cycle_at(flash_.busy_until()) : never_cycle;
@@ -494,7 +494,7 @@ void Ssi::reset() {
 
 void Ssi::power_cut() {
   catch_up();
-  flash_.power_cut(wheel_.time_of(wheel_.now()));
+  flash_.power_cut(wheel_.time());
   selected_ = false;
   selects_ = false;
   stage_ = Stage::idle;

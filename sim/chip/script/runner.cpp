@@ -195,7 +195,7 @@ Failure Runner::standing() const {
                            : next_ > 0                                 ? next_ - 1
                                                                        : 0;
   if (script_.empty()) return {};
-  return {script_[step].line, script_[step].text, "not over yet", wheel_.time_of(wheel_.now())};
+  return {script_[step].line, script_[step].text, "not over yet", wheel_.time()};
 }
 
 /// Edges that nobody will ask for: those before the script's time, before the last cause that a

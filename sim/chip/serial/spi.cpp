@@ -1,7 +1,6 @@
 #include "sim/chip/serial/spi.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "sim/chip/wide.hpp"
@@ -98,14 +97,13 @@ Picoseconds Spi::bit_time() const { return half_bits(2); }
 
 void Spi::schedule() {
   if (stopped_) return wheel_.set(slot_, never_cycle);
-  Picoseconds first = std::numeric_limits<Picoseconds>::max();
+  Picoseconds first = never;
   if (shifting_) first = std::min(first, captured_at_);
   if (on_wires() && wires_are_seen()) first = std::min(first, word_start_ + half_bits(half_ + 1));
   if (frame_open_ && !shifting_) first = std::min(first, frame_end_at_);
   if (!shifting_ && wants_to_send() && bit_time() != 0) first = std::min(first, free_at_);
   if (timeout_running_) first = std::min(first, timeout_at_);
-  const bool waits = first != std::numeric_limits<Picoseconds>::max();
-  wheel_.set(slot_, waits ? wheel_.cycle_at(first) : never_cycle);
+  wheel_.set(slot_, wheel_.cycle_at(first));
 }
 
 void Spi::set_clock(bool runs) {
@@ -113,10 +111,10 @@ void Spi::set_clock(bool runs) {
   if (!runs) shift_wires(wheel_.now());
   stopped_ = !runs;
   if (stopped_) {
-    stopped_at_ = now();
+    stopped_at_ = wheel_.time();
     return schedule();
   }
-  const Picoseconds still = now() - stopped_at_;
+  const Picoseconds still = wheel_.time() - stopped_at_;
   for (Picoseconds* at : {&word_start_, &captured_at_, &frame_end_at_, &timeout_at_, &free_at_})
     *at += still;
   if (slave()) follow_master();
@@ -127,7 +125,7 @@ void Spi::set_clock(bool runs) {
 }
 
 void Spi::run(Cycle) {
-  const Picoseconds time = now();
+  const Picoseconds time = wheel_.time();
   shift_wires(wheel_.now());
   if (shifting_ && captured_at_ <= time) exchange();
   if (frame_open_ && !shifting_ && frame_end_at_ <= time) {
@@ -154,8 +152,8 @@ bool Spi::wants_to_send() const { return enabled() && !slave() && !transmit_.emp
 
 /// A word may have become ready to go.
 void Spi::begin() {
-  if (stopped_ || shifting_ || !wants_to_send() || free_at_ > now()) return;
-  start_word(now());
+  if (stopped_ || shifting_ || !wants_to_send() || free_at_ > wheel_.time()) return;
+  start_word(wheel_.time());
 }
 
 void Spi::start_word(Picoseconds at) {
@@ -292,7 +290,7 @@ std::uint32_t Spi::pop_received() {
 /// Counts from the last word or reading, while words wait and the line is idle.
 void Spi::restart_timeout() {
   timeout_running_ = !receive_.empty() && !shifting_ && bit_time() != 0;
-  if (timeout_running_) timeout_at_ = now() + half_bits(timeout_half_bits);
+  if (timeout_running_) timeout_at_ = wheel_.time() + half_bits(timeout_half_bits);
 }
 
 // --- registers

@@ -95,7 +95,6 @@ class Spi final : public Peripheral,
   std::uint16_t word_mask() const {
     return static_cast<std::uint16_t>((2u << (control_0_ & 0xfu)) - 1);
   }
-  Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
   Picoseconds half_bits(std::uint64_t count) const;
   bool wants_to_send() const;
   void begin();

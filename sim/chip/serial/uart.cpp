@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <utility>
 
 #include "sim/chip/wide.hpp"
@@ -130,17 +129,17 @@ void Uart::schedule() {
   if (sending_) first = std::min(first, tx_is_seen() ? std::min(sent_at_, edge_at_) : sent_at_);
   if (arriving_) first = std::min(first, arrives_at_);
   if (timeout_running_) first = std::min(first, timeout_at_);
-  wheel_.set(slot_, first == UartReceiver::never ? never_cycle : wheel_.cycle_at(first));
+  wheel_.set(slot_, wheel_.cycle_at(first));
 }
 
 void Uart::set_clock(bool runs) {
   if (runs != stopped_) return;
   stopped_ = !runs;
   if (stopped_) {
-    stopped_at_ = now();
+    stopped_at_ = wheel_.time();
     return schedule();
   }
-  const Picoseconds still = now() - stopped_at_;
+  const Picoseconds still = wheel_.time() - stopped_at_;
   for (Picoseconds* at : {&sent_at_, &arrives_at_, &arrival_end_, &timeout_at_}) *at += still;
   frame_.delay(still);
   receiver_.delay(still);
@@ -164,7 +163,7 @@ void Uart::clocks_changed() {
 }
 
 void Uart::run(Cycle) {
-  const Picoseconds time = now();
+  const Picoseconds time = wheel_.time();
   if (sending_ && tx_is_seen() && edge_at_ <= time) drive_tx(wheel_.now());
   if (sending_ && sent_at_ <= time) end_frame();
   if (receiver_.due() <= time) {
@@ -193,8 +192,8 @@ void Uart::start_frame() {
   shift_ = static_cast<std::uint8_t>(transmit_.front() & format_.data_mask());
   transmit_.pop_front();
   sending_ = true;
-  sent_at_ = now() + format_.length();
-  frame_ = UartFrame(shift_, format_, now());
+  sent_at_ = wheel_.time() + format_.length();
+  frame_ = UartFrame(shift_, format_, wheel_.time());
   drive_tx(wheel_.now());
   // The interrupt comes with the transition through the level, not with the level (PL011, 2.8).
   if (transmit_.size() == trigger(0)) raised_ |= irq_tx;
@@ -289,7 +288,7 @@ void Uart::start_arrival() {
   if (stopped_ || arriving_ || incoming_.empty() || !on(control_uart) || !on(control_rx)) return;
   if (format_.bit == 0) return;
   arriving_ = true;
-  const Picoseconds start = std::max(now(), arrival_end_);
+  const Picoseconds start = std::max(wheel_.time(), arrival_end_);
   arrives_at_ = start + format_.to_stop_sample();
   arrival_end_ = start + format_.length();
 }
@@ -314,7 +313,7 @@ void Uart::push_received(std::uint32_t character) {
   receive_.push_back(static_cast<std::uint16_t>(character));
   if (receive_.size() >= trigger(3)) raised_ |= irq_rx;
   timeout_running_ = true;
-  timeout_at_ = now() + timeout_bits * format_.bit;
+  timeout_at_ = wheel_.time() + timeout_bits * format_.bit;
 }
 
 /// The errors of a character are in RSR from when it is read (description of UARTRSR).

@@ -81,7 +81,6 @@ class Uart final : public Peripheral,
   std::size_t depth() const;
   std::size_t trigger(unsigned field) const;
   void set_format();
-  Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
   /// The time that TX shows: stands still without a clock.
   Picoseconds line_time(Cycle at) const { return stopped_ ? stopped_at_ : wheel_.time_of(at); }
   void start_frame();

@@ -11,7 +11,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 
 #include "sim/world/pins.hpp"
@@ -44,8 +43,6 @@ struct UartFormat {
 /// One character on its way out.
 class UartFrame {
  public:
-  static constexpr Picoseconds never = std::numeric_limits<Picoseconds>::max();
-
   UartFrame() = default;
   UartFrame(std::uint32_t data, const UartFormat& format, Picoseconds start);
   bool level(Picoseconds at) const { return (levels_ >> index(at) & 1u) != 0; }
@@ -72,8 +69,6 @@ inline constexpr std::uint32_t overrun_error = 1u << 11;
 /// The other direction.
 class UartReceiver {
  public:
-  static constexpr Picoseconds never = UartFrame::never;
-
   /// Forgets a frame under way.
   void reset(bool level);
   /// The line has this level from `at` on. A frame that begins now has this form; a bit time of 0:

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 
 #include "sim/chip/wide.hpp"
 #include "sim/world/pins.hpp"
@@ -17,8 +16,6 @@ namespace lamplock::sim::chip {
 /// Cycles since the counter was made; they stand still while the frequency is 0.
 class ClockCounter {
  public:
-  static constexpr Picoseconds never = std::numeric_limits<Picoseconds>::max();
-
   /// The clock has another frequency from `now` on.
   void set_frequency(std::uint64_t hz, Picoseconds now) {
     base_cycles_ = cycles(now);

@@ -1,7 +1,6 @@
 #include "sim/chip/system/clock_outputs.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -21,7 +20,7 @@ ClockOutputs::ClockOutputs(TimeWheel& wheel, FunctionPins& pins, NotModelled not
 void ClockOutputs::set(std::size_t index, std::uint64_t source_hz, std::uint64_t divisor_q8) {
   Output& output = outputs_[index];
   if (output.source_hz != source_hz || output.divisor != divisor_q8) {
-    output = {source_hz, divisor_q8, wheel_.time_of(wheel_.now()), 0};
+    output = {source_hz, divisor_q8, wheel_.time(), 0};
     drive(index, wheel_.now());
     schedule();
   }
@@ -67,12 +66,11 @@ void ClockOutputs::drive(std::size_t index, Cycle at) {
 }
 
 void ClockOutputs::schedule() {
-  constexpr Picoseconds never = std::numeric_limits<Picoseconds>::max();
   Picoseconds first = never;
   for (std::size_t index = 0; index < output_count; ++index)
     if (shown(index))
       first = std::min(first, time_of_edge(outputs_[index], outputs_[index].edges + 1));
-  wheel_.set(slot_, first == never ? never_cycle : wheel_.cycle_at(first));
+  wheel_.set(slot_, wheel_.cycle_at(first));
 }
 
 void ClockOutputs::run(Cycle) {

@@ -424,12 +424,10 @@ void Clocks::start_counter(std::uint32_t source) {
   const Picoseconds delay = reference == 0 ? 0
                                            : static_cast<Picoseconds>(counter_[3]) * ps_per_s /
                                                  static_cast<Picoseconds>(reference);
-  counter_end_ = wheel_.time_of(wheel_.now()) + delay + interval;
+  counter_end_ = wheel_.time() + delay + interval;
 }
 
-bool Clocks::counter_done() const {
-  return counter_[5] != 0 && wheel_.time_of(wheel_.now()) >= counter_end_;
-}
+bool Clocks::counter_done() const { return counter_[5] != 0 && wheel_.time() >= counter_end_; }
 
 /// Kilohertz with five fractional bits, measured against what REF_KHZ says clk_ref is: whole edges
 /// in the interval, each of which stands for 1024 kHz over a power of two.

@@ -58,11 +58,11 @@ constexpr std::uint64_t vco_max_hz = 1'600'000'000;
 void PauseCounter::write(std::uint32_t value, std::uint64_t hz) {
   start_ = value & counter_mask;
   hz_ = hz;
-  since_ = wheel_.time_of(wheel_.now());
+  since_ = wheel_.time();
 }
 
 std::uint32_t PauseCounter::read() const {
-  const Wide elapsed = wheel_.time_of(wheel_.now()) - since_;
+  const Wide elapsed = wheel_.time() - since_;
   const Wide counted = elapsed * static_cast<Wide>(hz_) / ps_per_s;
   return counted >= start_ ? 0 : start_ - static_cast<std::uint32_t>(counted);
 }

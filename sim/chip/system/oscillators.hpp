@@ -28,7 +28,7 @@ class Deadline : private Timed {
   Deadline& operator=(const Deadline&) = delete;
 
   void start(Picoseconds delay) {
-    time_ = wheel_.time_of(wheel_.now()) + delay;
+    time_ = wheel_.time() + delay;
     running_ = true;
     wheel_.set(slot_, wheel_.cycle_at(time_));
   }

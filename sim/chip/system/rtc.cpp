@@ -72,7 +72,7 @@ Rtc::Rtc(TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_model
       not_modelled_(std::move(not_modelled)),
       interrupts_(offset_intr, interrupt_alarm) {
   clocks_.listen(*this);
-  counter_.set_frequency(clock_hz(), now());
+  counter_.set_frequency(clock_hz(), wheel_.time());
   reset();
 }
 
@@ -81,7 +81,7 @@ void Rtc::reset() {
   divider_ = setup_date_ = setup_time_ = 0;
   no_leap_year_ = false;
   enable_ = match_ = {};
-  load_at_ = second_at_ = never;
+  load_at_ = second_at_ = no_cycle;
   match_date_ = match_time_ = latched_date_ = 0;
   date_latched_ = false;
   interrupts_.reset();
@@ -97,7 +97,7 @@ std::uint64_t Rtc::next_event() const {
 
 void Rtc::advance() {
   if (counter_.hz() == 0) return;
-  const std::uint64_t cycles = counter_.cycles(now());
+  const std::uint64_t cycles = counter_.cycles(wheel_.time());
   for (std::uint64_t next = next_event(); next <= cycles; next = next_event()) happen(next);
 }
 
@@ -112,17 +112,17 @@ void Rtc::happen(std::uint64_t cycle) {
     time_ = {setup_date_ >> 12,         setup_date_ >> 8 & 0xfu,   setup_date_ & day_field,
              setup_time_ >> 24,         setup_time_ >> 16 & 0x1fu, setup_time_ >> 8 & 0x3fu,
              setup_time_ & second_field};
-    load_at_ = never;
+    load_at_ = no_cycle;
     if (enable_.arrived) second_at_ = cycle + second;
   }
   if (enable_.at == cycle) {
-    enable_.at = never;
+    enable_.at = no_cycle;
     if (enable_.wanted && !enable_.arrived) second_at_ = cycle + second;
-    if (!enable_.wanted) second_at_ = never;
+    if (!enable_.wanted) second_at_ = no_cycle;
     enable_.arrived = enable_.wanted;
   }
   if (match_.at == cycle) {
-    match_.at = never;
+    match_.at = no_cycle;
     match_.arrived = match_.wanted;
   }
 }
@@ -130,7 +130,7 @@ void Rtc::happen(std::uint64_t cycle) {
 void Rtc::send(Crossing& bit, bool value) {
   if (bit.wanted == value) return;
   bit.wanted = value;
-  bit.at = counter_.cycles(now()) + crossing_edges;
+  bit.at = counter_.cycles(wheel_.time()) + crossing_edges;
 }
 
 void Rtc::run(Cycle) {
@@ -147,7 +147,7 @@ void Rtc::set_clock(bool runs) {
 void Rtc::clocks_changed() {
   if (counter_.hz() == clock_hz()) return;
   advance();
-  counter_.set_frequency(clock_hz(), now());
+  counter_.set_frequency(clock_hz(), wheel_.time());
   update_irq();
   schedule();
 }
@@ -155,9 +155,9 @@ void Rtc::clocks_changed() {
 void Rtc::schedule() {
   const bool awaited = interrupts_.enabled() != 0 && (match_.wanted || match_.arrived);
   const std::uint64_t next = next_event();
-  Picoseconds due = ClockCounter::never;
-  if (awaited && next != never) due = counter_.time_of(next);
-  wheel_.set(slot_, due == ClockCounter::never ? never_cycle : wheel_.cycle_at(due));
+  Picoseconds due = never;
+  if (awaited && next != no_cycle) due = counter_.time_of(next);
+  wheel_.set(slot_, wheel_.cycle_at(due));
 }
 
 // --- alarm
@@ -226,7 +226,7 @@ std::uint32_t Rtc::read(std::uint32_t offset) {
 
 void Rtc::write_control(std::uint32_t value) {
   no_leap_year_ = (value & control_no_leap_year) != 0;
-  if ((value & control_load) != 0) load_at_ = counter_.cycles(now()) + crossing_edges;
+  if ((value & control_load) != 0) load_at_ = counter_.cycles(wheel_.time()) + crossing_edges;
   send(enable_, (value & control_enable) != 0);
 }
 

@@ -49,18 +49,17 @@ class Rtc final : public Peripheral, private Timed, private ClockListener {
   void set_clock(bool runs);
 
  private:
-  static constexpr std::uint64_t never = ~std::uint64_t{0};
+  static constexpr std::uint64_t no_cycle = ~std::uint64_t{0};
   /// A bit on its way into the domain of clk_rtc.
   struct Crossing {
     bool wanted = false, arrived = false;
-    std::uint64_t at = never;  ///< cycle of clk_rtc
+    std::uint64_t at = no_cycle;  ///< cycle of clk_rtc
   };
 
   void run(Cycle to) override;
   void clock_changed() override { schedule(); }
   void clocks_changed() override;
 
-  Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
   std::uint64_t clock_hz() const { return stopped_ ? 0 : clocks_.hz(Clock::rtc); }
   std::uint64_t next_event() const;
   void advance();
@@ -87,9 +86,9 @@ class Rtc final : public Peripheral, private Timed, private ClockListener {
   std::uint32_t setup_date_ = 0, setup_time_ = 0;
   bool no_leap_year_ = false;
   Crossing enable_{}, match_{};
-  std::uint64_t load_at_ = never, second_at_ = never;  ///< cycles of clk_rtc
-  std::uint32_t match_date_ = 0, match_time_ = 0;      ///< IRQ_SETUP_0, 1 without MATCH_ENA
-  std::uint32_t latched_date_ = 0;                     ///< taken with the reading of RTC_0
+  std::uint64_t load_at_ = no_cycle, second_at_ = no_cycle;  ///< cycles of clk_rtc
+  std::uint32_t match_date_ = 0, match_time_ = 0;            ///< IRQ_SETUP_0, 1 without MATCH_ENA
+  std::uint32_t latched_date_ = 0;                           ///< taken with the reading of RTC_0
   bool date_latched_ = false;
   InterruptRegisters interrupts_;
 };

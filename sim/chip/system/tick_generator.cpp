@@ -8,7 +8,7 @@ TickGenerator::TickGenerator(TimeWheel& wheel, Clocks& clocks) : wheel_(wheel), 
 }
 
 Wide TickGenerator::elapsed() const {
-  const Wide time = wheel_.time_of(wheel_.now()) - base_time_;
+  const Wide time = wheel_.time() - base_time_;
   return base_phase_ + time * static_cast<Wide>(reference_hz_);
 }
 
@@ -39,7 +39,7 @@ void TickGenerator::rebase() {
   const std::uint64_t ticks_now = ticks();
   base_phase_ = counting() ? elapsed() % per_tick() : 0;
   base_ticks_ = ticks_now;
-  base_time_ = wheel_.time_of(wheel_.now());
+  base_time_ = wheel_.time();
 }
 
 void TickGenerator::configure(std::uint32_t cycles, bool enabled) {

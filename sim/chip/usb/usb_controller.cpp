@@ -90,9 +90,9 @@ void UsbController::dpram_stored(std::uint32_t offset, std::uint32_t before, std
     const auto was = static_cast<std::uint16_t>(before >> (16 * buffer));
     const auto is = static_cast<std::uint16_t>(after >> (16 * buffer));
     Picoseconds& written = fields_written_[2 * index + buffer];
-    if (((was ^ is) & ~buffer_control::available) != 0) written = now() + 1;
+    if (((was ^ is) & ~buffer_control::available) != 0) written = wheel_.time() + 1;
     const bool rises = (is & ~was & buffer_control::available) != 0;
-    if (rises && written != 0 && now() + 1 - written < cycle)
+    if (rises && written != 0 && wheel_.time() + 1 - written < cycle)
       violation(endpoint_name(index) + " buffer " + std::to_string(buffer) +
                 ": AVAILABLE set less than one cycle of clk_usb after the fields beside it");
   }
@@ -246,7 +246,7 @@ void UsbController::write_sie_ctrl(std::uint32_t value) {
   sie_ctrl_ = value & sie_ctrl::writable & ~sie_ctrl::resume;
   update_pull_up();
   if ((value & sie_ctrl::resume) != 0 && suspended_ && host_ != nullptr)
-    host_->remote_wakeup(now());
+    host_->remote_wakeup(wheel_.time());
 }
 
 void UsbController::write_sie_status(std::uint32_t value) {
@@ -368,14 +368,14 @@ void UsbController::update_pull_up() {
   if (on && usb_hz_ != usb_clock_hz)
     violation("pull-up enabled with clk_usb at " + std::to_string(usb_hz_) + " Hz, not 48 MHz");
   pull_up_ = on;
-  last_activity_ = now();
+  last_activity_ = wheel_.time();
   if (!on) {
     set_connected(false);
     set_suspended(false);
     transaction_ = {};
   }
   plan();
-  if (host_ != nullptr) host_->pull_up_changed(on, now());
+  if (host_ != nullptr) host_->pull_up_changed(on, wheel_.time());
 }
 
 void UsbController::set_connected(bool on) {
@@ -408,20 +408,20 @@ void UsbController::activity(Picoseconds at) {
 }
 
 void UsbController::plan() {
-  Picoseconds due = -1;
+  Picoseconds due = never;
   if (bus_ != Bus::idle && !bus_seen_)
     due = bus_since_ + (bus_ == Bus::reset ? Assumed::reset_detect : Assumed::resume_detect);
   else if (connect_after_ >= 0)
     due = connect_after_;
   else if (bus_ == Bus::idle && pull_up_ && !suspended_)
     due = last_activity_ + suspend_after;
-  wheel_.set(slot_, due < 0 ? never_cycle : wheel_.cycle_at(due));
+  wheel_.set(slot_, wheel_.cycle_at(due));
 }
 
 void UsbController::clock_changed() { plan(); }
 
 void UsbController::run(Cycle) {
-  const Picoseconds at = now();
+  const Picoseconds at = wheel_.time();
   if (bus_ == Bus::reset && !bus_seen_) {
     bus_seen_ = at >= bus_since_ + Assumed::reset_detect;
     if (bus_seen_ && pull_up_ && !hung_) {

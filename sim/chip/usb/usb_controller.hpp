@@ -151,7 +151,6 @@ class UsbController final : public Peripheral, public Timed, public usb::DeviceE
   void plan();
   void activity(Picoseconds at);
   bool listens() const;
-  Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
 
   std::optional<Endpoint> find_endpoint(std::uint8_t number, bool out);
   std::optional<Answer> refusal(const Endpoint& endpoint);

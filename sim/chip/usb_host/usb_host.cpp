@@ -56,15 +56,15 @@ UsbHost::UsbHost(TimeWheel& wheel, DeviceEnd& device, UsbHostOptions options)
   plug();
 }
 
-UsbHost::~UsbHost() { device_.connect(nullptr, now()); }
+UsbHost::~UsbHost() { device_.connect(nullptr, wheel_.time()); }
 
 // Time
 
 void UsbHost::plan() {
-  Picoseconds due = -1;
+  Picoseconds due = never;
   for (const Picoseconds time : {wait_until_, next_frame_, next_stranger_})
-    if (time >= 0 && (due < 0 || time < due)) due = time;
-  wheel_.set(slot_, due < 0 ? never_cycle : wheel_.cycle_at(due));
+    if (time >= 0) due = std::min(due, time);
+  wheel_.set(slot_, wheel_.cycle_at(due));
 }
 
 void UsbHost::wait(Picoseconds until) {
@@ -73,7 +73,7 @@ void UsbHost::wait(Picoseconds until) {
 }
 
 void UsbHost::run(Cycle) {
-  const Picoseconds at = now();
+  const Picoseconds at = wheel_.time();
   if (next_stranger_ >= 0 && next_stranger_ <= at) {
     device_.other_traffic(next_stranger_);
     next_stranger_ += stranger_interval;
@@ -124,7 +124,7 @@ std::size_t UsbHost::write(std::span<const std::uint8_t> bytes) {
   const std::size_t count = std::min(room, bytes.size());
   to_send_.insert(to_send_.end(), bytes.begin(),
                   bytes.begin() + static_cast<std::ptrdiff_t>(count));
-  if (count != 0) go_on(now());
+  if (count != 0) go_on(wheel_.time());
   return count;
 }
 
@@ -132,7 +132,7 @@ std::size_t UsbHost::read(std::span<std::uint8_t> bytes) {
   const std::size_t count = std::min(bytes.size(), received_.size());
   std::copy_n(received_.begin(), count, bytes.begin());
   received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(count));
-  if (count != 0) go_on(now());
+  if (count != 0) go_on(wheel_.time());
   return count;
 }
 
@@ -140,15 +140,15 @@ void UsbHost::plug() {
   if (plugged_) return;
   plugged_ = true;
   statistics_ = {};
-  device_.connect(this, now());
-  if (device_.pull_up()) pull_up_changed(true, now());
+  device_.connect(this, wheel_.time());
+  if (device_.pull_up()) pull_up_changed(true, wheel_.time());
 }
 
 void UsbHost::unplug() {
   if (!plugged_) return;
   plugged_ = false;
   detach();
-  device_.connect(nullptr, now());
+  device_.connect(nullptr, wheel_.time());
 }
 
 void UsbHost::detach() {
@@ -180,8 +180,8 @@ void UsbHost::suspend() {
 void UsbHost::resume() {
   if (step_ != Step::suspended) return;
   step_ = Step::resuming;
-  device_.begin_resume(now());
-  wait(now() + options_.resume);
+  device_.begin_resume(wheel_.time());
+  wait(wheel_.time() + options_.resume);
 }
 
 void UsbHost::remote_wakeup(Picoseconds) {
@@ -193,7 +193,7 @@ void UsbHost::reset_device() {
   if (!plugged_ || !device_.pull_up()) return;
   stop_frames();
   clear_port();
-  begin_reset(now(), Step::reset);
+  begin_reset(wheel_.time(), Step::reset);
 }
 
 void UsbHost::set_dtr(bool on) {
@@ -209,7 +209,7 @@ void UsbHost::control(const std::array<std::uint8_t, 8>& setup, std::vector<std:
   transfer.user = true;
   last_control_ = {};
   control_queue_.push_back(std::move(transfer));
-  go_on(now());
+  go_on(wheel_.time());
 }
 
 void UsbHost::violation(const std::string& text) {
@@ -318,7 +318,7 @@ void UsbHost::ask(std::array<std::uint8_t, 8> setup, std::vector<std::uint8_t> d
   transfer_now_ = ControlTransfer{};
   transfer_now_->setup = setup;
   transfer_now_->data = std::move(data);
-  go_on(now());
+  go_on(wheel_.time());
 }
 
 void UsbHost::ask_descriptor(std::uint8_t type, std::uint8_t index, std::uint16_t language,
@@ -328,7 +328,7 @@ void UsbHost::ask_descriptor(std::uint8_t type, std::uint8_t index, std::uint16_
 }
 
 void UsbHost::give_up(const std::string& why) {
-  if (++attempts_ < max_attempts) return begin_reset(now(), Step::reset);
+  if (++attempts_ < max_attempts) return begin_reset(wheel_.time(), Step::reset);
   violation("enumeration failed: " + why);
   step_ = Step::failed;
   transfer_now_.reset();
@@ -542,7 +542,7 @@ void UsbHost::done(const Transaction& transaction, const Result& result) {
 
 Transaction UsbHost::control_transaction() {
   ControlTransfer& transfer = *transfer_now_;
-  if (transfer.started < 0) transfer.started = transfer.stage_started = now();
+  if (transfer.started < 0) transfer.started = transfer.stage_started = wheel_.time();
   Transaction transaction;
   transaction.data.pid = transfer.data1 ? Pid::data1 : Pid::data0;
   if (transfer.stage == Stage::setup) {

@@ -161,7 +161,6 @@ class UsbHost final : public Timed, public usb::HostEnd {
   };
 
   // Time
-  Picoseconds now() const { return wheel_.time_of(wheel_.now()); }
   void plan();
   void wait(Picoseconds until);
   void frame(Picoseconds at);
