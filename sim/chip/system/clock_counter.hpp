@@ -1,9 +1,10 @@
 // Counts the cycles of a clock of CLOCKS other than clk_sys.
 //
 // In:  the clock's frequency, each time it changes; real time.
-// Out: cycles counted until a time, and the time of a cycle, without drift.
-// Who: blocks that run by clk_adc or clk_rtc. The phase of such a clock against clk_sys is taken
-//      from when its frequency was set: real phases are anybody's guess.
+// Out: cycles counted until a time, and the time of a cycle, without drift: the part of a cycle
+//      that has passed when the frequency changes, or the clock stops, counts.
+// Who: blocks that run by clk_ref, clk_adc, clk_rtc or an oscillator. The phase of such a clock
+//      against clk_sys is taken from when it first ran: real phases are anybody's guess.
 #pragma once
 
 #include <cstdint>
@@ -18,33 +19,42 @@ class ClockCounter {
  public:
   /// The clock has another frequency from `now` on.
   void set_frequency(std::uint64_t hz, Picoseconds now) {
-    base_cycles_ = cycles(now);
+    const Wide passed = parts(now);
+    base_cycles_ += static_cast<std::uint64_t>(passed / ps_per_s);
+    base_parts_ = passed % ps_per_s;
     base_time_ = now;
     hz_ = hz;
   }
   std::uint64_t hz() const { return hz_; }
   /// Whole cycles until a time not before the last change of frequency.
   std::uint64_t cycles(Picoseconds time) const {
-    return base_cycles_ + static_cast<std::uint64_t>(static_cast<Wide>(time - base_time_) *
-                                                     static_cast<Wide>(hz_) / ps_per_s);
+    return base_cycles_ + static_cast<std::uint64_t>(parts(time) / ps_per_s);
   }
   /// The number of the first edge at or after a time.
   std::uint64_t next_edge(Picoseconds time) const {
-    const Wide scaled = static_cast<Wide>(time - base_time_) * static_cast<Wide>(hz_);
-    return base_cycles_ + static_cast<std::uint64_t>((scaled + ps_per_s - 1) / ps_per_s);
+    return base_cycles_ + static_cast<std::uint64_t>((parts(time) + ps_per_s - 1) / ps_per_s);
   }
-  /// When a cycle not before the last change of frequency has been counted, rounded up; never:
-  /// the clock stands still.
+  /// When a cycle has been counted, rounded up, but not before the last change of frequency; never:
+  /// the clock stands still, or it is out of sight.
   Picoseconds time_of(std::uint64_t cycle) const {
     if (hz_ == 0) return never;
+    if (cycle <= base_cycles_) return base_time_;
+    constexpr Wide out_of_sight = Wide{1} << 62;  // more than fifty days
     const auto hz = static_cast<Wide>(hz_);
-    const Wide scaled = static_cast<Wide>(cycle - base_cycles_) * ps_per_s + hz - 1;
-    return base_time_ + static_cast<Picoseconds>(scaled / hz);
+    const Wide left = static_cast<Wide>(cycle - base_cycles_) * ps_per_s - base_parts_;
+    const Wide delay = (left + hz - 1) / hz;
+    return delay > out_of_sight ? never : base_time_ + static_cast<Picoseconds>(delay);
   }
 
  private:
+  /// Cycles since base_cycles_, times ps_per_s.
+  Wide parts(Picoseconds time) const {
+    return base_parts_ + static_cast<Wide>(time - base_time_) * static_cast<Wide>(hz_);
+  }
+
   std::uint64_t hz_ = 0;
   std::uint64_t base_cycles_ = 0;
+  Wide base_parts_ = 0;  ///< of a cycle that had passed at base_time_, times ps_per_s
   Picoseconds base_time_ = 0;
 };
 

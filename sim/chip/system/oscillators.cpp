@@ -57,13 +57,12 @@ constexpr std::uint64_t vco_max_hz = 1'600'000'000;
 
 void PauseCounter::write(std::uint32_t value, std::uint64_t hz) {
   start_ = value & counter_mask;
-  hz_ = hz;
-  since_ = wheel_.time();
+  counter_ = {};
+  counter_.set_frequency(hz, wheel_.time());
 }
 
 std::uint32_t PauseCounter::read() const {
-  const Wide elapsed = wheel_.time() - since_;
-  const Wide counted = elapsed * static_cast<Wide>(hz_) / ps_per_s;
+  const std::uint64_t counted = counter_.cycles(wheel_.time());
   return counted >= start_ ? 0 : start_ - static_cast<std::uint32_t>(counted);
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sim/chip/peripheral.hpp"
+#include "sim/chip/system/clock_counter.hpp"
 #include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
@@ -65,8 +66,7 @@ class PauseCounter {
  private:
   TimeWheel& wheel_;
   std::uint32_t start_ = 0;
-  std::uint64_t hz_ = 0;
-  Picoseconds since_ = 0;
+  ClockCounter counter_;  ///< since it was written
 };
 
 /// The crystal oscillator; 12 MHz on a Pico.

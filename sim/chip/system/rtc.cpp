@@ -154,9 +154,7 @@ void Rtc::clocks_changed() {
 
 void Rtc::schedule() {
   const bool awaited = interrupts_.enabled() != 0 && (match_.wanted || match_.arrived);
-  const std::uint64_t next = next_event();
-  Picoseconds due = never;
-  if (awaited && next != no_cycle) due = counter_.time_of(next);
+  const Picoseconds due = awaited ? counter_.time_of(next_event()) : never;
   wheel_.set(slot_, wheel_.cycle_at(due));
 }
 

@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/chip/system/clock_counter.hpp"
 #include "sim/chip/system/clocks.hpp"
 #include "sim/chip/time_wheel.hpp"
-#include "sim/chip/wide.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -41,11 +41,7 @@ class TickGenerator final : private ClockListener {
 
  private:
   void clocks_changed() override;
-  /// Parts of a cycle of clk_ref since the last tick before base_time_, now.
-  Wide elapsed() const;
-  Wide per_tick() const { return static_cast<Wide>(cycles_) * ps_per_s; }
-  bool counting() const { return enabled_ && cycles_ != 0 && reference_hz_ != 0; }
-  void rebase();
+  bool counting() const { return enabled_ && cycles_ != 0 && counter_.hz() != 0; }
   void tell();
 
   TimeWheel& wheel_;
@@ -53,10 +49,8 @@ class TickGenerator final : private ClockListener {
   std::vector<TickListener*> listeners_;
   std::uint32_t cycles_ = 0;
   bool enabled_ = false;
-  std::uint64_t reference_hz_ = 0;
-  std::uint64_t base_ticks_ = 0;
-  Picoseconds base_time_ = 0;
-  Wide base_phase_ = 0;  ///< cycles of clk_ref since the last tick, times ps_per_s
+  ClockCounter counter_;          ///< of clk_ref since it was configured
+  std::uint64_t base_ticks_ = 0;  ///< up to then
 };
 
 }  // namespace lamplock::sim::chip
