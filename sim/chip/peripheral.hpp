@@ -20,7 +20,8 @@ class Peripheral {
   virtual std::string_view name() const = 0;
   /// A read with its side effects (FIFOs pop).
   virtual std::uint32_t read(std::uint32_t offset) = 0;
-  /// The word that an atomic alias modifies: no side effects.
+  /// The register as it stands, for atomic aliases and debuggers: no side effects, and nothing is
+  /// reported.
   virtual std::uint32_t peek(std::uint32_t offset) const = 0;
   virtual void write(std::uint32_t offset, std::uint32_t value) = 0;
   /// Bits that a written 1 clears. An alias passes them on as they were written instead of

@@ -74,6 +74,44 @@ TEST_F(ChipTest, StartsWithNothingToReport) {
   EXPECT_THAT(chip_.not_modelled(), testing::IsEmpty());
 }
 
+TEST_F(ChipTest, ALookAtAnyRegisterReportsNothingAndAReadDoes) {
+  std::vector<std::uint32_t> blocks{0x1400'0000, 0x1800'0000, 0xd000'0000};
+  for (std::uint32_t i = 0; i < 28; ++i) blocks.push_back(0x4000'0000 + 0x4000 * i);
+  for (const std::uint32_t i : {0x00u, 0x11u, 0x20u, 0x30u, 0x40u})
+    blocks.push_back(0x5000'0000 + 0x1'0000 * i);
+  write(resets, 0);
+  for (const Master core : {Master::core0, Master::core1})
+    for (const std::uint32_t block : blocks)
+      for (std::uint32_t offset = 0; offset < 0x1000; offset += 4)
+        chip_.bus().peek(block + offset, core);
+  for (std::uint32_t offset = 0; offset < 0x1000; offset += 4)
+    EXPECT_TRUE(chip_.core(0).peek_system(0xe000'e000 + offset));
+  EXPECT_THAT(chip_.not_modelled(), testing::IsEmpty());
+  for (const std::uint32_t address :
+       {0x4001'c084u, 0x4002'8010u, 0x5000'0c00u, 0x5020'0200u, 0x1400'0020u, 0x4002'001cu}) {
+    const std::size_t before = chip_.not_modelled().size();
+    EXPECT_EQ(read(address), 0u);
+    EXPECT_EQ(chip_.not_modelled().size(), before + 1) << std::hex << address;
+  }
+}
+
+TEST_F(ChipTest, AWriteWhereThereIsNoRegisterIsReported) {
+  write(resets, 0);
+  write(0x1400'0020, 1);
+  write(0x4002'001c, 1);
+  EXPECT_THAT(chip_.not_modelled(), testing::ElementsAre("XIP_CTRL: no register at this offset",
+                                                         "PADS_QSPI: no register at this offset"));
+}
+
+// An alias looks at the register before it writes.
+TEST_F(ChipTest, AWriteThroughAnAliasIsReportedOnce) {
+  write(resets, 0);
+  write(0x5020'0200 + set_alias, 1);
+  write(0x5000'0c00 + set_alias, 1);
+  EXPECT_THAT(chip_.not_modelled(),
+              testing::ElementsAre("PIO0: write of offset 512", "DMA: write of offset 3072"));
+}
+
 TEST_F(ChipTest, TellsWhatResetIt) {
   EXPECT_EQ(read(chip_reset), had_por);
   EXPECT_EQ(read(reason), 0u);

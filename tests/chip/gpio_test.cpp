@@ -247,6 +247,16 @@ TEST_F(GpioTest, SourcesAreBroughtUpToDateBeforeTheirPinsAreReconnected) {
   EXPECT_EQ(watcher.changes[1], std::make_tuple(0u, false, Cycle{60}));
 }
 
+TEST_F(GpioTest, ALookAtARegisterShowsThePresent) {
+  io(control(0), 6);
+  gpio_.drive(PinFunction::pio0, 0, 1, 0);
+  Late late(gpio_);
+  gpio_.listen(late);
+  wheel_.advance_to(60);
+  EXPECT_NE(gpio_.io_bank().peek(0) & 1u << 9, 0u) << "OUTTOPAD";
+  EXPECT_NE(gpio_.io_bank().peek(0xf0) & 8u, 0u) << "EDGE_HIGH";
+}
+
 TEST_F(GpioTest, ResetOfTheBankDisconnectsEverything) {
   io(control(0), 5);
   gpio_.drive(PinFunction::sio, 1, 1, 0);

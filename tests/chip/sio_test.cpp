@@ -57,6 +57,24 @@ TEST_F(SioTest, InputsArriveTwoCyclesLateUnlessBypassed) {
   EXPECT_EQ(read(0, 8), 2u);
 }
 
+/// A source that runs behind and drives when it is asked.
+struct Late : InputListener {
+  explicit Late(Gpio& pins) : gpio(pins) {}
+  void inputs_changed(Cycle) override {}
+  void catch_up(Cycle at) override {
+    if (at >= 50) gpio.drive(PinFunction::pio0, 1, 1, 50);
+  }
+  Gpio& gpio;
+};
+
+TEST_F(SioTest, ALookAtTheInputsShowsThePresent) {
+  rig_.gpio.io_bank().write(4, 6);
+  Late late(rig_.gpio);
+  rig_.gpio.listen(late);
+  rig_.wheel.advance_to(60);
+  EXPECT_EQ(rig_.sio.core(0).peek(4), 1u);
+}
+
 TEST_F(SioTest, MailboxHoldsEightWordsAndRaisesInterrupts) {
   EXPECT_EQ(read(0, 0x50), 2u);
   for (std::uint32_t word = 0; word < 8; ++word) write(0, 0x54, word);

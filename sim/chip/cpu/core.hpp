@@ -291,7 +291,7 @@ class Core {
 
   // system_registers.cpp
   bool read_system(std::uint32_t address, std::uint32_t& value);
-  bool read_system_register(std::uint32_t address, std::uint32_t& value);
+  std::optional<std::uint32_t> system_register(std::uint32_t offset, Cycle at);
   bool write_system(std::uint32_t address, std::uint32_t value);
   std::uint32_t read_icsr() const;
   void write_icsr(std::uint32_t value);

@@ -1,7 +1,5 @@
 // The private peripheral bus: NVIC, System Control Block, SysTick (ARMv6-M Architecture Reference
 // Manual, B3; RP2040 datasheet, 2.4.8).
-#include <utility>
-
 #include "sim/chip/cpu/core.hpp"
 #include "sim/chip/hex.hpp"
 
@@ -48,88 +46,68 @@ void Core::report(std::uint32_t address) {
 bool Core::read_system(std::uint32_t address, std::uint32_t& value) {
   if (!privileged() || address >= ppb_end) return false;
   run_events(cycle_);
-  return read_system_register(address, value);
+  const std::uint32_t offset = address - scs_base;
+  const std::optional<std::uint32_t> there =
+      offset == syst_csr ? systick_.read_control(cycle_) : system_register(offset, cycle_);
+  if (!there) report(address);
+  value = there.value_or(0);
+  return true;
 }
 
 std::optional<std::uint32_t> Core::peek_system(std::uint32_t address) {
   if (address - scs_base >= scs_size) return std::nullopt;
-  if (address == scs_base + syst_csr) return systick_.peek_control();
-  if (address == scs_base + syst_cvr) return systick_.read_current(wheel_.now());
-  // A look of the debugger is no access that would have to be reported.
-  const NotModelled reporter = std::exchange(not_modelled_, {});
-  std::uint32_t value = 0;
-  const bool there = read_system_register(address, value);
-  not_modelled_ = reporter;
-  return there ? std::optional(value) : std::nullopt;
+  return system_register(address - scs_base, wheel_.now()).value_or(0);
 }
 
-bool Core::read_system_register(std::uint32_t address, std::uint32_t& value) {
-  const std::uint32_t offset = address - scs_base;
-  value = 0;
+// A register as it stands at `at`; nothing if there is none.
+std::optional<std::uint32_t> Core::system_register(std::uint32_t offset, Cycle at) {
   if (offset >= nvic_ipr && offset < nvic_ipr_end) {
+    std::uint32_t value = 0;
     for (unsigned i = 0; i < 4; ++i)
       value |= priority_byte(nvic_.priority(16 + offset - nvic_ipr + i), i);
-    return true;
+    return value;
   }
   switch (offset) {
     case actlr:
     case syst_calib:
-      break;
+      return 0;
     case syst_csr:
-      value = systick_.read_control(cycle_);
-      break;
+      return systick_.peek_control();
     case syst_rvr:
-      value = systick_.reload();
-      break;
+      return systick_.reload();
     case syst_cvr:
-      value = systick_.read_current(cycle_);
-      break;
+      return systick_.read_current(at);
     case nvic_iser:
     case nvic_icer:
-      value = nvic_.enabled_lines();
-      break;
+      return nvic_.enabled_lines();
     case nvic_ispr:
     case nvic_icpr:
-      value = nvic_.pending_lines();
-      break;
+      return nvic_.pending_lines();
     case cpuid:
-      value = cpuid_value;
-      break;
+      return cpuid_value;
     case icsr:
-      value = read_icsr();
-      break;
+      return read_icsr();
     case vector_table:
-      value = vtor_;
-      break;
+      return vtor_;
     case aircr:
-      value = aircr_read;
-      break;
+      return aircr_read;
     case scr:
-      value = scr_;
-      break;
+      return scr_;
     case ccr:
-      value = ccr_value;
-      break;
+      return ccr_value;
     case shpr2:
-      value = priority_byte(nvic_.priority(svcall), 3);
-      break;
+      return priority_byte(nvic_.priority(svcall), 3);
     case shpr3:
-      value = priority_byte(nvic_.priority(pendsv), 2) | priority_byte(nvic_.priority(tick), 3);
-      break;
+      return priority_byte(nvic_.priority(pendsv), 2) | priority_byte(nvic_.priority(tick), 3);
     case shcsr:
-      value = nvic_.pending(svcall) ? shcsr_svcall_pended : 0;
-      break;
+      return nvic_.pending(svcall) ? shcsr_svcall_pended : 0;
     case mpu_type:
-      value = mpu_type_value;
-      break;
+      return mpu_type_value;
     default:
-      if (offset >= mpu_ctrl && offset < mpu_end)
-        value = mpu_.read(offset - mpu_ctrl);
-      else
-        report(address);
       break;
   }
-  return true;
+  if (offset >= mpu_ctrl && offset < mpu_end) return mpu_.read(offset - mpu_ctrl);
+  return std::nullopt;
 }
 
 void Core::set_scr(std::uint32_t value) { scr_ = value & scr_mask; }

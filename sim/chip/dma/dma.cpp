@@ -363,7 +363,7 @@ void Dma::set_control(Channel& channel, std::uint32_t value) {
   if ((value >> 30 & 1u) != 0) channel.read_error = false;
 }
 
-std::uint32_t Dma::read_global(std::uint32_t offset) const {
+std::optional<std::uint32_t> Dma::global_value(std::uint32_t offset) const {
   if (offset >= intr && offset <= ints1 && offset != intr1_reserved)
     return interrupts_[offset < intr1_reserved ? 0 : 1].read(offset, raised_);
   if (offset >= timer0 && offset < timer0 + 4 * dma_timer_count) {
@@ -389,12 +389,11 @@ std::uint32_t Dma::read_global(std::uint32_t offset) const {
     case n_channels:
       return dma_channel_count;
     default:
-      report("read of offset " + std::to_string(offset));
-      return 0;
+      return std::nullopt;
   }
 }
 
-std::uint32_t Dma::peek(std::uint32_t offset) const {
+std::optional<std::uint32_t> Dma::value_of(std::uint32_t offset) const {
   owner_.bring_up_to_date();
   if (offset < dma_channel_count * channel_stride) {
     const Channel& channel = channels_[offset / channel_stride];
@@ -414,8 +413,16 @@ std::uint32_t Dma::peek(std::uint32_t offset) const {
     if ((offset & 0x3fu) == 0) return channel.credits;  // DBG_CTDREQ
     if ((offset & 0x3fu) == 4) return channel.reload;   // DBG_TCR
   }
-  return read_global(offset);
+  return global_value(offset);
 }
+
+std::uint32_t Dma::read(std::uint32_t offset) {
+  const std::optional<std::uint32_t> value = value_of(offset);
+  if (!value) report("read of offset " + std::to_string(offset));
+  return value.value_or(0);
+}
+
+std::uint32_t Dma::peek(std::uint32_t offset) const { return value_of(offset).value_or(0); }
 
 void Dma::write_channel(std::uint32_t offset, std::uint32_t value, Cycle clock) {
   const unsigned i = offset / channel_stride;

@@ -15,6 +15,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "sim/chip/bus.hpp"
@@ -41,7 +42,7 @@ class Dma final : public Peripheral {
 
   // Peripheral
   std::string_view name() const override { return "DMA"; }
-  std::uint32_t read(std::uint32_t offset) override { return peek(offset); }
+  std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t offset) const override;
@@ -111,7 +112,9 @@ class Dma final : public Peripheral {
   void set_control(Channel& channel, std::uint32_t value);
   void write_channel(std::uint32_t offset, std::uint32_t value, Cycle clock);
   void write_global(std::uint32_t offset, std::uint32_t value, Cycle clock);
-  std::uint32_t read_global(std::uint32_t offset) const;
+  /// Nothing: no register there.
+  std::optional<std::uint32_t> value_of(std::uint32_t offset) const;
+  std::optional<std::uint32_t> global_value(std::uint32_t offset) const;
   void report(const std::string& what) const;
 
   ClockOwner& owner_;

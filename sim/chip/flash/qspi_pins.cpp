@@ -107,6 +107,8 @@ void QspiPins::Pads::write(std::uint32_t offset, std::uint32_t value) {
     voltage = value & 1u;
   else if (offset / 4 <= count)
     owner.change([&] { pad[offset / 4 - 1] = value & 0xffu; });
+  else if (owner.not_modelled_)
+    owner.not_modelled_("PADS_QSPI: no register at this offset");
 }
 
 void QspiPins::Pads::set_defaults() { pad = pad_resets; }

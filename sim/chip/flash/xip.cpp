@@ -111,6 +111,8 @@ void Xip::Control::write(std::uint32_t offset, std::uint32_t value) {
     case stream_ctr:
       return owner.stream_.write_count(value);
     default:
+      if (offset > stream_fifo && owner.not_modelled_)
+        owner.not_modelled_("XIP_CTRL: no register at this offset");
       return;
   }
 }

@@ -274,11 +274,12 @@ std::uint32_t Gpio::io_register(std::uint32_t offset) const {
 }
 
 std::uint32_t Gpio::IoBank::read(std::uint32_t offset) {
+  if (offset >= io_end) gpio_.not_modelled_("IO_BANK0: no register at this offset");
+  return peek(offset);
+}
+
+std::uint32_t Gpio::IoBank::peek(std::uint32_t offset) const {
   const Cycle now = gpio_.wheel_.now();
-  if (offset >= io_end) {
-    gpio_.not_modelled_("IO_BANK0: no register at this offset");
-    return 0;
-  }
   gpio_.catch_up(now);
   gpio_.synchronise(now);
   return gpio_.io_register(offset);
@@ -359,8 +360,12 @@ std::uint32_t Gpio::PadsBank::peek(std::uint32_t offset) const {
   if (offset < offset_swclk_pad) return gpio_.pad_control_[(offset - offset_gpio0_pad) / 4];
   if (offset == offset_swclk_pad) return gpio_.swclk_pad_;
   if (offset == offset_swd_pad) return gpio_.swd_pad_;
-  gpio_.not_modelled_("PADS_BANK0: no register at this offset");
   return 0;
+}
+
+std::uint32_t Gpio::PadsBank::read(std::uint32_t offset) {
+  if (offset > offset_swd_pad) gpio_.not_modelled_("PADS_BANK0: no register at this offset");
+  return peek(offset);
 }
 
 // Drive strength, slew rate, Schmitt trigger, the voltage and the debug pins have no effect on

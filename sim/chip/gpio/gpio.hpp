@@ -158,7 +158,7 @@ class Gpio : private Timed {
     explicit IoBank(Gpio& gpio) : gpio_(gpio) {}
     std::string_view name() const override { return "IO_BANK0"; }
     std::uint32_t read(std::uint32_t offset) override;
-    std::uint32_t peek(std::uint32_t offset) const override { return gpio_.io_register(offset); }
+    std::uint32_t peek(std::uint32_t offset) const override;
     void write(std::uint32_t offset, std::uint32_t value) override;
     std::uint32_t write_clear_bits(std::uint32_t offset) const override;
     void reset() override;
@@ -170,7 +170,7 @@ class Gpio : private Timed {
    public:
     explicit PadsBank(Gpio& gpio) : gpio_(gpio) {}
     std::string_view name() const override { return "PADS_BANK0"; }
-    std::uint32_t read(std::uint32_t offset) override { return peek(offset); }
+    std::uint32_t read(std::uint32_t offset) override;
     std::uint32_t peek(std::uint32_t offset) const override;
     void write(std::uint32_t offset, std::uint32_t value) override;
     std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }

@@ -153,7 +153,7 @@ std::uint32_t PioBlock::intr() const {
   return (~fifos >> 8 & 0xfu) | (~fifos >> 16 & 0xfu) << 4 | (shared_.irq & 0xfu) << 8;
 }
 
-std::uint32_t PioBlock::machine_register(std::uint32_t offset) const {
+std::uint32_t PioBlock::machine_register(std::uint32_t offset, Cycle next) const {
   const pio::StateMachine& machine = machines_[(offset - sm0_clkdiv) / sm_stride];
   switch ((offset - sm0_clkdiv) % sm_stride) {
     case 0x00:
@@ -163,16 +163,16 @@ std::uint32_t PioBlock::machine_register(std::uint32_t offset) const {
     case 0x08:
       return machine.shiftctrl();
     case 0x0c:
-      return machine.pc();
+      return machine.pc(next);
     case 0x10:
-      return machine.current_instruction();
+      return machine.current_instruction(next);
     default:
       return machine.pinctrl();
   }
 }
 
-std::uint32_t PioBlock::value_of(std::uint32_t offset) const {
-  if (offset >= sm0_clkdiv && offset < sm_end) return machine_register(offset);
+std::optional<std::uint32_t> PioBlock::value_of(std::uint32_t offset, Cycle next) const {
+  if (offset >= sm0_clkdiv && offset < sm_end) return machine_register(offset, next);
   if (in_range(offset, rxf0, machine_count)) return machines_[(offset - rxf0) / 4].rx().front();
   // Write-only.
   if (in_range(offset, txf0, machine_count) || in_range(offset, instr_mem0, 32)) return 0;
@@ -209,15 +209,11 @@ std::uint32_t PioBlock::value_of(std::uint32_t offset) const {
   if (offset >= irq0_inte && offset < irqs_end) {
     return interrupts_[offset < irq1_inte ? 0 : 1].read(offset, intr());
   }
-  report("read of offset " + std::to_string(offset));
-  return 0;
+  return std::nullopt;
 }
 
 std::uint32_t PioBlock::peek(std::uint32_t offset) const {
-  owner_.bring_up_to_date();
-  // What the program counter of a machine that sleeps in a loop points at is known to the machine
-  // alone; the aliases modify neither ADDR nor INSTR in a useful way, and reading settles.
-  return value_of(offset);
+  return value_of(offset, next_clock()).value_or(0);
 }
 
 std::uint32_t PioBlock::read(std::uint32_t offset) {
@@ -237,12 +233,9 @@ std::uint32_t PioBlock::read(std::uint32_t offset) {
     owner_.changed();
     return word;
   }
-  if (offset >= sm0_clkdiv && offset < sm_end) {
-    machines_[(offset - sm0_clkdiv) / sm_stride].settle(next);
-    find_due();
-    owner_.changed();
-  }
-  return value_of(offset);
+  const std::optional<std::uint32_t> value = value_of(offset, next);
+  if (!value) report("read of offset " + std::to_string(offset));
+  return value.value_or(0);
 }
 
 void PioBlock::push(unsigned machine, std::uint32_t word, Cycle next) {

@@ -10,7 +10,7 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -73,9 +73,10 @@ class PioBlock final : public Peripheral {
  private:
   /// Clocks of the machines: those of clk_sys without the ones in which they had none.
   Cycle own(Cycle clock) const { return (stopped_ ? stopped_at_ : clock) - without_; }
-  Cycle next_clock() { return own(owner_.bring_up_to_date()); }
-  std::uint32_t value_of(std::uint32_t offset) const;
-  std::uint32_t machine_register(std::uint32_t offset) const;
+  Cycle next_clock() const { return own(owner_.bring_up_to_date()); }
+  /// Nothing: no register there.
+  std::optional<std::uint32_t> value_of(std::uint32_t offset, Cycle next) const;
+  std::uint32_t machine_register(std::uint32_t offset, Cycle next) const;
   void write_machine(std::uint32_t offset, std::uint32_t value, Cycle next);
   void write_control(std::uint32_t value, Cycle next);
   void push(unsigned machine, std::uint32_t word, Cycle next);

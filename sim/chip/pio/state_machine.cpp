@@ -72,6 +72,12 @@ void StateMachine::wake_up(Cycle clock) {
   align(clock);
 }
 
+unsigned StateMachine::pc(Cycle next) const {
+  StateMachine present = *this;
+  present.wake_up(next);
+  return present.pc_;
+}
+
 void StateMachine::settle(Cycle next) {
   wake_up(next);
   shared_.due[index_] = active() ? next : never_cycle;

@@ -65,7 +65,7 @@ class StateMachine {
   /// Runs clock `clock`. Called when the machine is due, or more often.
   void step(Cycle clock);
 
-  // Registers. Before each of these but the pure reads the owner calls settle().
+  // Registers. Before each write the owner calls settle().
   /// Brings counters of a sleeping loop and the tick grid up to the first clock to come.
   void settle(Cycle next);
   void set_enabled(bool enabled, Cycle next);
@@ -80,8 +80,9 @@ class StateMachine {
   std::uint32_t execctrl() const { return execctrl_ | (latched() ? 1u << 31 : 0u); }
   std::uint32_t shiftctrl() const { return shiftctrl_; }
   std::uint32_t pinctrl() const { return pinctrl_; }
-  unsigned pc() const { return pc_; }
-  std::uint16_t current_instruction() const { return ops_[pc_].raw; }
+  /// The program counter in clock `next`, asleep or ahead or not; and what it points at.
+  unsigned pc(Cycle next) const;
+  std::uint16_t current_instruction(Cycle next) const { return ops_[pc(next)].raw; }
   void set_instruction(unsigned at, std::uint16_t raw);
   /// SMx_INSTR written: executes in the next clock whatever the divider and delay (3.5.7).
   void force(std::uint16_t raw);

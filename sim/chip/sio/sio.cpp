@@ -103,6 +103,7 @@ std::uint32_t Sio::peek(std::size_t core, std::uint32_t offset) const {
     case offset_cpuid:
       return static_cast<std::uint32_t>(core);
     case offset_gpio_in:
+      gpio_.catch_up(wheel_.now());
       return gpio_in();
     case offset_gpio_hi_in:
       return qspi_inputs_() & qspi_pins;
@@ -139,10 +140,6 @@ std::uint32_t Sio::peek(std::size_t core, std::uint32_t offset) const {
 
 std::uint32_t Sio::read(std::size_t core, std::uint32_t offset) {
   Own& own = own_[core];
-  if (offset == offset_gpio_in) {
-    gpio_.catch_up(wheel_.now());
-    return gpio_in();
-  }
   if (offset >= offset_div && offset < offset_interp0) return read_divider(core, offset);
   if (offset >= offset_interp1 && offset < offset_spinlock0)
     return own.interpolator1.read(offset - offset_interp1);

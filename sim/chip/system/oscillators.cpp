@@ -350,9 +350,13 @@ std::uint32_t Pll::peek(std::uint32_t offset) const {
     case 0xc:
       return post_dividers_;
     default:
-      not_modelled_(name_ + ": no register at this offset");
       return 0;
   }
+}
+
+std::uint32_t Pll::read(std::uint32_t offset) {
+  if (offset > 0xc) not_modelled_(name_ + ": no register at this offset");
+  return peek(offset);
 }
 
 void Pll::write(std::uint32_t offset, std::uint32_t value) {

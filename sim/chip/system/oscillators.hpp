@@ -144,7 +144,7 @@ class Pll final : public Peripheral {
   void reference_changed();
 
   std::string_view name() const override { return name_; }
-  std::uint32_t read(std::uint32_t offset) override { return peek(offset); }
+  std::uint32_t read(std::uint32_t offset) override;
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
