@@ -44,11 +44,7 @@ ChipRun::Trace::Trace(const std::string& name, chip::Chip& chip)
     : file(name), stream(file.path(), std::ios::binary), writer(stream, chip) {}
 
 ChipRun::CoreProfile::CoreProfile(chip::Core& core, const chip::Image& image)
-    : table(core, image.symbols), stacks(core, image.symbols) {
-  listeners.add(table);
-  listeners.add(stacks);
-  core.listen(&listeners);
-}
+    : stack(core, image.symbols), table(stack), ways(stack) {}
 
 ChipRun::ChipRun(const ChipRunOptions& options)
     : options_(options),
@@ -114,7 +110,7 @@ void ChipRun::finish() {
   if (options_.profile.empty()) return;
   write_whole(options_.profile, [this](const std::filesystem::path& path) {
     std::ofstream out(path, std::ios::binary);
-    for (const auto& profile : profiles_) out << profile->stacks.folded();
+    for (const auto& profile : profiles_) out << profile->ways.folded();
     out.close();
     if (!out) throw Error(Exit::bad_input, path.string(), "cannot be written", "check the disk");
   });

@@ -20,8 +20,8 @@
 #include "sim/chip/gdb/server.hpp"
 #include "sim/chip/image/image.hpp"
 #include "sim/chip/profile/call_stacks.hpp"
-#include "sim/chip/profile/core_listeners.hpp"
 #include "sim/chip/profile/profile.hpp"
+#include "sim/chip/profile/shadow_stack.hpp"
 #include "sim/chip/script/runner.hpp"
 #include "sim/chip/trace/pad_counter.hpp"
 #include "sim/chip/trace/pad_trace.hpp"
@@ -80,9 +80,9 @@ class ChipRun {
   /// Both views of where a core's cycles go.
   struct CoreProfile {
     CoreProfile(sim::chip::Core& core, const sim::chip::Image& image);
+    sim::chip::ShadowStack stack;
     sim::chip::Profile table;
-    sim::chip::CallStacks stacks;
-    sim::chip::CoreListeners listeners;
+    sim::chip::CallStacks ways;
   };
 
   bool advance(sim::chip::Cycle target, const std::function<bool()>& give_up);

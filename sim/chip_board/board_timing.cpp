@@ -54,7 +54,7 @@ std::string format(const char* pattern, Values... values) {
 }  // namespace
 
 BoardTiming::BoardTiming(ChipBoard& board, const chip::Image& image)
-    : board_(board), image_(image), profile_(board.chip().core(0), image.symbols) {
+    : board_(board), image_(image), calls_(board.chip().core(0), image.symbols) {
   board.chip().gpio().listen(static_cast<chip::PadListener&>(*this));
 }
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sim/chip/profile/profile.hpp"
+#include "sim/chip/profile/shadow_stack.hpp"
 #include "sim/chip_board/chip_board.hpp"
 
 namespace lamplock::sim {
@@ -71,7 +72,8 @@ class BoardTiming final : private chip::PadListener {
 
   ChipBoard& board_;
   const chip::Image& image_;
-  chip::Profile profile_;
+  chip::ShadowStack calls_;
+  chip::Profile profile_{calls_};
   std::array<Pad, chip::gpio_count> pads_{};
   std::vector<std::int64_t> phases_;  ///< cycles from LAMP SYNC to Q-SWITCH
   bool first_step_ = true;

@@ -20,6 +20,7 @@
 #include "sim/chip/flash/flash_chip.hpp"
 #include "sim/chip/flash/xip.hpp"
 #include "sim/chip/profile/profile.hpp"
+#include "sim/chip/profile/shadow_stack.hpp"
 #include "sim/chip/rom/crc32.hpp"
 #include "sim/chip/rom/rom_on_core.hpp"
 #include "tests/scale.hpp"
@@ -562,7 +563,8 @@ TEST(Profile, CountsFunctionsInterruptsAndStack) {
   StackGauge stack("main", chip.bus, 0x2000'8000, 0x2000'9000);
   stack.fill();
   {
-    Profile profile(chip.core, symbols);
+    ShadowStack calls(chip.core, symbols);
+    const Profile profile(calls);
     ASSERT_TRUE(chip.run_to(0x2000'000a, 10'000));
     std::map<std::string, ProfileEntry> found;
     for (const ProfileEntry& entry : profile.functions()) found[entry.name] = entry;

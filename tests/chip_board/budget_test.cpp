@@ -1,6 +1,7 @@
 // What the interrupts cost over a job with a busy link and an e-stop behind it, against the budgets
 // their headers state.
 #include "sim/chip/profile/profile.hpp"
+#include "sim/chip/profile/shadow_stack.hpp"
 #include "tests/chip_board/chip_rig.hpp"
 
 namespace lamplock::test {
@@ -12,7 +13,8 @@ TEST(Budgets, OverAJobWithABusyLink) {
   const job::Profile profile = chip_profile(1000);
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
-  sim::chip::Profile measured(rig.core(), flash_image().symbols);
+  sim::chip::ShadowStack calls(rig.core(), flash_image().symbols);
+  const sim::chip::Profile measured(calls);
   const job::Job job =
       job::make_job(chip_points(static_cast<std::size_t>(scaled(250)), 2), profile, {});
   RunningJob running(rig, job, 1);

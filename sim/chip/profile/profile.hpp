@@ -1,10 +1,8 @@
-// Where the cycles go: per function and per interrupt, from what a core tells of its calls.
+// Where the cycles go: per function and per interrupt.
 //
-// In:  CoreListener's calls; the symbols of the image. Out: plain numbers and a text.
-// Functions: calls by BL and BLX, returns by BX and POP; the time of a function is its own, without
-// what it called and without interrupts. A tail call by a plain branch counts for the caller.
-// Interrupts: from the beginning of the entry to the last instruction, nested ones included.
-// Costs nothing unless the core listens to it.
+// In:  the frames of a ShadowStack. Out: plain numbers and a text.
+// The time of a function is its own, without what it called and without interrupts; that of an
+// interrupt is from the beginning of the entry to the last instruction, nested ones included.
 #pragma once
 
 #include <array>
@@ -14,8 +12,7 @@
 #include <vector>
 
 #include "sim/chip/bus.hpp"
-#include "sim/chip/cpu/core.hpp"
-#include "sim/chip/image/image.hpp"
+#include "sim/chip/profile/shadow_stack.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -31,58 +28,34 @@ struct ProfileEntry {
 };
 
 /// The profile of one core.
-class Profile final : public CoreListener {
+class Profile final : private StackView {
  public:
-  /// Listens to `core`, whose listener it becomes; `symbols` of the image, and more (of the ROM).
-  Profile(Core& core, std::span<const ImageSymbol> symbols);
-  ~Profile() override;
+  /// Must live as long as the core runs with the stack as its listener.
+  explicit Profile(ShadowStack& stack);
   Profile(const Profile&) = delete;
   Profile& operator=(const Profile&) = delete;
 
-  /// Begins again, from the core's present cycle.
-  void clear();
   /// What there is so far: functions by their time, exceptions by number. Entries without a call
   /// are left out.
   std::vector<ProfileEntry> functions() const;
   std::vector<ProfileEntry> exceptions() const;
-  /// Cycles since clear(), and how many of them asleep.
-  Cycle cycles() const;
-  Cycle asleep() const { return asleep_; }
+  /// Cycles since the beginning, and how many of them asleep: the others are those of functions().
+  Cycle cycles() const { return stack_.cycles(); }
+  Cycle asleep() const { return stack_.asleep(); }
   /// Longest time with PRIMASK set.
   Cycle longest_masked() const { return longest_masked_; }
   /// All of it as a table, the `lines` costliest functions.
   std::string text(std::size_t lines = 40) const;
 
-  void exception_entered(int core, unsigned number, Cycle since, Cycle at) override;
-  void exception_left(int core, unsigned number, Cycle at) override;
-  void called(int core, std::uint32_t from, std::uint32_t to, Cycle at) override;
-  void branched(int core, std::uint32_t to, Cycle at) override;
-  void slept(int core, Cycle at) override;
-  void woke(int core, Cycle at) override;
-  void masked(int core, bool interrupts_off, Cycle at) override;
-
  private:
-  /// What runs or waits for its callee.
-  struct Frame {
-    std::size_t function = 0;
-    std::uint32_t back = 0;  ///< where it returns to; 0: not known
-    Cycle own = 0;           ///< its own time so far
-    unsigned exception = 0;  ///< number, of the frame of an exception
-    Cycle since = 0;
-  };
-  std::size_t function_at(std::uint32_t address) const;
-  void charge(Cycle at);
-  void push(std::size_t function, std::uint32_t back, unsigned exception, Cycle since);
-  void pop();
+  void entered(const ShadowFrame& /*frame*/) override {}
+  void left(const ShadowFrame& frame) override;
+  void handled(unsigned exception, Cycle cycles) override;
+  void masked(bool interrupts_off, Cycle at) override;
 
-  Core& core_;
-  std::vector<ImageSymbol> symbols_;   ///< functions by address
-  std::vector<ProfileEntry> entries_;  ///< one each, and the last for what has no symbol
+  const ShadowStack& stack_;
+  std::vector<ProfileEntry> entries_;  ///< one for each function, and one for what has no symbol
   std::array<ProfileEntry, 48> exceptions_{};
-  std::vector<Frame> frames_;
-  Cycle first_ = 0, last_ = 0;
-  Cycle asleep_ = 0;
-  bool sleeping_ = false;
   bool masked_ = false;
   Cycle masked_since_ = 0, longest_masked_ = 0;
 };
