@@ -22,7 +22,7 @@
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/image/image.hpp"
 #include "sim/chip/irq_lines.hpp"
-#include "sim/chip/pio/pio_dma_clock.hpp"
+#include "sim/chip/pio_dma_clock.hpp"
 #include "sim/chip/rom/boot_rom.hpp"
 #include "sim/chip/sio/sio.hpp"
 #include "sim/chip/system/system.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/chip/bus.hpp"
-#include "sim/chip/pio/pio_dma_clock.hpp"
+#include "sim/chip/pio_dma_clock.hpp"
 #include "tests/chip/system_rig.hpp"
 
 namespace lamplock::sim::chip::test {

@@ -11,7 +11,7 @@
 
 #include "sim/chip/bus.hpp"
 #include "sim/chip/gpio/gpio.hpp"
-#include "sim/chip/pio/pio_dma_clock.hpp"
+#include "sim/chip/pio_dma_clock.hpp"
 
 namespace lamplock::test::pio {
 

@@ -4,7 +4,7 @@
 
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/irq_lines.hpp"
-#include "sim/chip/pio/pio_dma_clock.hpp"
+#include "sim/chip/pio_dma_clock.hpp"
 #include "tests/chip/xip_rig.hpp"
 
 namespace lamplock::test {

@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/dreq_lines.hpp"
 #include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"

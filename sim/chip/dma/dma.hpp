@@ -19,8 +19,9 @@
 #include <string>
 
 #include "sim/chip/bus.hpp"
-#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/clock_owner.hpp"
 #include "sim/chip/dma/sniffer.hpp"
+#include "sim/chip/dreq_lines.hpp"
 #include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"

@@ -14,7 +14,7 @@
 #include <deque>
 #include <functional>
 
-#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/dreq_lines.hpp"
 #include "sim/chip/flash/flash_chip.hpp"
 #include "sim/chip/flash/qspi_pins.hpp"
 #include "sim/chip/peripheral.hpp"

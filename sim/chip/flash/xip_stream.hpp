@@ -20,7 +20,7 @@
 #include <span>
 #include <string_view>
 
-#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/dreq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/time_wheel.hpp"
 

@@ -14,23 +14,13 @@
 #include <string>
 #include <utility>
 
+#include "sim/chip/clock_owner.hpp"
 #include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/peripheral.hpp"
 #include "sim/chip/pio/state_machine.hpp"
 
 namespace lamplock::sim::chip {
-
-/// Who keeps the time of the PIO blocks and the DMA.
-class ClockOwner {
- public:
-  virtual ~ClockOwner() = default;
-  /// A register is about to be looked at or written: the blocks are brought up to the present.
-  /// Returns the first clock that has not been run.
-  virtual Cycle bring_up_to_date() = 0;
-  /// An access has changed when the blocks are due.
-  virtual void changed() = 0;
-};
 
 /// PIO0 or PIO1.
 class PioBlock final : public Peripheral {

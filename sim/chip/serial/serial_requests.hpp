@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/dreq_lines.hpp"
 
 namespace lamplock::sim::chip {
 

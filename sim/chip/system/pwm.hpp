@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/dreq_lines.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/interrupt_registers.hpp"
 #include "sim/chip/irq_lines.hpp"

@@ -9,7 +9,7 @@
 
 #include "sim/chip/analog/adc.hpp"
 #include "sim/chip/bus.hpp"
-#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/dreq_lines.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/irq_lines.hpp"

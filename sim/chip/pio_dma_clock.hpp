@@ -19,8 +19,9 @@
 #include <cstdint>
 
 #include "sim/chip/bus.hpp"
+#include "sim/chip/clock_owner.hpp"
 #include "sim/chip/dma/dma.hpp"
-#include "sim/chip/dma/dreq_lines.hpp"
+#include "sim/chip/dreq_lines.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/pio/pio_block.hpp"
 #include "sim/chip/time_wheel.hpp"

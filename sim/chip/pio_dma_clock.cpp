@@ -1,4 +1,4 @@
-#include "sim/chip/pio/pio_dma_clock.hpp"
+#include "sim/chip/pio_dma_clock.hpp"
 
 #include <algorithm>
 

@@ -1,0 +1,21 @@
+// What the PIO blocks and the DMA want of whoever keeps their time.
+//
+// In:  accesses to their registers. Out: the clocks up to the present (PioDmaClock).
+#pragma once
+
+#include "sim/chip/time_wheel.hpp"
+
+namespace lamplock::sim::chip {
+
+/// Who keeps the time of the PIO blocks and the DMA.
+class ClockOwner {
+ public:
+  virtual ~ClockOwner() = default;
+  /// A register is about to be looked at or written: the blocks are brought up to the present.
+  /// Returns the first clock that has not been run.
+  virtual Cycle bring_up_to_date() = 0;
+  /// An access has changed when the blocks are due.
+  virtual void changed() = 0;
+};
+
+}  // namespace lamplock::sim::chip
