@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/world/pins.hpp"
+#include "sim/time.hpp"
 
 namespace lamplock::sim::chip {
 

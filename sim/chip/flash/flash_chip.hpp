@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "sim/chip/peripheral.hpp"
-#include "sim/world/pins.hpp"
+#include "sim/time.hpp"
 
 namespace lamplock::sim::chip {
 

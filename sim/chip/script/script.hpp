@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/chip/gpio/gpio.hpp"
-#include "sim/world/pins.hpp"
+#include "sim/time.hpp"
 
 namespace lamplock::sim::chip::script {
 

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "sim/world/pins.hpp"
+#include "sim/time.hpp"
 
 namespace lamplock::sim::chip {
 

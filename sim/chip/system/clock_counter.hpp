@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "sim/chip/wide.hpp"
-#include "sim/world/pins.hpp"
+#include "sim/time.hpp"
 
 namespace lamplock::sim::chip {
 

@@ -14,7 +14,7 @@
 #include <optional>
 #include <span>
 
-#include "sim/world/pins.hpp"
+#include "sim/time.hpp"
 
 namespace lamplock::sim::chip::usb {
 
