@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <random>
+#include <stdexcept>
 
+#include "sim/chip/hex.hpp"
 #include "sim/chip/rom/rom_on_core.hpp"
 
 namespace lamplock::sim::chip {
@@ -14,6 +16,7 @@ constexpr std::uint32_t pads_qspi_base = 0x4002'0000;
 constexpr std::uint32_t dma_base = 0x5000'0000;
 constexpr std::uint32_t pio0_base = 0x5020'0000;
 constexpr std::uint32_t pio1_base = 0x5030'0000;
+constexpr std::uint32_t flash_base = 0x1000'0000, flash_limit = 0x1100'0000;
 constexpr std::uint32_t rom_vectors = 0;
 /// A run goes on for so many cycles so that none of the cores is in the middle of an instruction:
 /// two loops of multiple accesses may never both be between two.
@@ -185,7 +188,20 @@ void Chip::ticks_moved() {
 }
 
 void Chip::load(const Image& image, const std::string& where) {
-  place_image(image, flash_, bus_, where);
+  for (const ImagePart& part : image.parts) {
+    std::span<std::uint8_t> memory;
+    if (part.address >= flash_base && part.address < flash_limit) {
+      const std::size_t offset = part.address - flash_base;
+      if (offset < flash_.storage().size()) memory = flash_.storage().subspan(offset);
+    } else {
+      memory = bus_.memory_at(part.address);
+    }
+    if (memory.size() < part.bytes.size())
+      throw std::runtime_error(where + ": " + std::to_string(part.bytes.size()) +
+                               " bytes do not fit at " + hex(part.address) +
+                               "; choose a larger flash or a smaller image");
+    std::copy(part.bytes.begin(), part.bytes.end(), memory.begin());
+  }
 }
 
 void Chip::lose_memory() {

@@ -57,7 +57,8 @@ class Chip final : private ClockListener, private TickListener {
   Chip(const Chip&) = delete;
   Chip& operator=(const Chip&) = delete;
 
-  /// Puts an image into the flash (and SRAM, if it says so); before power_on().
+  /// Puts an image into the flash (and SRAM, if it says so); before power_on(). Throws
+  /// std::runtime_error, beginning with `where`, if a part does not fit.
   void load(const Image& image, const std::string& where);
   /// Power comes: both cores start in the ROM.
   void power_on() { system_.reset(ChipReset::power_on); }

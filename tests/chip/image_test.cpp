@@ -12,8 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
-#include "sim/chip/flash/flash_chip.hpp"
+#include "sim/chip/chip.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::sim::chip {
@@ -234,17 +233,14 @@ TEST(Images, AreFoundOutAndPlaced) {
     for (const std::uint8_t byte : bytes) stream.put(static_cast<char>(byte));
     return folder + name;
   };
-  TimeWheel wheel;
-  Timing timing;
-  Bus bus(wheel, timing, {});
-  FlashChip flash;
-  place_image(load_image(file("image_test.1", elf_file())), flash, bus, "x");
-  EXPECT_EQ(flash.storage()[0x107], 24);
-  place_image(load_image(file("image_test.2", uf2_file(3, 0xe48b'ff56, 0x2000'1000))), flash, bus,
-              "x");
-  EXPECT_EQ(bus.sram()[0x1000 + 513], 3);
-  place_image(load_image(file("image_test.bin", {9, 8, 7})), flash, bus, "x");
-  EXPECT_EQ(flash.storage()[2], 7);
+  Chip chip;
+  const std::span<std::uint8_t> flash = chip.flash().storage();
+  chip.load(load_image(file("image_test.1", elf_file())), "x");
+  EXPECT_EQ(flash[0x107], 24);
+  chip.load(load_image(file("image_test.2", uf2_file(3, 0xe48b'ff56, 0x2000'1000))), "x");
+  EXPECT_EQ(chip.bus().sram()[0x1000 + 513], 3);
+  chip.load(load_image(file("image_test.bin", {9, 8, 7})), "x");
+  EXPECT_EQ(flash[2], 7);
   EXPECT_NE(failure([&] {
               load_image(file("image_test.3", {1, 2, 3, 4}));
             }).find("neither"),
@@ -254,8 +250,7 @@ TEST(Images, AreFoundOutAndPlaced) {
   EXPECT_NE(failure([&] { load_image(folder); }).find(": cannot be read; "), std::string::npos);
   EXPECT_NE(failure([&] { load_image(file("empty.bin", {})); }).find("0 bytes"), std::string::npos);
   const Image high = parse_uf2(uf2_file(1, 0xe48b'ff56, 0x10ff'ff00), "x");
-  EXPECT_NE(failure([&] { place_image(high, flash, bus, "x"); }).find("do not fit"),
-            std::string::npos);
+  EXPECT_NE(failure([&] { chip.load(high, "x"); }).find("do not fit"), std::string::npos);
   for (const char* name :
        {"image_test.1", "image_test.2", "image_test.bin", "image_test.3", "empty.bin"})
     std::filesystem::remove(folder + name);

@@ -3,13 +3,12 @@
 #include <cxxabi.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <stdexcept>
 
-#include "sim/chip/bus.hpp"
-#include "sim/chip/flash/flash_chip.hpp"
 #include "sim/chip/hex.hpp"
 
 namespace lamplock::sim::chip {
@@ -220,22 +219,6 @@ Image load_image(const std::string& path) {
   if (magic == 0x0a32'4655) return parse_uf2(file, path);
   if (path.size() >= 4 && path.substr(path.size() - 4) == ".bin") return parse_bin(file, path);
   fail(path, "neither ELF nor UF2", "give a .elf, .uf2 or .bin file");
-}
-
-void place_image(const Image& image, FlashChip& flash, Bus& bus, const std::string& where) {
-  for (const ImagePart& part : image.parts) {
-    std::span<std::uint8_t> memory;
-    if (part.address >= flash_base && part.address < flash_limit) {
-      const std::size_t offset = part.address - flash_base;
-      if (offset < flash.storage().size()) memory = flash.storage().subspan(offset);
-    } else {
-      memory = bus.memory_at(part.address);
-    }
-    if (memory.size() < part.bytes.size())
-      fail(where, std::to_string(part.bytes.size()) + " bytes do not fit at " + hex(part.address),
-           "choose a larger flash or a smaller image");
-    std::copy(part.bytes.begin(), part.bytes.end(), memory.begin());
-  }
 }
 
 }  // namespace lamplock::sim::chip

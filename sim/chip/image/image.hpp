@@ -13,9 +13,6 @@
 
 namespace lamplock::sim::chip {
 
-class Bus;
-class FlashChip;
-
 /// Bytes for consecutive addresses.
 struct ImagePart {
   std::uint32_t address = 0;
@@ -48,8 +45,5 @@ Image load_image(const std::string& path);
 Image parse_elf(std::span<const std::uint8_t> file, const std::string& where);
 Image parse_uf2(std::span<const std::uint8_t> file, const std::string& where);
 Image parse_bin(std::span<const std::uint8_t> file, const std::string& where);
-
-/// Puts the parts into flash and SRAM. Throws if one lies in neither or does not fit.
-void place_image(const Image& image, FlashChip& flash, Bus& bus, const std::string& where);
 
 }  // namespace lamplock::sim::chip
