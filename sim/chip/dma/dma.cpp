@@ -126,8 +126,7 @@ void Dma::write_phase(Cycle clock) {
   }
   if (access.fault) {
     channel.write_error = true;
-    channel.busy = false;
-    busy_mask_ &= ~(1u << front.channel);
+    stop(front.channel);
     raise(front.channel);
     return;
   }
@@ -153,8 +152,7 @@ void Dma::read_phase(Cycle clock) {
   read_free_ = clock + 1 + access.wait;
   if (access.fault) {
     channel.read_error = true;
-    channel.busy = false;
-    busy_mask_ &= ~(1u << i);
+    stop(i);
     raise(i);
     return;
   }
@@ -303,10 +301,14 @@ void Dma::trigger_written(unsigned i, std::uint32_t value, Cycle clock) {
     raise(i);
 }
 
-void Dma::finish(unsigned i, Cycle clock) {
-  Channel& channel = channels_[i];
-  channel.busy = false;
+void Dma::stop(unsigned i) {
+  channels_[i].busy = false;
   busy_mask_ &= ~(1u << i);
+}
+
+void Dma::finish(unsigned i, Cycle clock) {
+  const Channel& channel = channels_[i];
+  stop(i);
   if (!channel.quiet()) raise(i);
   if (channel.chain_to() != i) trigger(channel.chain_to(), clock);
 }
@@ -315,8 +317,7 @@ void Dma::finish(unsigned i, Cycle clock) {
 /// channel is erratum RP2040-E13.
 void Dma::abort(unsigned i) {
   Channel& channel = channels_[i];
-  channel.busy = false;
-  busy_mask_ &= ~(1u << i);
+  stop(i);
   channel.count = channel.to_read = 0;
   channel.credits = 0;
   channel.arriving = 0;

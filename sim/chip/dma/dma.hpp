@@ -96,6 +96,7 @@ class Dma final : public Peripheral {
   void give_back();
   void write_phase(Cycle clock);
   void read_phase(Cycle clock);
+  void stop(unsigned channel);
   void finish(unsigned channel, Cycle clock);
   void trigger(unsigned channel, Cycle clock);
   void trigger_written(unsigned channel, std::uint32_t value, Cycle clock);
