@@ -23,7 +23,6 @@ constexpr std::uint32_t striped_size = 256 * 1024, small_bank_size = 4 * 1024;
 constexpr std::uint32_t apb_base = 0x4000'0000;
 constexpr std::uint32_t ahb_base = 0x5000'0000;
 constexpr std::uint32_t sio_base = 0xd000'0000;
-constexpr unsigned xip_alias_count = 4;
 constexpr std::uint32_t block_size = 0x4000;
 constexpr std::uint32_t register_mask = 0xffc;
 constexpr std::uint32_t xip_flush = 0x04;  // XIP_CTRL FLUSH (2.6.3.6)
@@ -124,7 +123,6 @@ Bus::Bus(TimeWheel& wheel, const Timing& timing, NotModelled not_modelled)
 }
 
 void Bus::map(std::uint32_t base, Peripheral& block, bool aliases) {
-  if (base == sio_base) return map_sio(block, block);
   std::uint32_t offset = 0;
   Slot* slot = slot_at(base, Master::core0, offset);
   if (slot == nullptr || offset != 0) throw std::invalid_argument("no block at " + hex(base));
@@ -149,24 +147,14 @@ void Bus::map_memory(std::uint32_t base, std::span<std::uint8_t> memory, bool wr
   if ((base & 0x00ff'ffff) != 0 || memory.size() > 0x0100'0000)
     throw std::invalid_argument("memory does not fit at " + hex(base));
   const auto size = static_cast<std::uint32_t>(memory.size());
-  Window window{memory.data(), 0x00ff'ffff, size, writable ? size : 0};
-  if (base == xip_base) {
-    if (!std::has_single_bit(size)) throw std::invalid_argument("flash size not a power of two");
-    window.mask = size - 1;
-    for (unsigned i = 0; i < xip_alias_count; ++i) memories_[(base >> 24) + i] = window;
-    for (unsigned i = 0; i < xip_alias_count; ++i) show((base >> 24) + i);
-  } else {
-    memories_[base >> 24] = window;
-    show(base >> 24);
-  }
+  memories_[base >> 24] = {memory.data(), size, writable ? size : 0};
+  show(base >> 24);
   map_changed();
 }
 
 void Bus::unmap_memory(std::uint32_t base) {
-  for (unsigned i = 0; i < (base == xip_base ? xip_alias_count : 1); ++i) {
-    memories_[(base >> 24) + i] = {};
-    show((base >> 24) + i);
-  }
+  memories_[base >> 24] = {};
+  show(base >> 24);
   map_changed();
 }
 
@@ -233,7 +221,7 @@ std::uint32_t Bus::slot_wait(const Slot& slot, Master master, bool write, Cycle 
 std::uint8_t* Bus::contended_byte(std::uint32_t address, bool write) {
   const Window& memory = memories_[address >> 24];
   if (!contended_ || windows_[address >> 24].size != 0) return nullptr;
-  const std::uint32_t offset = address & memory.mask;
+  const std::uint32_t offset = address & in_window;
   return offset < (write ? memory.writable_size : memory.size) ? memory.bytes + offset : nullptr;
 }
 
@@ -256,7 +244,7 @@ void Bus::map_changed() {
 
 std::span<std::uint8_t> Bus::memory_at(std::uint32_t address) {
   const Window& window = memories_[address >> 24];
-  const std::uint32_t offset = address & window.mask;
+  const std::uint32_t offset = address & in_window;
   if (offset < window.size) return {window.bytes + offset, window.size - offset};
   if (is_xip(address)) return xip_->flash_at(address);
   std::uint32_t inside = 0;
@@ -275,14 +263,14 @@ std::optional<std::uint32_t> Bus::peek(std::uint32_t address, Master master) {
 
 Bus::CodeWindow Bus::code_at(std::uint32_t address) const {
   const Window& window = windows_[address >> 24];
-  const std::uint32_t offset = address & window.mask;
+  const std::uint32_t offset = address & in_window;
   if (offset >= window.size) return {};
   return {window.bytes, address - offset, window.size};
 }
 
 Bus::CodeWindow Bus::memory_code_at(std::uint32_t address) const {
   const Window& memory = memories_[address >> 24];
-  const std::uint32_t offset = address & memory.mask;
+  const std::uint32_t offset = address & in_window;
   if (!memory_port(address) || offset >= memory.size) return {};
   return {memory.bytes, address - offset, memory.size};
 }
@@ -368,13 +356,8 @@ Access Bus::write_block(std::uint32_t address, std::uint32_t value, Width width,
     store(byte, value, width);
     return {0, clash(*memory_port(address), master, true, at, 0), false};
   }
-  const Window& window = memories_[address >> 24];
-  if ((address & window.mask) < window.size) {
-    // Read-only memory. A write through the caching alias of flash only drops the cache line;
-    // the other aliases answer with an error (XIP_CTRL CTRL.ERR_BADWRITE at its reset value;
-    // datasheet, 2.6.3). The manual is silent on ROM: taken as ignored.
-    return {0, 0, (address >> 26) == (xip_base >> 26) && (address >> 24) != (xip_base >> 24)};
-  }
+  // Read-only memory, the ROM: the manual is silent, taken as ignored.
+  if ((address & in_window) < memories_[address >> 24].size) return {};
   std::uint32_t offset = 0;
   Slot* slot = slot_at(address, master, offset);
   if (slot == nullptr) return {0, 0, true};

@@ -54,11 +54,10 @@ class Bus {
   void map(std::uint32_t base, Peripheral& block, bool aliases = true);
   /// SIO answers each core with registers of its own: one block for each.
   void map_sio(Peripheral& core0, Peripheral& core1);
-  /// Plain memory at an address (ROM, DPRAM of USB, flash); must outlive the bus. Mapping again
-  /// replaces. Memory at 0x10000000 (a power of two) shows at its four aliases, repeated through
-  /// each of them, as a flash chip does that ignores high address bits.
+  /// Plain memory at an address (DPRAM of USB, the cache's); must outlive the bus. Mapping again
+  /// replaces.
   void map_memory(std::uint32_t base, std::span<std::uint8_t> memory, bool writable);
-  /// The flash behind its cache instead, at all four aliases.
+  /// The flash behind its cache, at all four aliases.
   void map_xip(XipMemory& memory) { xip_ = &memory; }
   /// Nobody answers there any more: accesses fault.
   void unmap_memory(std::uint32_t base);
@@ -72,14 +71,14 @@ class Bus {
   /// write(), or the access is not aligned.
   bool load_plain(std::uint32_t address, Width width, std::uint32_t& value) const {
     const Window& window = windows_[address >> 24];
-    const std::uint32_t offset = address & window.mask;
+    const std::uint32_t offset = address & in_window;
     if (offset >= window.size || !aligned(address, width)) return false;
     value = load(window.bytes + offset, width);
     return true;
   }
   bool store_plain(std::uint32_t address, Width width, std::uint32_t value) {
     const Window& window = windows_[address >> 24];
-    const std::uint32_t offset = address & window.mask;
+    const std::uint32_t offset = address & in_window;
     if (offset >= window.writable_size || !aligned(address, width)) return false;
     store(window.bytes + offset, value, width);
     return true;
@@ -87,7 +86,7 @@ class Bus {
   /// The same for words that follow each other: where the first one is, or null.
   std::uint8_t* plain_words(std::uint32_t address, unsigned count, bool to_write) const {
     const Window& window = windows_[address >> 24];
-    const std::uint32_t offset = address & window.mask;
+    const std::uint32_t offset = address & in_window;
     const std::uint32_t size = to_write ? window.writable_size : window.size;
     if (offset >= size || size - offset < 4 * count || !aligned(address, Width::word))
       return nullptr;
@@ -100,14 +99,14 @@ class Bus {
   /// register is touched: Bus does it for cores; DMA runs inside time and does not.
   Access read(std::uint32_t address, Width width, Master master, Cycle at) {
     const Window& window = windows_[address >> 24];
-    const std::uint32_t offset = address & window.mask;
+    const std::uint32_t offset = address & in_window;
     if (offset < window.size) [[likely]]
       return {load(window.bytes + offset, width), 0, false};
     return read_block(address, width, master, at);
   }
   Access write(std::uint32_t address, std::uint32_t value, Width width, Master master, Cycle at) {
     const Window& window = windows_[address >> 24];
-    const std::uint32_t offset = address & window.mask;
+    const std::uint32_t offset = address & in_window;
     if (offset < window.writable_size) [[likely]] {
       store(window.bytes + offset, value, width);
       return {};
@@ -164,10 +163,11 @@ class Bus {
   std::span<std::uint8_t> rom() { return rom_; }
 
  private:
-  /// Memory reached without asking anybody: one for each value of the top eight address bits.
+  /// Memory reached without asking anybody: one for each value of the top eight address bits; the
+  /// others are the offset in it.
+  static constexpr std::uint32_t in_window = 0x00ff'ffff;
   struct Window {
     std::uint8_t* bytes = nullptr;
-    std::uint32_t mask = 0x00ff'ffff;
     std::uint32_t size = 0;
     std::uint32_t writable_size = 0;
   };

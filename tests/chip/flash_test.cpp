@@ -340,6 +340,8 @@ struct Wired {
       : bus(wheel, timing, note),
         flash(FlashChip::default_size, {}, note),
         xip(wheel, bus, flash, note) {
+    bus.map(0x4001'8000, xip.pins().io());
+    bus.map(0x4002'0000, xip.pins().pads());
     wheel.set_frequency(125'000'000);
   }
   void write(std::uint32_t address, std::uint32_t value) {

@@ -76,6 +76,8 @@ struct Chip {
     bus.map(0x4000'8000, clocks);
     bus.map(0x4000'c000, resets);
     bus.map(0x4001'0000, psm);
+    bus.map(0x4001'8000, xip.pins().io());
+    bus.map(0x4002'0000, xip.pins().pads());
     bus.map(0x4005'8000, watchdog);
     bus.map(0x4006'4000, chip_reset);
     bus.map_sio(mailbox, mailbox);

@@ -33,6 +33,10 @@ TEST_F(XipTest, NarrowReadsTakeTheirBytes) {
   EXPECT_EQ(half.value, flash_word(cached + 0x104) >> 16);
 }
 
+TEST_F(XipTest, AFlashIgnoresTheAddressBitsThatItDoesNotHave) {
+  for (const std::uint32_t high : {0x0020'0000u, 0x0060'0000u, 0x00e0'0000u}) wait(cached + high);
+}
+
 // 2.6.3.1: what the four aliases do.
 TEST_F(XipTest, AliasesLookUpAndAllocateAsTheyAreNamed) {
   constexpr std::uint32_t miss = 2 * line_clocks;

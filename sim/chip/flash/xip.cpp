@@ -42,8 +42,6 @@ Xip::Xip(TimeWheel& wheel, Bus& bus, FlashChip& flash, NotModelled not_modelled)
   bus.map(0x1400'0000, control_);
   bus.map(0x1800'0000, ssi_, false);
   bus.map(0x5040'0000, stream_.auxiliary());
-  bus.map(0x4001'8000, pins_.io());
-  bus.map(0x4002'0000, pins_.pads());
 }
 
 void Xip::connect(DreqLines& dreqs) {

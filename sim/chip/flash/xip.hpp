@@ -1,6 +1,7 @@
 // Execution in place: XIP_CTRL (RP2040 datasheet, 2.6.3), the SSI and the flash chip on the bus.
 //
-// In:  registers of XIP_CTRL, XIP_SSI, IO_QSPI, PADS_QSPI; power.
+// In:  registers of XIP_CTRL and XIP_SSI; of IO_QSPI and PADS_QSPI, which whoever owns this puts on
+//      the bus; power.
 // Out: the flash behind the cache in the XIP window (XipMemory) while the SSI is set so that reads
 //      work; otherwise what the cache holds, and faults; the cache's memory while it is off; words
 //      streamed for the DMA (XipStream).
