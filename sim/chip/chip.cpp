@@ -250,8 +250,8 @@ void Chip::run_until(Cycle until) {
                                    held_[1] ? never_cycle : cores_[1].cycle());
     if (reached >= until && (between_instructions() || reached - until >= patience)) {
       // The core that is behind notices first what happens, as it does while both run.
-      const std::size_t behind = cores_[0].cycle() <= cores_[1].cycle() ? 0 : 1;
-      for (const std::size_t i : {behind, 1 - behind})
+      const std::size_t first = behind();
+      for (const std::size_t i : {first, 1 - first})
         if (!held_[i]) cores_[i].run_events(reached);
       // As far as any event can have been run within their last instructions.
       wheel_.advance_to(reached);
@@ -269,20 +269,22 @@ bool Chip::between_instructions() const {
   return (held_[0] || !cores_[0].paused()) && (held_[1] || !cores_[1].paused());
 }
 
+// The core that runs while the other one is idle or held; null: both run.
+Core* Chip::lone() {
+  for (std::size_t i = 0; i < cores_.size(); ++i)
+    if (!held_[i] && (held_[1 - i] || cores_[1 - i].idle())) return &cores_[i];
+  return nullptr;
+}
+
+std::size_t Chip::behind() const { return cores_[0].cycle() <= cores_[1].cycle() ? 0 : 1; }
+
 void Chip::run_both(Cycle until) {
-  Core& core0 = cores_[0];
-  Core& core1 = cores_[1];
-  const bool only0 = held_[1] || core1.idle();
-  const bool only1 = held_[0] || core0.idle();
-  if (only0 && !held_[0]) {
-    run_alone(core0, until);
-    bring_along(1);
-  } else if (only1 && !held_[1]) {
-    run_alone(core1, until);
-    bring_along(0);
+  if (Core* core = lone()) {
+    run_alone(*core, until);
+    bring_along(1 - static_cast<std::size_t>(core->id()));
   } else {
     bus_.set_two_cores(true);
-    Core::run_two(core0, core1, until);
+    Core::run_two(cores_[0], cores_[1], until);
   }
 }
 
@@ -305,16 +307,11 @@ void Chip::bring_along(std::size_t sleeper) {
 
 // What run_both() does, one step at a time.
 bool Chip::watched_step(Cycle until) {
-  const bool only0 = held_[1] || cores_[1].idle();
-  const bool only1 = held_[0] || cores_[0].idle();
-  const std::size_t i = only0 && !held_[0]                       ? 0
-                        : only1 && !held_[1]                     ? 1
-                        : cores_[0].cycle() <= cores_[1].cycle() ? 0
-                                                                 : 1;
+  const Core* alone = lone();
+  bus_.set_two_cores(alone == nullptr);
+  const std::size_t i = alone != nullptr ? static_cast<std::size_t>(alone->id()) : behind();
   Core& core = cores_[i];
-  const bool two = !(only0 && !held_[0]) && !(only1 && !held_[1]);
-  bus_.set_two_cores(two);
-  if (two) core.wait_for(&cores_[1 - i]);
+  if (alone == nullptr) core.wait_for(&cores_[1 - i]);
   bool goes_on = true;
   if (core.idle()) {
     const Cycle before = core.cycle();

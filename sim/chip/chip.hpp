@@ -110,6 +110,8 @@ class Chip final : private ClockListener, private TickListener {
   void fall_asleep();
   void wake_up(Cycle at);
   bool between_instructions() const;
+  Core* lone();
+  std::size_t behind() const;
   void run_both(Cycle until);
   void run_alone(Core& core, Cycle until);
   bool watched_step(Cycle until);

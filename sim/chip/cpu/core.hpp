@@ -187,7 +187,8 @@ class Core {
   enum class Sleep : std::uint8_t { awake, wfi, wfe };
   /// What a step has not ended.
   enum class Pause : std::uint8_t { none, words, entering, leaving };
-  static constexpr std::uint32_t scr_sleep_deep = 1u << 2;
+  static constexpr std::uint32_t scr_sleep_on_exit = 1u << 1, scr_sleep_deep = 1u << 2,
+                                 scr_sev_on_pend = 1u << 4;
 
   // core.cpp: instructions
   // Those that are rare are not inlined: execute() keeps its state in registers.
@@ -266,6 +267,7 @@ class Core {
   Cycle undisturbed_until(Cycle limit) const {
     return attention_ ? 0 : std::min(limit, wheel_.next());
   }
+  void run_event();
   void notice_access();
   void sample(Cycle when);
   void refresh(Cycle when);

@@ -23,9 +23,6 @@ constexpr std::uint32_t return_to_handler = 0xffff'fff1;
 constexpr std::uint32_t return_to_thread_msp = 0xffff'fff9;
 constexpr std::uint32_t return_to_thread_psp = 0xffff'fffd;
 
-constexpr std::uint32_t scr_sleep_on_exit = 1u << 1;
-constexpr std::uint32_t scr_sev_on_pend = 1u << 4;
-
 constexpr std::uint32_t lock_up_address = 0xffff'fffe;
 
 constexpr unsigned hard_fault_number = number_of(Exception::hard_fault);
@@ -70,13 +67,15 @@ void Core::lines_changed(Cycle when) {
   if (pause_ != Pause::none && irqs_.changes() != seen_changes_) sample(when);
 }
 
-// One event after the other, so that it is known when a line rose; one may wake the other core.
+// The next event alone, so that it is known when a line rose: then. It may wake the other core.
+void Core::run_event() {
+  const Cycle when = wheel_.next();
+  wheel_.advance_to(when);
+  if (irqs_.changes() != seen_changes_) sample(when);
+}
+
 void Core::run_events(Cycle to) {
-  while (wheel_.next() <= std::min(to, horizon())) {
-    const Cycle when = wheel_.next();
-    wheel_.advance_to(when);
-    if (irqs_.changes() != seen_changes_) sample(when);
-  }
+  while (wheel_.next() <= std::min(to, horizon())) run_event();
   if (irqs_.changes() != seen_changes_) sample(cycle_);
 }
 
@@ -236,9 +235,7 @@ void Core::start_handler(unsigned number, Cycle since, Cycle end) {
 bool Core::pass_exchange() {
   const Pause kind = pause_;
   while (wheel_.next() < exchange_.end && wheel_.next() <= horizon()) {
-    const Cycle when = wheel_.next();
-    wheel_.advance_to(when);
-    if (irqs_.changes() != seen_changes_) sample(when);
+    run_event();
     if (pause_ != kind) return true;
   }
   if (horizon() >= exchange_.end - 1) {

@@ -24,7 +24,6 @@ constexpr std::uint32_t ccr_value = (1u << 9) | (1u << 3);  // STKALIGN, UNALIGN
 constexpr std::uint32_t mpu_type_value = 8u << 8;           // eight regions
 constexpr std::uint32_t aircr_key = 0x05fa'0000, aircr_read = 0xfa05'0000;
 constexpr std::uint32_t aircr_reset_request = 1u << 2;
-constexpr std::uint32_t scr_mask = (1u << 4) | (1u << 2) | (1u << 1);
 constexpr std::uint32_t shcsr_svcall_pended = 1u << 15;
 
 constexpr unsigned svcall = number_of(Exception::svcall), pendsv = number_of(Exception::pendsv),
@@ -110,7 +109,9 @@ std::optional<std::uint32_t> Core::system_register(std::uint32_t offset, Cycle a
   return std::nullopt;
 }
 
-void Core::set_scr(std::uint32_t value) { scr_ = value & scr_mask; }
+void Core::set_scr(std::uint32_t value) {
+  scr_ = value & (scr_sleep_on_exit | scr_sleep_deep | scr_sev_on_pend);
+}
 
 bool Core::write_system(std::uint32_t address, std::uint32_t value) {
   if (!privileged() || address >= ppb_end) return false;
@@ -197,7 +198,7 @@ bool Core::write_nvic(std::uint32_t offset, std::uint32_t value) {
       return true;
     case nvic_ispr:
       nvic_.pend_lines(value);
-      if (value != 0 && (scr_ & (1u << 4)) != 0) event_ = true;
+      if (value != 0 && (scr_ & scr_sev_on_pend) != 0) event_ = true;
       return true;
     case nvic_icpr:
       nvic_.unpend_lines(value);
