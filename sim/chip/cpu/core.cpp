@@ -157,6 +157,11 @@ std::optional<std::uint16_t> Core::fetch_outside(std::uint32_t pc) {
     call_native(std::prev(above)->function);
     return std::nullopt;
   }
+  return fetch_code(pc);
+}
+
+// Past what is at hand.
+std::optional<std::uint16_t> Core::fetch_code(std::uint32_t pc) {
   if (!executable(pc) || (mpu_.enabled() && !permits(pc, MpuAccess::fetch))) {
     window_.size = 0;
     hard_fault();
@@ -171,14 +176,10 @@ std::optional<std::uint16_t> Core::fetch_outside(std::uint32_t pc) {
   }
   window_ = bus_.code_at(pc);
   if (window_.size == 0) return fetch_word(pc);
+  std::uint16_t instruction;
+  std::memcpy(&instruction, window_.bytes + (pc - window_.first), sizeof instruction);
   cut_natives(pc, window_);
-  const Access access = bus_.read(pc, Width::half, master_, cycle_);
-  if (access.fault) {
-    hard_fault();
-    return std::nullopt;
-  }
-  cycle_ += access.wait;
-  return static_cast<std::uint16_t>(access.value);
+  return instruction;
 }
 
 // Where ROM or SRAM is contended for: a word at a time, in the cycle in which the core comes to it.
@@ -236,19 +237,7 @@ std::optional<std::uint16_t> Core::fetch_second(std::uint32_t pc) {
     return instruction;
   }
   if (const auto instruction = fetch_from_memory(pc)) return instruction;
-  if (mpu_.enabled() && !permits(pc, MpuAccess::fetch)) {
-    hard_fault();
-    return std::nullopt;
-  }
-  if (executable(pc) && (mpu_.enabled() || bus_.code_at(pc).size == 0)) return fetch_word(pc);
-  const Access access =
-      executable(pc) ? bus_.read(pc, Width::half, master_, cycle_) : Access{0, 0, true};
-  if (access.fault) {
-    hard_fault();
-    return std::nullopt;
-  }
-  cycle_ += access.wait;
-  return static_cast<std::uint16_t>(access.value);
+  return fetch_code(pc);
 }
 
 void Core::call_native(const NativeFunction& function) {

@@ -194,6 +194,7 @@ class Core {
   // Those that are rare are not inlined: execute() keeps its state in registers.
   void execute(Cycle until);
   [[gnu::noinline]] std::optional<std::uint16_t> fetch_outside(std::uint32_t pc);
+  std::optional<std::uint16_t> fetch_code(std::uint32_t pc);
   std::optional<std::uint16_t> fetch_word(std::uint32_t pc);
   std::optional<std::uint16_t> fetch_from_memory(std::uint32_t pc);
   void forget_code();
