@@ -33,10 +33,11 @@ inline constexpr Word clocks_base = 0x4000'8000, resets_base = 0x4000'c000, psm_
 
 /// RESETS (2.14.3): bits of the blocks.
 namespace block {
-inline constexpr Word adc = 1u << 0, dma = 1u << 2, i2c0 = 1u << 3, i2c1 = 1u << 4,
-                      io_bank0 = 1u << 5, pads_bank0 = 1u << 8, pio0 = 1u << 10, pio1 = 1u << 11,
-                      pwm = 1u << 14, rtc = 1u << 15, spi0 = 1u << 16, timer = 1u << 21,
-                      uart0 = 1u << 22;
+inline constexpr Word adc = 1u << 0, busctrl = 1u << 1, dma = 1u << 2, i2c0 = 1u << 3,
+                      i2c1 = 1u << 4, io_bank0 = 1u << 5, pads_bank0 = 1u << 8, pio0 = 1u << 10,
+                      pio1 = 1u << 11, pwm = 1u << 14, rtc = 1u << 15, spi0 = 1u << 16,
+                      syscfg = 1u << 18, sysinfo = 1u << 19, tbman = 1u << 20, timer = 1u << 21,
+                      uart0 = 1u << 22, usbctrl = 1u << 24;
 }  // namespace block
 
 /// Out of reset, and ready.

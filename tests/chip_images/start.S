@@ -2,7 +2,7 @@
 //
 // Second-stage boot, clocks (125 MHz from the crystal) and the copy to SRAM are the loader's of the
 // board. An image defines the handlers it needs by their names, irq0 to irq31, systick, pend_sv,
-// svc and hard_fault; any other exception ends in `unexpected`, with which everything stops.
+// svc, nmi and hard_fault; any other exception ends in `unexpected`, with which everything stops.
 #include "tests/chip_images/start.inc"
 
   function unexpected
@@ -18,7 +18,8 @@
   .section .vectors, "a", %progbits
   .balign 256
 vectors:
-  .word stack_top, start_image, unexpected
+  .word stack_top, start_image
+  handler nmi
   handler hard_fault
   .rept 7
   .word unexpected
