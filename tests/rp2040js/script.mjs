@@ -1,5 +1,4 @@
-// Reads a script for the chip (docs/chip-script.md) as far as the small images use the language:
-// everything but USB.
+// Reads a script for the chip (docs/chip-script.md) as far as the small images use the language.
 
 const ps_of = { ps: 1, ns: 1e3, us: 1e6, ms: 1e9, s: 1e12 };
 const hz_of = { Hz: 1, kHz: 1e3, MHz: 1e6 };
@@ -17,6 +16,9 @@ function pin(word) {
   if (number === undefined) throw new Error(`no pin: ${word}`);
   return Number(number);
 }
+
+/** 0 and 1 are UARTs, 2 is USB. */
+const port = (word) => (word === 'usb' ? 2 : Number(word.match(/^uart([01])$/)?.[1]));
 
 /** "a..b", or "b" from nothing on. */
 function range(word, read, nothing) {
@@ -46,7 +48,8 @@ function reaction(words) {
 
 function expectation(words) {
   const [what, second, third, fourth, fifth, sixth] = words;
-  if (what.startsWith('uart')) return { kind: 'text', port: Number(what[4]), text: text(second), limit: span(fourth) };
+  if (what === 'usb' && second === 'within') return { kind: 'usb', limit: span(third) };
+  if (!Number.isNaN(port(what))) return { kind: 'text', port: port(what), text: text(second), limit: span(fourth) };
   const gpio = pin(what);
   if (is_edge(second) && fifth === 'of') return reaction(words);
   if (is_edge(second)) return { kind: 'edge', gpio, edge: second, limit: span(fourth) };
@@ -99,7 +102,7 @@ function statement(words) {
       return statement(rest).map((step) => ({ ...step, meanwhile: true }));
     default:
       if (rest[0] !== 'send') throw new Error(`no statement: ${words.join(' ')}`);
-      return [{ kind: 'send', port: Number(first[4]), text: text(rest[1]) }];
+      return [{ kind: 'send', port: port(first), text: text(rest[1]) }];
   }
 }
 

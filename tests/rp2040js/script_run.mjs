@@ -29,7 +29,7 @@ export class ScriptRun {
   #time;
   #beside = [];
   #trains = new Map();  // of a pin: what drives it from outside
-  #used = [0, 0];       // bytes of each port
+  #used = [0, 0, 0];    // bytes of each port
   #main;
   results = [];
   done = false;
@@ -135,6 +135,14 @@ export class ScriptRun {
     const end = this.#scene.after(start, limit);
     const at = yield* this.#edge(gpio, edge, start, end);
     return at ? { at } : { at: end, seen: 'none' };
+  }
+
+  /** Until the host has found a serial port. */
+  *_usb({ limit }, start) {
+    const end = this.#scene.after(start, limit);
+    while (!this.#scene.usb_found && this.#scene.now().ps < end.ps) yield;
+    const now = this.#scene.now();
+    return this.#scene.usb_found ? { at: now.ps > start.ps ? now : start } : { at: end, seen: 'none' };
   }
 
   *_reaction(step, start) {

@@ -1,9 +1,10 @@
-// What a script sees and moves of a chip in rp2040js: edges of pins and bytes of UARTs with their
-// times, levels of pins from outside.
+// What a script sees and moves of a chip in rp2040js: edges of pins and bytes of UARTs and USB with
+// their times, levels of pins from outside.
 
-import { GPIOPinState } from 'rp2040js';
+import { GPIOPinState, USBCDC } from 'rp2040js';
 
 const pin_count = 30;
+const usb_port = 2;
 const bits_of_a_byte = 10;  // 8 bits, start and stop
 const reference_volts = 3.3;  // full scale of the ADC, as `lamplock chip` has it
 const codes = 4096;
@@ -16,7 +17,9 @@ export class Scene {
   #hz;
   #driven = new Array(pin_count).fill(false);
   edges = Array.from({ length: pin_count }, () => []);
-  bytes = [[], []];
+  #usb;
+  bytes = [[], [], []];
+  usb_found = false;
 
   constructor(rp2040, clock) {
     this.#rp2040 = rp2040;
@@ -27,9 +30,13 @@ export class Scene {
       this.#hz = hz;
     });
     rp2040.gpio.forEach((pin, gpio) => pin.addListener((state) => this.#levelled(gpio, state)));
+    const hear = (port, byte) => this.bytes[port].push({ at: this.now(), letter: String.fromCharCode(byte) });
     rp2040.uart.forEach((uart, port) => {
-      uart.onByte = (byte) => this.bytes[port].push({ at: this.now(), letter: String.fromCharCode(byte) });
+      uart.onByte = (byte) => hear(port, byte);
     });
+    this.#usb = new USBCDC(rp2040.usbCtrl);
+    this.#usb.onDeviceConnected = () => { this.usb_found = true; };
+    this.#usb.onSerialData = (bytes) => bytes.forEach((byte) => hear(usb_port, byte));
   }
 
   now() {
@@ -90,8 +97,12 @@ export class Scene {
     this.#rp2040.adc.channelValues[input] = Math.max(0, Math.min(codes - 1, code));
   }
 
-  /** The bytes come one after the other at the rate of the image. */
+  /** The bytes come one after the other at the rate of the image, or all at once by USB. */
   send(port, text) {
+    if (port === usb_port) {
+      for (const letter of text) this.#usb.sendSerialByte(letter.charCodeAt(0));
+      return;
+    }
     const uart = this.#rp2040.uart[port];
     const byte_ps = bits_of_a_byte * 1e12 / uart.baudRate;
     let moment = this.now();
