@@ -113,6 +113,19 @@ void show_interpolators() {
     print_hex(i.peek(1));
   }
 
+  print("\nbetween");
+  i.control(0) = mask(0, 31) | blend;
+  i.control(1) = mask(0, 7) | is_signed;
+  i.accumulator(0) = 5;
+  i.base_of(0) = static_cast<Word>(-100);
+  i.base_of(1) = 100;
+  for (const Word fraction : {32u, 0x1c0u}) {
+    i.accumulator(1) = fraction;
+    print_hex(i.peek(1));
+    print_hex(i.peek(0));
+  }
+  print_hex(i.peek(2));
+
   print("\nclamp");
   const Interpolator& c = interp1;
   c.control(0) = mask(0, 31) | is_signed | clamp;
@@ -122,6 +135,23 @@ void show_interpolators() {
     c.accumulator(0) = static_cast<Word>(value);
     print_hex(c.peek(0));
   }
+  c.control(0) = mask(0, 31) | clamp;
+  c.base_of(0) = 10;
+  for (const int value : {-1, 9, 15}) {
+    c.accumulator(0) = static_cast<Word>(value);
+    print_hex(c.peek(0));
+  }
+
+  print("\nflags");
+  c.control(0) = mask(0, 7) | 2u << 19;  // FORCE_MSB
+  c.control(1) = mask(0, 31);
+  c.base_of(0) = 0x1000;
+  c.accumulator(0) = 0xff;
+  print_hex(c.control(0) >> 23 & 7);
+  c.accumulator(0) = 0x112;
+  print_hex(c.control(0) >> 23 & 7);
+  print_hex(c.pop(0));
+  print_hex(c.accumulator(0));
   print("\n");
 }
 
