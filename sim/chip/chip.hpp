@@ -25,7 +25,7 @@
 #include "sim/chip/pio_dma_clock.hpp"
 #include "sim/chip/rom/boot_rom.hpp"
 #include "sim/chip/sio/sio.hpp"
-#include "sim/chip/system/system.hpp"
+#include "sim/chip/system.hpp"
 #include "sim/chip/time_wheel.hpp"
 #include "sim/chip/timing.hpp"
 #include "sim/chip/usb/usb_controller.hpp"

@@ -12,7 +12,7 @@
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/irq_lines.hpp"
 #include "sim/chip/sio/sio.hpp"
-#include "sim/chip/system/system.hpp"
+#include "sim/chip/system.hpp"
 #include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip::test {

@@ -99,8 +99,8 @@ class AllMasked {
 /// Sleeps until an interrupt has been handled; not at all if one has since the last call, so none
 /// comes unnoticed between the look at what it has to tell and the sleep. Entry to and return from
 /// a handler set the event register that ends WFE (ARMv6-M Architecture Reference Manual, "Wait For
-/// Event and Send Event"). The handler that ends the sleep sets it too: SEV and the
-/// second WFE clear it, or each call would be followed by one that does not sleep.
+/// Event and Send Event"). The handler that ends the sleep sets it too: SEV and the second WFE
+/// clear it, or each call would be followed by one that does not sleep.
 inline void wait_for_interrupt() { asm volatile("wfe\n sev\n wfe" ::: "memory"); }
 
 }  // namespace lamplock::rp2040

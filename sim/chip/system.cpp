@@ -1,4 +1,4 @@
-#include "sim/chip/system/system.hpp"
+#include "sim/chip/system.hpp"
 
 #include <utility>
 

@@ -2,7 +2,8 @@
 //
 // In:  the wheel, the pins, the interrupt lines, SIO.
 // Out: clocks, resets, timer, watchdog, UARTs, PWM, SPI, I2C, ADC, RTC; a map of them for the bus;
-// the reset tree. Who: the chip, which attaches its own blocks to `resets` and `psm`.
+//      the reset tree.
+// Who: the chip, which attaches its own blocks to `resets` and `psm`.
 #pragma once
 
 #include <functional>
