@@ -256,8 +256,7 @@ void StateMachine::leave_loop(Cycle clock) {
 inline bool StateMachine::out_unnoticed(const Decoded& op) {
   const unsigned bits = op.arg;
   if (autopull_ && osr_count_ + bits >= pull_threshold_) return false;
-  const std::uint32_t data =
-      bits == 32 || !out_right_ ? osr_ >> (32 - bits) : osr_ & low_bits(bits);
+  const std::uint32_t data = next_out(bits);
   switch (op.field) {
     case 0:
     case 4:
@@ -276,13 +275,7 @@ inline bool StateMachine::out_unnoticed(const Decoded& op) {
     default:
       return false;
   }
-  if (bits == 32)
-    osr_ = 0;
-  else if (out_right_)
-    osr_ >>= bits;
-  else
-    osr_ <<= bits;
-  osr_count_ = std::min(32u, osr_count_ + bits);
+  shift_out(bits);
   return true;
 }
 
@@ -292,25 +285,13 @@ inline bool StateMachine::execute_unnoticed(const Decoded& op) {
   if (autopull_ && osr_used_up()) return false;  // a word may be pulled
   switch (op.operation) {
     case Operation::jmp_always:
-      jump_to(op.arg);
-      return true;
     case Operation::jmp_not_x:
-      if (x_ == 0) jump_to(op.arg);
-      return true;
     case Operation::jmp_x_dec:
-      if (x_-- != 0) jump_to(op.arg);
-      return true;
     case Operation::jmp_not_y:
-      if (y_ == 0) jump_to(op.arg);
-      return true;
     case Operation::jmp_y_dec:
-      if (y_-- != 0) jump_to(op.arg);
-      return true;
     case Operation::jmp_x_ne_y:
-      if (x_ != y_) jump_to(op.arg);
-      return true;
     case Operation::jmp_not_osre:
-      if (!osr_used_up()) jump_to(op.arg);
+      if (condition(op.operation, x_, y_, false)) jump_to(op.arg);
       return true;
     case Operation::set_x:
       x_ = op.arg;
@@ -543,18 +524,8 @@ bool StateMachine::run_out(const Decoded& op) {
     return false;
   }
   const unsigned bits = op.arg;
-  std::uint32_t data = 0;
-  if (bits == 32) {
-    data = osr_;
-    osr_ = 0;
-  } else if (out_right_) {
-    data = osr_ & low_bits(bits);
-    osr_ >>= bits;
-  } else {
-    data = osr_ >> (32 - bits);
-    osr_ <<= bits;
-  }
-  osr_count_ = std::min(32u, osr_count_ + bits);
+  const std::uint32_t data = next_out(bits);
+  shift_out(bits);
   refill();
   switch (op.field) {
     case 0:

@@ -169,6 +169,17 @@ class StateMachine {
   /// Pins may change in ticks in which nothing executes: OUT_STICKY asserts again what a side-set
   /// or another machine has written over.
   bool restless() const { return sticky_ && (!alone_ || mapping_.side_count != 0); }
+  /// The bits that OUT takes next, 1 to 32 of them, and taking them off the OSR.
+  std::uint32_t next_out(unsigned bits) const {
+    return out_right_ ? osr_ & low_bits(bits) : osr_ >> (32 - bits);
+  }
+  void shift_out(unsigned bits) {
+    if (bits == 32)
+      osr_ = 0;
+    else
+      osr_ = out_right_ ? osr_ >> bits : osr_ << bits;
+    osr_count_ = std::min(32u, osr_count_ + bits);
+  }
   bool osr_used_up() const { return osr_count_ >= pull_threshold_; }
 
   bool run_wait(const Decoded& op);
