@@ -15,7 +15,7 @@
 namespace lamplock::wire {
 
 /// Enough for every setting of the table that a job may override.
-inline constexpr std::size_t max_overrides = 48;
+inline constexpr std::size_t max_overrides = 77;
 
 /// A setting that holds for this job only.
 struct Override {

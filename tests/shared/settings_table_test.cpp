@@ -47,8 +47,8 @@ TEST(SettingsTable, DefaultsAndBoundsAreValuesThatCanBeSet) {
 }
 
 TEST(SettingsTable, AxesFollowEachOtherWithConsecutiveNumbers) {
-  for (const Id x_row :
-       {Id::steps_per_mm_x, Id::max_rate_x, Id::acceleration_x, Id::travel_x, Id::min_corner_x}) {
+  for (const Id x_row : {Id::steps_per_mm_x, Id::max_rate_x, Id::acceleration_x, Id::travel_x,
+                         Id::min_corner_x, Id::speed_jump_x}) {
     const std::string stem(row(x_row).name.substr(0, row(x_row).name.size() - 1));
     for (int axis = 0; axis < max_axes; ++axis) {
       const Row& r = row(for_axis(x_row, axis));
