@@ -9,8 +9,6 @@ namespace {
 constexpr std::uint32_t start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
 /// At rest the host has this long, after the last points, to complete a window.
 constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
-/// Points committed of a full window.
-constexpr std::uint32_t commit_points = motion::window_points / 2;
 /// Limits are made anew when the shortest tick has moved by more than this: 1/512.
 constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
@@ -101,12 +99,18 @@ bool JobRunner::window_ready() {
   request_.count = 0;
   for (std::uint32_t i = next_; i != queue_.end() && request_.count < motion::window_points; ++i)
     if (!queue_.done(i)) request_.points[request_.count++] = i;
-  return request_.count == motion::window_points ||
-         (request_.count != 0 && queue_.end() == options_.points_total);
+  const bool all_known = queue_.end() == options_.points_total;
+  const std::uint32_t behind = request_.count == 0 ? 0 : request_.points[request_.count - 1] + 1;
+  request_.rest_at_end = !all_known || behind == queue_.end();
+  if (request_.count == motion::window_points) {
+    request_.rest_at_end = all_known && behind == queue_.end();
+    return true;
+  }
+  return request_.count != 0 && all_known;
 }
 
 bool JobRunner::may_plan() {
-  const std::uint32_t room = motion::window_points + 1 - provisional_;
+  const std::uint32_t room = motion::commit_points + 1 - provisional_;
   if (segments_.free() < room || shots_.free() < room) return false;
   if (received_ != queue_.end()) {
     received_ = queue_.end();
@@ -197,26 +201,20 @@ void JobRunner::start_later() {
 }
 
 void JobRunner::commit_plan() {
-  const bool half = request_.count == motion::window_points;
-  const std::uint32_t count = half ? commit_points : request_.count;
+  const std::uint32_t count = request_.commits();
   take_back_provisional();
   start_later();
   const std::uint64_t late_ticks = plan_state_.tick - request_.start.tick;
-  std::uint64_t beat = plan_beat_;
-  for (std::uint32_t i = 0; i < request_.count; ++i) {
-    push(i, late_ticks, beat);
-    if (i + 1 == count) plan_beat_ = beat;
-  }
+  for (std::uint32_t i = 0; i < count; ++i) push(i, late_ticks, plan_beat_);
   plan_state_ = planner_.segment(count - 1).end;
   plan_state_.tick += late_ticks;
   next_ = request_.points[count - 1] + 1;
-  provisional_ = request_.count - count;
-  rest_state_ = planner_.segment(request_.count - 1).end;
-  rest_state_.tick += late_ticks;
-  rest_next_ = request_.points[request_.count - 1] + 1;
   returning_ = false;
   from_rest_ = plan_state_.at_rest();
+  rest_state_ = plan_state_;
+  rest_next_ = next_;
   clock_.set_motion_end(rest_state_.tick);
+  if (!from_rest_) commit_brake();
 }
 
 void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {

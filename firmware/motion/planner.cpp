@@ -5,25 +5,14 @@
 namespace lamplock::motion {
 namespace {
 
-/// Candidate times tried per label, and how they are spaced once they get long.
-constexpr int candidates_per_label = 5;
-constexpr std::int32_t candidate_spacing = 4;
-/// Beats searched beyond the least possible before a label is given up.
-constexpr std::int32_t max_extra_beats = 64;
 /// Ticks of a segment are kept in 31 bits.
 constexpr std::uint32_t longest_segment_ticks = 0x7fffffff;
-
-std::int64_t width_q32(const PerAxis<SpeedInterval>& box) {
-  std::int64_t sum = 0;
-  for (const SpeedInterval& side : box) sum += side.hi_q32 - side.lo_q32;
-  return sum;
-}
-
-bool covers(const PerAxis<SpeedInterval>& outer, const PerAxis<SpeedInterval>& inner) {
-  for (int a = 0; a < max_axes; ++a)
-    if (!outer[index(a)].contains(inner[index(a)])) return false;
-  return true;
-}
+/// Beats tried beyond those from rest to rest.
+constexpr std::int32_t beats_beyond_rest = 2;
+/// Share of a braking way that is left to rounding: 1/256.
+constexpr int ramp_share_bits = 8;
+/// A label more per point for so much time per point: the board can afford it.
+constexpr std::uint32_t ticks_per_label = ticks_per_second / 10'000;
 
 /// Displacement in steps, Q32, from an exact position to the middle of a step.
 std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {
@@ -47,283 +36,221 @@ std::int64_t most_steps(const AxisProfile& p) {
   return static_cast<std::int64_t>(wide_product(speed_q30, p.ticks()) >> 30) + 1;
 }
 
+/// Highest speed that full braking takes away over a way: v^2 / 2 = way, at most the limit.
+std::int64_t braking_speed_q32(const AxisLimits& axis, std::int64_t steps) {
+  if (steps <= 0) return 0;
+  // Ramps of whole ticks are up to a few parts in a thousand longer than they should be.
+  const std::int64_t way = axis.displacement_q32((steps << 32) - (steps << (32 - ramp_share_bits)));
+  if (way >= max_displacement_q32) return axis.speed_q32;
+  const std::int64_t speed = sqrt_down_q32(2 * way);
+  return speed < axis.speed_q32 ? speed : axis.speed_q32;
+}
+
 }  // namespace
 
 Result Planner::plan(const PlanRequest& request, std::uint32_t& failed) {
-  limits_ = request.limits;
-  least_beats_ = request.least_beats;
-  const std::uint32_t most = longest_segment_ticks / limits_->beat_ticks;
-  most_beats_ = most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
-  // From any start speed, 2 V/A beats more than at full speed are enough to brake and come back.
-  extra_beats_ = max_extra_beats;
-  for (int a = 0; a < limits_->axes; ++a)
-    extra_beats_ += 2 * (limits_->axis[index(a)].speed_q32 >> 32);
-  if (const Result r = set_up(request, failed); r != Result::ok) return r;
-  // Every round that fails turns at least one more point into a rest: at most `count` rounds.
-  for (std::uint32_t round = 0; round <= request.count; ++round) {
-    if (const Result r = search(request, failed); r != Result::ok) return r;
-    choose_speeds(request);
-    bool again = false;
-    if (make_segments(request, again)) return Result::ok;
-    if (!again) break;
+  begin(request);
+  while (advance()) {
   }
-  failed = 0;
-  return Result::unreachable;
+  if (result_ != Result::ok) failed = failed_;
+  return result_;
 }
 
-Result Planner::set_up(const PlanRequest& request, std::uint32_t& failed) {
-  start_ = Label{};
+void Planner::begin(const PlanRequest& request) {
+  request_ = &request;
+  limits_ = request.limits;
+  result_ = Result::unreachable;
+  window_.limits = limits_;
+  window_.count = request.count;
+  const std::uint32_t most = longest_segment_ticks / limits_->beat_ticks;
+  window_.most_beats =
+      most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
     const std::int64_t per_beat_q32 =
         (Int128::product(request.start.axis[index(a)].speed_q62, limits_->beat_ticks) >> 30)
             .to_int64();
     const std::int64_t v = axis.displacement_q32(per_beat_q32);
+    start_q32_[index(a)] = v;
     // The speed was made from a normalised one: allow for the rounding of both conversions.
     const std::int64_t slack = v == 0 ? 0 : 64 + (abs64(v) >> 28);
-    start_.box[index(a)] = {v - slack, v + slack};
+    window_.start[index(a)] = {v - slack, v + slack};
   }
-  for (std::uint32_t i = 0; i < request.count; ++i) {
-    Stage& stage = stages_[i];
-    const Target& target = request.queue->at(request.points[i]);
-    stage.rest = request.mode == JoinMode::start_stop || i + 1 == request.count;
-    const Target* previous = i == 0 ? nullptr : &request.queue->at(request.points[i - 1]);
-    for (int a = 0; a < limits_->axes; ++a) {
-      const std::int64_t way =
-          i == 0 ? way_q32(request.start.axis[index(a)].position_q64, target.steps[index(a)])
-                 : (std::int64_t{target.steps[index(a)]} - previous->steps[index(a)]) * one_q32;
-      const std::int64_t q = limits_->axis[index(a)].displacement_q32(way);
-      if (abs64(q) > max_displacement_q32) {
-        failed = i;
-        return Result::unreachable;
-      }
-      stage.displacement_q32[index(a)] = q;
-    }
-    stage.first_beats = first_beats(stage);
-  }
-  return Result::ok;
+  if (!set_up()) return;
+  guide(window_);
+  beam_.begin(window_, beam_width());
+  phase_ = Phase::search;
+  at_ = 0;
 }
 
-Result Planner::search(const PlanRequest& request, std::uint32_t& failed) {
-  for (std::uint32_t i = 0; i < request.count; ++i) {
-    if (!extend(request, i)) {
-      failed = i;
-      return Result::unreachable;
-    }
-  }
-  // The last stage is a rest: one label, the one with the fewest beats.
-  std::uint8_t label = 0;
-  for (std::uint32_t i = request.count; i-- > 0;) {
-    beats_[i] = stages_[i].labels[label].beats;
-    const std::uint8_t parent = stages_[i].labels[label].parent;
-    if (label != 0) stages_[i].labels[0] = stages_[i].labels[label];  // the chosen one in front
-    label = parent;
-  }
-  return Result::ok;
+void Planner::fail(std::uint32_t place) {
+  failed_ = place;
+  result_ = Result::unreachable;
+  phase_ = Phase::over;
 }
 
-bool Planner::extend(const PlanRequest& request, std::uint32_t i) {
-  Stage& stage = stages_[i];
-  const Stage* next = i + 1 < request.count ? &stages_[i + 1] : nullptr;
-  const Target& target = request.queue->at(request.points[i]);
-  const std::int32_t fixed = target.beats;
-  const std::size_t parents = i == 0 ? 1 : stages_[i - 1].count;
-  stage.count = 0;
-  for (std::size_t p = 0; p < parents; ++p) {
-    const Label& from = i == 0 ? start_ : stages_[i - 1].labels[p];
-    Label label;
-    label.parent = static_cast<std::uint8_t>(p);
-    if (fixed != 0) {
-      const bool slow_enough = target.shots == 0 || fixed >= least_beats_;
-      if (slow_enough && step(from, stage, fixed, label)) keep(stage, label, next);
-      continue;
-    }
-    std::int32_t beats = i == 0 ? fewest_beats(from, stage) : from.next;
-    for (int tries = 0; beats != 0 && tries < candidates_per_label; ++tries) {
-      if (too_late(stage, from.total + beats, next)) break;
-      if (step(from, stage, beats, label)) {
-        keep(stage, label, next);
-        if (stage.rest || (tries >= 2 && at_rest_possible(label))) break;
-      }
-      beats += 1 + (tries < 2 ? 0 : beats / candidate_spacing);
-    }
+bool Planner::set_up() {
+  for (std::uint32_t i = 0; i < request_->count; ++i) {
+    if (set_up_way(i)) continue;
+    fail(i);
+    return false;
   }
-  return stage.count != 0;
-}
-
-bool Planner::step(const Label& from, const Stage& to, std::int32_t beats, Label& result) const {
-  if (beats > most_beats_) return false;
-  for (int a = 0; a < limits_->axes; ++a) {
-    SpeedInterval& side = result.box[index(a)];
-    if (!reach(from.box[index(a)], to.displacement_q32[index(a)], beats,
-               limits_->axis[index(a)].speed_q32, side))
-      return false;
-    if (to.rest) {
-      if (!side.contains(0)) return false;
-      side = {0, 0};
-    }
-  }
-  result.beats = beats;
-  result.total = from.total + beats;
   return true;
 }
 
-std::int32_t Planner::first_beats(const Stage& to) const {
-  std::int32_t first = least_beats_;
+bool Planner::set_up_way(std::uint32_t i) {
+  Way& way = window_.ways[i];
+  const bool rest =
+      request_->mode == JoinMode::start_stop || (i + 1 == request_->count && request_->rest_at_end);
+  for (int a = 0; a < limits_->axes; ++a) {
+    const AxisLimits& axis = limits_->axis[index(a)];
+    const std::int32_t steps = target(i).steps[index(a)];
+    const std::int64_t displacement =
+        i == 0 ? way_q32(request_->start.axis[index(a)].position_q64, steps)
+               : (std::int64_t{steps} - target(i - 1).steps[index(a)]) * one_q32;
+    const std::int64_t q = axis.displacement_q32(displacement);
+    if (abs64(q) > max_displacement_q32) return false;
+    way.displacement_q32[index(a)] = q;
+    way.allowed[index(a)] = rest ? SpeedInterval{} : allowed_speeds(axis, steps);
+  }
+  return set_beats(way, target(i));
+}
+
+SpeedInterval Planner::allowed_speeds(const AxisLimits& axis, std::int32_t steps) const {
+  const std::int64_t below = std::int64_t{steps} - axis.min_steps;
+  const std::int64_t above = std::int64_t{axis.max_steps} - steps;
+  const std::int64_t speed = braking_speed_q32(axis, below < above ? below : above);
+  return {-speed, speed};
+}
+
+bool Planner::set_beats(Way& way, const Target& target) const {
+  std::int64_t first = target.shots == 0 && target.beats != 0 ? 1 : request_->least_beats;
   for (int a = 0; a < limits_->axes; ++a) {
     const std::int64_t limit = limits_->axis[index(a)].speed_q32;
-    const std::int64_t beats = (abs64(to.displacement_q32[index(a)]) + limit - 1) / limit;
-    if (beats > most_beats_) return 0;
-    if (beats > first) first = static_cast<std::int32_t>(beats);
+    const std::int64_t beats = (abs64(way.displacement_q32[index(a)]) + limit - 1) / limit;
+    if (beats > first) first = beats;
   }
-  return first;
+  way.fixed_beats = target.beats;
+  if (first > window_.most_beats) return false;
+  way.first_beats = static_cast<std::int32_t>(first);
+  if (way.fixed_beats != 0)
+    return way.fixed_beats >= way.first_beats && way.fixed_beats <= window_.most_beats;
+  const std::int32_t at_rest = beats_at_rest(window_, way, window_.most_beats);
+  way.last_beats = at_rest + beats_beyond_rest;
+  if (way.last_beats > window_.most_beats) way.last_beats = window_.most_beats;
+  return at_rest != 0;
 }
 
-std::int32_t Planner::fewest_beats(const Label& from, const Stage& to) const {
-  if (to.first_beats == 0) return 0;
-  std::int64_t last = to.first_beats + extra_beats_;
-  if (last > most_beats_) last = most_beats_;
-  for (std::int32_t beats = to.first_beats; beats <= last; ++beats)
-    if (can_step(from, to, beats)) return beats;
-  return 0;
+/// Labels the board has time for: by the mean time per point of a window that stops everywhere.
+std::uint32_t Planner::beam_width() const {
+  if (request_->mode == JoinMode::start_stop) return 1;
+  std::uint64_t beats = 0;
+  for (std::uint32_t i = 0; i < request_->count; ++i)
+    beats += static_cast<std::uint32_t>(window_.ways[i].last_beats);
+  const std::uint64_t labels = beats * limits_->beat_ticks / ticks_per_label / request_->count;
+  return labels < 1 ? 1 : labels > most_labels ? most_labels : static_cast<std::uint32_t>(labels);
 }
 
-bool Planner::can_step(const Label& from, const Stage& to, std::int32_t beats) const {
-  bool clear = !to.rest;
+bool Planner::advance() {
+  switch (phase_) {
+    case Phase::search:
+      search();
+      break;
+    case Phase::improve:
+      improve();
+      break;
+    case Phase::segments:
+      make_segments();
+      break;
+    case Phase::over:
+      break;
+  }
+  return phase_ != Phase::over;
+}
+
+void Planner::search() {
+  if (!beam_.extend(window_, at_)) return fail(at_);
+  if (++at_ < request_->count) return;
+  beam_.trace(window_, beats_);
+  if (!improver_.begin(window_, beats_)) return fail(0);
+  phase_ = Phase::improve;
+}
+
+void Planner::improve() {
+  if (request_->mode != JoinMode::start_stop && improver_.advance(window_, beats_)) return;
+  choose_quiet_speeds(window_, improver_, beats_, start_q32_, speed_q32_);
+  at_ = 0;
+  phase_ = Phase::segments;
+}
+
+void Planner::make_segments() {
+  const MotionState& from = at_ == 0 ? request_->start : segments_[at_ - 1].end;
+  make_segment(at_, from);
   for (int a = 0; a < limits_->axes; ++a) {
-    const Reachable axis = reachable(from.box[index(a)], to.displacement_q32[index(a)], beats,
-                                     limits_->axis[index(a)].speed_q32);
-    if (axis == Reachable::no) return false;
-    if (axis == Reachable::unclear) clear = false;
+    if (axis_inside(at_, a, from)) continue;
+    make_steady(at_, a, from);
+    if (!axis_inside(at_, a, from)) return fail(at_);
   }
-  Label probe;
-  return clear || step(from, to, beats, probe);
+  if (++at_ < request_->commits()) return;
+  result_ = Result::ok;
+  phase_ = Phase::over;
 }
 
-bool Planner::at_rest_possible(const Label& label) const {
-  for (int a = 0; a < limits_->axes; ++a)
-    if (!label.box[index(a)].contains(0)) return false;
-  return true;
-}
-
-/// True if a label with this total, whatever its speeds, can neither push out nor outrank one of
-/// those kept; then neither can one with more beats.
-bool Planner::too_late(const Stage& stage, std::int32_t total, const Stage* next) {
-  if (stage.count < beam_width) return false;
-  for (const Label& kept : stage.labels)
-    if (total <= kept.total) return false;
-  const Label& worst = stage.labels[beam_width - 1];
-  return total + (next != nullptr ? next->first_beats : 0) > worst.total + worst.next;
-}
-
-void Planner::keep(Stage& stage, Label& label, const Stage* next) {
-  for (std::size_t i = 0; i < stage.count; ++i) {
-    const Label& other = stage.labels[i];
-    if (other.total <= label.total && covers(other.box, label.box)) return;
-  }
-  label.next = next != nullptr ? fewest_beats(label, *next) : 0;
-  if (next != nullptr && label.next == 0) return;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < stage.count; ++i) {
-    const Label& other = stage.labels[i];
-    if (label.total <= other.total && covers(label.box, other.box)) continue;
-    if (kept != i) stage.labels[kept] = other;
-    ++kept;
-  }
-  stage.count = kept;
-  const auto better = [](const Label& a, const Label& b) {
-    const std::int32_t ra = a.total + a.next, rb = b.total + b.next;
-    return ra != rb ? ra < rb : width_q32(a.box) > width_q32(b.box);
-  };
-  std::size_t place = stage.count;
-  while (place > 0 && better(label, stage.labels[place - 1])) --place;
-  if (place >= beam_width) return;
-  if (stage.count < beam_width) ++stage.count;
-  for (std::size_t i = stage.count - 1; i > place; --i) stage.labels[i] = stage.labels[i - 1];
-  stage.labels[place] = label;
-}
-
-void Planner::choose_speeds(const PlanRequest& request) {
-  speed_q32_[request.count - 1] = {};
-  for (std::uint32_t i = request.count - 1; i-- > 0;) {
-    for (int a = 0; a < limits_->axes; ++a) {
-      // reach() is symmetric: from the end speeds backwards it gives the start speeds. Its bounds
-      // are rounded inwards, so a speed on a bound needs a hair of width not to be lost.
-      const std::int64_t behind = speed_q32_[i + 1][index(a)];
-      const std::int64_t slack = 8 + 4 * beats_[i + 1] + (abs64(behind) >> 28);
-      const SpeedInterval& box = stages_[i].labels[0].box[index(a)];
-      SpeedInterval can = box;
-      reach({behind - slack, behind + slack}, stages_[i + 1].displacement_q32[index(a)],
-            beats_[i + 1], limits_->axis[index(a)].speed_q32, can);
-      const std::int64_t nearest = can.lo_q32 > box.hi_q32 ? box.hi_q32 : box.lo_q32;
-      const std::int64_t lo = can.lo_q32 > box.lo_q32 ? can.lo_q32 : box.lo_q32;
-      const std::int64_t hi = can.hi_q32 < box.hi_q32 ? can.hi_q32 : box.hi_q32;
-      const SpeedInterval both = lo <= hi ? SpeedInterval{lo, hi} : SpeedInterval{nearest, nearest};
-      speed_q32_[i][index(a)] = both.clamp(wanted_speed_q32(request, i, a));
-    }
-  }
-}
-
-std::int64_t Planner::wanted_speed_q32(const PlanRequest& request, std::uint32_t i, int a) const {
-  if (stages_[i].rest || i + 1 >= request.count) return 0;
-  return (stages_[i].displacement_q32[index(a)] + stages_[i + 1].displacement_q32[index(a)]) /
-         (beats_[i] + beats_[i + 1]);
-}
-
-bool Planner::make_segments(const PlanRequest& request, bool& again) {
-  MotionState from = request.start;
-  for (std::uint32_t i = 0; i < request.count; ++i) {
-    make_segment(request, i, from);
-    if (!inside(i, from)) {
-      const bool all_rest = stages_[i].rest && (i == 0 || stages_[i - 1].rest);
-      stages_[i].rest = true;
-      if (i > 0) stages_[i - 1].rest = true;
-      again = !all_rest;
-      return false;
-    }
-    from = segments_[i].end;
-  }
-  return true;
-}
-
-void Planner::make_segment(const PlanRequest& request, std::uint32_t i, const MotionState& from) {
-  const Target& target = request.queue->at(request.points[i]);
+void Planner::make_segment(std::uint32_t i, const MotionState& from) {
   Segment& s = segments_[i];
   s = Segment{};
   s.start_tick = from.tick;
   s.ticks = static_cast<std::uint32_t>(beats_[i]) * limits_->beat_ticks;
   s.ends_point = true;
-  s.point = request.points[i];
+  s.point = request_->points[i];
   s.end.tick = s.end_tick();
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisState& axis = from.axis[index(a)];
-    const Int128 way = (stepper::middle_of_step(target.steps[index(a)]) - axis.position_q64) >> 2;
+    const Int128 way =
+        (stepper::middle_of_step(target(i).steps[index(a)]) - axis.position_q64) >> 2;
     const std::int64_t end_speed = limits_->speed_q62(a, speed_q32_[i][index(a)]);
     s.axis[index(a)] = make_profile(way, axis.speed_q62, end_speed, s.ticks,
                                     limits_->axis[index(a)].plan_speed_q62);
     s.end.axis[index(a)] = {axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2),
                             end_speed};
   }
-  if (target.shots != 0) s.shot = {true, shot_window_ticks(i), target.channel, target.energy};
+  if (target(i).shots != 0)
+    s.shot = {true, shot_window_ticks(i), target(i).channel, target(i).energy};
 }
 
-bool Planner::inside(std::uint32_t i, const MotionState& from) const {
-  for (int a = 0; a < limits_->axes; ++a) {
-    const AxisLimits& axis = limits_->axis[index(a)];
-    const AxisProfile& profile = segments_[i].axis[index(a)];
-    if (!within_limits(profile, axis.speed_q62, axis.accel_q62)) return false;
-    const Int128 start = from.axis[index(a)].position_q64;
-    const std::int64_t end = segments_[i].end.axis[index(a)].position_q64.hi();
-    const std::int64_t beyond = reverses(profile) ? most_steps(profile) : 0;
-    const std::int64_t low = start.hi() < end ? start.hi() : end;
-    const std::int64_t high = start.hi() < end ? end : start.hi();
-    if (low - beyond >= axis.min_steps && high + beyond <= axis.max_steps) continue;
-    if (beyond == 0) return false;
-    const Excursion e = excursion(profile);
-    if ((start + (e.low_q62 << 2)).hi() < axis.min_steps) return false;
-    if ((start + (e.high_q62 << 2)).hi() > axis.max_steps) return false;
-  }
-  return true;
+/// The same way with the least excursion, where the quiet one leaves the work space.
+void Planner::make_steady(std::uint32_t i, int a, const MotionState& from) {
+  const std::int64_t v0 = i == 0 ? start_q32_[index(a)] : speed_q32_[i - 1][index(a)];
+  const std::int64_t v1 = speed_q32_[i][index(a)];
+  const std::int64_t steady =
+      steady_speed_q32(window_.ways[i].displacement_q32[index(a)], v0, v1, beats_[i]);
+  const auto ticks = [this](std::int64_t change_q32) {
+    return static_cast<std::uint32_t>(mul_q32(abs64(change_q32), limits_->beat_ticks)) + 1;
+  };
+  AxisProfile& profile = segments_[i].axis[index(a)];
+  AxisState& end = segments_[i].end.axis[index(a)];
+  const AxisState& start = from.axis[index(a)];
+  const Int128 way = (stepper::middle_of_step(target(i).steps[index(a)]) - start.position_q64) >> 2;
+  profile = make_steady_profile(way, start.speed_q62, end.speed_q62, segments_[i].ticks,
+                                ticks(steady - v0), ticks(steady - v1),
+                                limits_->axis[index(a)].accel_q62);
+  end.position_q64 = start.position_q64 + (stepper::displacement_q62(profile) << 2);
+}
+
+bool Planner::axis_inside(std::uint32_t i, int a, const MotionState& from) const {
+  const AxisLimits& axis = limits_->axis[index(a)];
+  const AxisProfile& profile = segments_[i].axis[index(a)];
+  if (!within_limits(profile, axis.speed_q62, axis.accel_q62)) return false;
+  const Int128 start = from.axis[index(a)].position_q64;
+  const std::int64_t end = segments_[i].end.axis[index(a)].position_q64.hi();
+  const std::int64_t beyond = reverses(profile) ? most_steps(profile) : 0;
+  const std::int64_t low = start.hi() < end ? start.hi() : end;
+  const std::int64_t high = start.hi() < end ? end : start.hi();
+  if (low - beyond >= axis.min_steps && high + beyond <= axis.max_steps) return true;
+  if (beyond == 0) return false;
+  const Excursion e = excursion(profile);
+  return (start + (e.low_q62 << 2)).hi() >= axis.min_steps &&
+         (start + (e.high_q62 << 2)).hi() <= axis.max_steps;
 }
 
 std::uint32_t Planner::shot_window_ticks(std::uint32_t i) const {

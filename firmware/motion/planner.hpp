@@ -1,31 +1,35 @@
 // The planner: how many beats to each point, and at which speed through it.
 //
 // In:  a window of targets (up to `window_points`) and the state the machine starts from.
-// Out: segments of whole beats that end exactly on the targets, the last one at rest.
-// Called from the main loop by the job runner; nothing here runs in an interrupt.
+// Out: segments of whole beats that end exactly on the targets, for the first half of a full window
+//      or for all of a shorter one.
+// Called from the main loop by the job runner, slice by slice; nothing here runs in an interrupt.
 //
-// free mode: a beam search over beats. A label is a number of beats and, per axis, the interval of
-// speeds the machine can have at the point (reach.hpp); the axes couple only through the common
-// beats, so propagating intervals is exact. The window ends at rest. From the best chain of labels
-// the speeds are chosen backwards, as near to the chord slope as the intervals allow.
+//   targets -> window (way.hpp) -> beats (beam.hpp, improve.hpp) -> speeds (quiet.hpp)
+//           -> profiles (profile.hpp), checked against the limits and the work space
 //
-// start-stop mode is the same search with every interval the single speed zero.
+// start-stop mode is the same search with every speed zero.
 //
 // Limits hold by construction: profiles are made for planning limits that leave room for rounding
-// and are then checked against the true ones, work space included. A segment that leaves the work
-// space makes both its ends points of rest and the window is planned again: between rests every
-// axis moves monotonically between two points inside.
+// and are then checked against the true ones, work space included. Where the quiet profile of an
+// axis would leave the work space between two points, the steady one does not: at full acceleration
+// to a steady speed and from there, it leaves the way between the points only as far as braking
+// needs.
 //
-// Why a stop is always possible: the window ends at rest inside the limits, and braking every axis
-// at its full acceleration from any state of the plan stops it no further out than the plan goes.
+// Why a stop is always possible: at every point every axis is allowed no more speed than full
+// braking takes away before the work space ends, and between the points braking at full
+// acceleration stops it no further out than the plan goes.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
+#include "firmware/motion/beam.hpp"
+#include "firmware/motion/improve.hpp"
 #include "firmware/motion/limits.hpp"
 #include "firmware/motion/point_queue.hpp"
-#include "firmware/motion/reach.hpp"
+#include "firmware/motion/quiet.hpp"
+#include "firmware/motion/way.hpp"
 #include "firmware/stepper/segment.hpp"
 
 namespace lamplock::motion {
@@ -35,9 +39,8 @@ using stepper::AxisState;
 using stepper::MotionState;
 using stepper::Segment;
 
-inline constexpr std::uint32_t window_points = 16;
-/// Labels kept per point; two are within 0.02 % of the exact optimum on walks.
-inline constexpr std::size_t beam_width = 2;
+/// Segments made of a window, at most.
+inline constexpr std::uint32_t commit_points = window_points / 2;
 
 /// What a window is planned for.
 struct PlanRequest {
@@ -45,63 +48,65 @@ struct PlanRequest {
   std::array<std::uint32_t, window_points> points{};  ///< indices into the queue, in order
   std::uint32_t count = 0;                            ///< 1..window_points
   JoinMode mode = JoinMode::free;
+  bool rest_at_end = true;       ///< no point is known behind the last one
   std::int32_t least_beats = 1;  ///< between points, for a highest shot rate
   const Limits* limits = nullptr;
   MotionState start;  ///< on a lattice tick
+
+  /// Points of the window that become segments.
+  std::uint32_t commits() const { return count < commit_points ? count : commit_points; }
 };
 
 /// Plans windows. Holds only scratch memory; a plan depends on the request alone.
 class Planner {
  public:
-  /// Plans the request; afterwards segment(i) is the way to points[i]. Error: unreachable, with
-  /// the position in the window in `failed`; then nothing may be used.
+  /// Begins a window; the request must stay as it is until the plan has been used.
+  void begin(const PlanRequest& request);
+  /// Goes on with it; false when there is nothing left to do. Budget: a millisecond or two.
+  bool advance();
+  /// What came of it. Error: unreachable, with the place in the window in failed(); then nothing
+  /// may be used.
+  Result result() const { return result_; }
+  std::uint32_t failed() const { return failed_; }
+
+  /// All of it at once.
   Result plan(const PlanRequest& request, std::uint32_t& failed);
 
+  /// The way to points[i], i < request.commits().
   const Segment& segment(std::uint32_t i) const { return segments_[i]; }
   std::int32_t beats(std::uint32_t i) const { return beats_[i]; }
 
  private:
-  struct Label {
-    std::int32_t total = 0;  ///< beats from the start of the window
-    std::int32_t beats = 0;  ///< beats of the last segment
-    std::int32_t next = 0;   ///< least beats of the segment behind, for ranking
-    std::uint8_t parent = 0;
-    PerAxis<SpeedInterval> box{};
-  };
-  struct Stage {
-    std::array<Label, beam_width> labels{};
-    std::size_t count = 0;
-    PerAxis<std::int64_t> displacement_q32{};  ///< normalised, to this point
-    std::int32_t first_beats = 0;  ///< no fewer at full speed; 0 = more than there may be
-    bool rest = false;             ///< every speed at this point is zero
-  };
+  enum class Phase : std::uint8_t { search, improve, segments, over };
 
-  Result set_up(const PlanRequest& request, std::uint32_t& failed);
-  Result search(const PlanRequest& request, std::uint32_t& failed);
-  bool extend(const PlanRequest& request, std::uint32_t i);
-  bool step(const Label& from, const Stage& to, std::int32_t beats, Label& result) const;
-  bool can_step(const Label& from, const Stage& to, std::int32_t beats) const;
-  std::int32_t first_beats(const Stage& to) const;
-  std::int32_t fewest_beats(const Label& from, const Stage& to) const;
-  bool at_rest_possible(const Label& label) const;
-  static bool too_late(const Stage& stage, std::int32_t total, const Stage* next);
-  void keep(Stage& stage, Label& label, const Stage* next);
-  void choose_speeds(const PlanRequest& request);
-  std::int64_t wanted_speed_q32(const PlanRequest& request, std::uint32_t i, int axis) const;
-  bool make_segments(const PlanRequest& request, bool& again);
-  void make_segment(const PlanRequest& request, std::uint32_t i, const MotionState& from);
-  bool inside(std::uint32_t i, const MotionState& from) const;
+  bool set_up();
+  bool set_up_way(std::uint32_t i);
+  SpeedInterval allowed_speeds(const AxisLimits& axis, std::int32_t steps) const;
+  bool set_beats(Way& way, const Target& target) const;
+  std::uint32_t beam_width() const;
+  void search();
+  void improve();
+  void make_segments();
+  void make_segment(std::uint32_t i, const MotionState& from);
+  void make_steady(std::uint32_t i, int a, const MotionState& from);
+  bool axis_inside(std::uint32_t i, int a, const MotionState& from) const;
+  void fail(std::uint32_t place);
   std::uint32_t shot_window_ticks(std::uint32_t i) const;
+  const Target& target(std::uint32_t i) const { return request_->queue->at(request_->points[i]); }
 
+  const PlanRequest* request_ = nullptr;
   const Limits* limits_ = nullptr;
-  std::int32_t least_beats_ = 1;
-  std::int32_t most_beats_ = 1;   ///< so that the ticks of a segment stay in 31 bits
-  std::int64_t extra_beats_ = 0;  ///< beyond the first ones, until a label is given up
-  Label start_;
-  std::array<Stage, window_points> stages_{};
+  Phase phase_ = Phase::over;
+  Result result_ = Result::unreachable;
+  std::uint32_t failed_ = 0;
+  std::uint32_t at_ = 0;  ///< point to go on with
+  Window window_;
+  PerAxis<std::int64_t> start_q32_{};  ///< speeds at the start, normalised
+  Beam beam_;
+  Improver improver_;
   std::array<std::int32_t, window_points> beats_{};
-  std::array<PerAxis<std::int64_t>, window_points> speed_q32_{};
-  std::array<Segment, window_points> segments_{};
+  Speeds speed_q32_{};
+  std::array<Segment, commit_points> segments_{};
 };
 
 }  // namespace lamplock::motion

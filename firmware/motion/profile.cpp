@@ -28,6 +28,21 @@ std::uint32_t turn_ticks(std::int64_t speed, std::int64_t accel, std::uint32_t t
   return static_cast<std::uint32_t>(turn);
 }
 
+void set_turns(AxisProfile& p) {
+  p.lead_turn_ticks = turn_ticks(p.speed_q62, p.lead_accel_q62, p.lead_ticks);
+  p.tail_turn_ticks = turn_ticks(p.cruise_speed_q62(), p.tail_accel_q62, p.tail_ticks);
+}
+
+/// a / b in Q32 for b > 0, the divisor to 31 bits.
+std::int64_t ratio_q32(std::int64_t a, std::int64_t b) {
+  const auto width = static_cast<int>(std::bit_width(magnitude(b)));
+  const int shift = width > 31 ? width - 31 : 0;
+  return ((Int128(a) << 32) >> shift).divided_by(static_cast<std::uint32_t>(b >> shift)).to_int64();
+}
+
+/// A ramp is lengthened by a part in a thousand at most so often.
+constexpr int most_tries = 12;
+
 /// Two phases without a limit can peak at several steps per tick, more than Q62 holds. One step per
 /// tick is above every limit, so that a cruise replaces such a peak.
 std::int64_t saturated(Int128 speed_q62) {
@@ -145,13 +160,49 @@ AxisProfile make_profile(Int128 distance, std::int64_t v0, std::int64_t v1, std:
   AxisProfile p = two_phases(distance, v0, v1, ticks);
   const std::int64_t peak = p.cruise_speed_q62();
   if (abs64(peak) > speed) p = three_phases(distance, v0, v1, ticks, peak < 0 ? -speed : speed);
-  p.lead_turn_ticks = turn_ticks(v0, p.lead_accel_q62, p.lead_ticks);
-  p.tail_turn_ticks = turn_ticks(p.cruise_speed_q62(), p.tail_accel_q62, p.tail_ticks);
+  set_turns(p);
   return p;
 }
 
 std::uint32_t braking_ticks(std::int64_t v0, std::int64_t accel) {
   return static_cast<std::uint32_t>((abs64(v0) + accel - 1) / accel);
+}
+
+std::int64_t steady_speed_q32(std::int64_t q, std::int64_t v0, std::int64_t v1,
+                              std::int32_t beats) {
+  const std::int64_t t = std::int64_t{beats} << 32;
+  const std::int64_t low = v0 < v1 ? v0 : v1, high = v0 < v1 ? v1 : v0;
+  // Way at the speed of the lower end until the ramp to the other one; and the other way round.
+  const std::int64_t change = high - low, rest = t - change;
+  const std::int64_t ramp = mul_q32(change, (low + high) / 2);
+  const std::int64_t squares = (mul_q32(v0, v0) + mul_q32(v1, v1)) / 2;
+  if (q > ramp + mul_q32(rest, high)) {  // above both: v^2 - (t + v0 + v1) v + q + squares = 0
+    const std::int64_t half = (t + v0 + v1) / 2;
+    return half - sqrt_down_q32(mul_q32(half, half) - q - squares);
+  }
+  if (q < ramp + mul_q32(rest, low)) {  // below both: the same mirrored
+    const std::int64_t half = (t - v0 - v1) / 2;
+    return sqrt_down_q32(mul_q32(half, half) + q - squares) - half;
+  }
+  return rest > 0 ? low + ratio_q32(q - ramp - mul_q32(rest, low), rest) : low;
+}
+
+AxisProfile make_steady_profile(Int128 distance, std::int64_t v0, std::int64_t v1,
+                                std::uint32_t ticks, std::uint32_t lead, std::uint32_t tail,
+                                std::int64_t accel) {
+  if (lead < 1) lead = 1;
+  if (tail < 1) tail = 1;
+  AxisProfile p;
+  for (int tries = 0; tries < most_tries; ++tries) {
+    if (lead + tail > ticks) (lead > tail ? lead : tail) -= lead + tail - ticks;
+    p = solve(distance, v0, v1, lead, ticks - lead - tail, tail);
+    // Whole ticks move the steady speed a little, which a short ramp feels: lengthen it.
+    if (abs64(p.lead_accel_q62) > accel) lead += 1 + lead / 1024;
+    if (abs64(p.tail_accel_q62) > accel) tail += 1 + tail / 1024;
+    if (peak_accel(p) <= accel) break;
+  }
+  set_turns(p);
+  return p;
 }
 
 AxisProfile make_brake(std::int64_t v0, std::int64_t accel, std::uint32_t ticks) {

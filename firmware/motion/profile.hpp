@@ -24,6 +24,17 @@ using stepper::AxisProfile;
 AxisProfile make_profile(Int128 distance_q62, std::int64_t v0_q62, std::int64_t v1_q62,
                          std::uint32_t ticks, std::int64_t speed_q62);
 
+/// The profile of the least excursion: ramps at full acceleration to a steady speed and from there,
+/// so that it leaves the way between start and end no further than braking needs. In normalised
+/// units (reach.hpp): the steady speed of a way that can be done, `q_q32` in `beats` from `v0_q32`
+/// to `v1_q32`.
+std::int64_t steady_speed_q32(std::int64_t q_q32, std::int64_t v0_q32, std::int64_t v1_q32,
+                              std::int32_t beats);
+/// That profile over `ticks`, its ramps about as long as given and no steeper than `accel_q62`.
+AxisProfile make_steady_profile(Int128 distance_q62, std::int64_t v0_q62, std::int64_t v1_q62,
+                                std::uint32_t ticks, std::uint32_t lead_ticks,
+                                std::uint32_t tail_ticks, std::int64_t accel_q62);
+
 /// Profile that brakes from `v0_q62` to rest at `accel_q62` and then stands, `ticks` in all.
 /// `ticks` >= braking_ticks(v0_q62, accel_q62).
 AxisProfile make_brake(std::int64_t v0_q62, std::int64_t accel_q62, std::uint32_t ticks);

@@ -1,7 +1,7 @@
 // Random chains of points and the way the firmware plans them, for tests of planner and stepper.
 //
-// A chain is planned as the machine does it: windows of 16 points, of which 8 are committed, the
-// rest when the last point is known. Every window is handed to an observer before it is committed.
+// A chain is planned as the machine does it: windows of `window_points` points, of which the first
+// half is committed. Every window is handed to an observer before it is committed.
 #pragma once
 
 #include <algorithm>
@@ -149,11 +149,12 @@ inline ChainPlan plan_chain(const Chain& chain, motion::Planner& planner,
       queue->push(chain.targets[queue->end()]);
     request.count = std::min(window, total - next);
     for (std::uint32_t i = 0; i < request.count; ++i) request.points[i] = next + i;
+    request.rest_at_end = next + request.count == total;
     std::uint32_t failed = 0;
     plan.result = planner.plan(request, failed);
     if (plan.result != Result::ok) return plan;
     if (observe) observe(planner, request);
-    const std::uint32_t commit = request.count == window ? window / 2 : request.count;
+    const std::uint32_t commit = request.commits();
     for (std::uint32_t i = 0; i < commit; ++i) {
       plan.segments.push_back(planner.segment(i));
       plan.beats.push_back(planner.beats(i));

@@ -120,27 +120,26 @@ void expect_valid(const Chain& chain, const ChainPlan& plan, long& ticks_to_sum)
   ASSERT_TRUE(from.at_rest());
 }
 
+/// The stored tail to rest: braking from the end of what is committed stays in the work space.
+void expect_stop_inside(const Chain& chain, const MotionState& from) {
+  const Segment brake = make_brake(from, chain.limits);
+  ASSERT_TRUE(brake.end.at_rest());
+  expect_limits(chain, from, brake);
+}
+
 TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
   Planner planner;
-  int given_up = 0;
   for (int i = 0; i < test::scaled(150); ++i) {
     SCOPED_TRACE(testing::Message() << "chain " << i);
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4100);
     Chain chain = test::random_chain(random, 100);
-    const auto ends_at_rest = [](const Planner& p, const PlanRequest& request) {
-      ASSERT_TRUE(p.segment(request.count - 1).end.at_rest());
+    const auto can_stop = [&chain](const Planner& p, const PlanRequest& request) {
+      expect_stop_inside(chain, p.segment(request.commits() - 1).end);
     };
     long free_beats = 0;
     for (const JoinMode mode : {JoinMode::free, JoinMode::start_stop}) {
       chain.mode = mode;
-      const ChainPlan plan = test::plan_chain(chain, planner, ends_at_rest);
-      if (mode == JoinMode::free && plan.result == Result::unreachable) {
-        // From speed, a soft limit can leave the planner no way it knows; then the machine brakes
-        // (proved below to stay inside) and goes on from rest. Rare.
-        ASSERT_FALSE(plan.segments.back().end.at_rest());
-        ++given_up;
-        continue;
-      }
+      const ChainPlan plan = test::plan_chain(chain, planner, can_stop);
       long ticks_to_sum = 600'000;
       ASSERT_NO_FATAL_FAILURE(expect_valid(chain, plan, ticks_to_sum));
       if (mode == JoinMode::free) {
@@ -149,11 +148,10 @@ TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
         for (const Segment& s : plan.segments) ASSERT_TRUE(s.end.at_rest());
         // Resting at every point is one of the ways to go; the online search may miss a little.
         ASSERT_LE(static_cast<double>(free_beats),
-                  static_cast<double>(plan.total_beats()) * 1.03 + 1);
+                  static_cast<double>(plan.total_beats()) * 1.01 + 1);
       }
     }
   }
-  EXPECT_LE(given_up, test::scaled(150) / 500);
 }
 
 TEST(Planner, SoftLimitsBiteInTheseChains) {
@@ -161,7 +159,7 @@ TEST(Planner, SoftLimitsBiteInTheseChains) {
   // many would swing out of it: otherwise the test above would not test it.
   Planner planner;
   int outside = 0;
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 40; ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4100);
     Chain chain = test::random_chain(random, 100);
     const Chain tight = chain;
@@ -330,7 +328,7 @@ TEST(Planner, BrakingFromAnyTickStaysInsideTheWorkSpace) {
     const Chain chain = test::random_chain(random, 60);
     test::plan_chain(chain, planner, [&](const Planner& p, const PlanRequest& request) {
       MotionState from = request.start;
-      for (std::uint32_t k = 0; k < request.count; ++k) {
+      for (std::uint32_t k = 0; k < request.commits(); ++k) {
         const Segment& s = p.segment(k);
         for (int a = 0; a < chain.limits.axes; ++a) {
           SCOPED_TRACE(testing::Message() << "point " << request.points[k] << " axis " << a);

@@ -1,0 +1,163 @@
+#include "firmware/motion/beam.hpp"
+
+namespace lamplock::motion {
+namespace {
+
+/// Candidates of `k` beats and more lie 1 + k/12 beats apart: with the moves of improve.hpp within
+/// 0.2 % of the exact optimum where a way takes tens of beats.
+constexpr std::int32_t candidate_share = 12;
+/// From any start speed, 2 V/A beats more than at full speed are enough to brake and come back; and
+/// some for short ways.
+constexpr std::int32_t spare_beats = 64;
+
+bool covers(const Box& outer, const Box& inner, int axes) {
+  for (int a = 0; a < axes; ++a)
+    if (!outer[index(a)].contains(inner[index(a)])) return false;
+  return true;
+}
+
+bool contains_rest(const Box& box, int axes) {
+  for (int a = 0; a < axes; ++a)
+    if (!box[index(a)].contains(0)) return false;
+  return true;
+}
+
+std::int64_t width_q32(const Box& box, int axes) {
+  std::int64_t sum = 0;
+  for (int a = 0; a < axes; ++a) sum += box[index(a)].hi_q32 - box[index(a)].lo_q32;
+  return sum;
+}
+
+}  // namespace
+
+std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from) {
+  if (way.fixed_beats != 0)
+    return can_step(window, way, from, way.fixed_beats) ? way.fixed_beats : 0;
+  std::int64_t last = way.first_beats + spare_beats;
+  for (int a = 0; a < window.axes(); ++a) last += 2 * (window.speed_limit_q32(a) >> 32);
+  if (last > window.most_beats) last = window.most_beats;
+  for (std::int32_t beats = way.first_beats; beats <= last; ++beats)
+    if (can_step(window, way, from, beats)) return beats;
+  return 0;
+}
+
+void Beam::begin(const Window& window, std::uint32_t width) {
+  width_ = width;
+  to_count_ = 1;
+  to_[0] = Label{};
+  to_[0].box = window.start;
+  to_[0].next = fewest_beats(window, window.ways[0], window.start);
+}
+
+bool Beam::extend(const Window& window, std::uint32_t i) {
+  from_ = to_;
+  from_count_ = to_count_;
+  to_count_ = 0;
+  for (std::uint32_t p = 0; p < from_count_; ++p)
+    if (from_[p].next != 0) extend_label(window, i, static_cast<std::uint8_t>(p));
+  for (std::uint32_t l = 0; l < to_count_; ++l) traces_[i][l] = {to_[l].beats, to_[l].parent};
+  return to_count_ != 0;
+}
+
+void Beam::extend_label(const Window& window, std::uint32_t i, std::uint8_t parent) {
+  const Label& from = from_[parent];
+  const Way& way = window.ways[i];
+  const Way* next = i + 1 < window.count ? &window.ways[i + 1] : nullptr;
+  const std::int32_t last = way.fixed_beats != 0 ? way.fixed_beats : way.last_beats;
+  Label label;
+  label.parent = parent;
+  bool found = false;
+  for (std::int32_t beats = from.next; beats <= last || !found;
+       beats += 1 + beats / candidate_share) {
+    if (beats > window.most_beats || too_late(from.total + beats, next)) return;
+    if (!step(window, way, from.box, beats, label.box)) {
+      if (way.fixed_beats != 0) return;
+      continue;
+    }
+    found = true;
+    label.total = from.total + beats;
+    label.beats = static_cast<std::uint16_t>(beats);
+    label.may_rest = contains_rest(label.box, window.axes());
+    keep(window, label, next);
+    // At the end fewer beats are all that counts.
+    if (next == nullptr) return;
+  }
+}
+
+/// True if a label with this total, whatever its speeds, can neither push out nor outrank one of
+/// those kept; then neither can one with more beats.
+bool Beam::too_late(std::int32_t total, const Way* next) const {
+  if (to_count_ < width_) return false;
+  bool rest_kept = width_ == 1;
+  for (std::uint32_t l = 0; l < to_count_; ++l) {
+    if (total <= to_[l].total) return false;
+    rest_kept = rest_kept || to_[l].may_rest;
+  }
+  if (!rest_kept) return false;
+  const Label& worst = to_[place_to_lose()];
+  return total + (next != nullptr ? next->first_beats : 0) > worst.rank();
+}
+
+bool Beam::dominated(const Window& window, const Label& label) const {
+  for (std::uint32_t l = 0; l < to_count_; ++l)
+    if (to_[l].total <= label.total && covers(to_[l].box, label.box, window.axes())) return true;
+  return false;
+}
+
+void Beam::drop_dominated_by(const Window& window, const Label& label) {
+  std::uint32_t kept = 0;
+  for (std::uint32_t l = 0; l < to_count_; ++l) {
+    if (label.total <= to_[l].total && covers(label.box, to_[l].box, window.axes())) continue;
+    if (kept != l) to_[kept] = to_[l];
+    ++kept;
+  }
+  to_count_ = kept;
+}
+
+void Beam::keep(const Window& window, Label& label, const Way* next) {
+  if (dominated(window, label)) return;
+  label.next = next != nullptr ? fewest_beats(window, *next, label.box) : 0;
+  if (next != nullptr && label.next == 0) return;
+  drop_dominated_by(window, label);
+  insert(label);
+}
+
+/// The worst label, but not the best of those that may rest.
+std::uint32_t Beam::place_to_lose() const {
+  const std::uint32_t last = to_count_ - 1;
+  if (width_ == 1 || !to_[last].may_rest) return last;
+  for (std::uint32_t l = 0; l < last; ++l)
+    if (to_[l].may_rest) return last;
+  return last - 1;
+}
+
+void Beam::insert(const Label& label) {
+  const auto better = [](const Label& a, const Label& b) {
+    if (a.rank() != b.rank()) return a.rank() < b.rank();
+    return width_q32(a.box, max_axes) > width_q32(b.box, max_axes);
+  };
+  if (to_count_ == width_) {
+    const std::uint32_t out = place_to_lose();
+    bool rest_kept = false;
+    for (std::uint32_t l = 0; l < to_count_; ++l) rest_kept = rest_kept || to_[l].may_rest;
+    const bool needed = width_ != 1 && label.may_rest && !rest_kept;
+    if (!needed && !better(label, to_[out])) return;
+    for (std::uint32_t l = out; l + 1 < to_count_; ++l) to_[l] = to_[l + 1];
+    --to_count_;
+  }
+  std::uint32_t place = to_count_;
+  while (place > 0 && better(label, to_[place - 1])) --place;
+  for (std::uint32_t l = to_count_; l > place; --l) to_[l] = to_[l - 1];
+  to_[place] = label;
+  ++to_count_;
+}
+
+void Beam::trace(const Window& window, std::array<std::int32_t, window_points>& beats) const {
+  std::uint8_t label = 0;  // sorted: at the end the fewest beats stand in front
+  for (std::uint32_t i = window.count; i-- > 0;) {
+    beats[i] = traces_[i][label].beats;
+    label = traces_[i][label].parent;
+  }
+}
+
+}  // namespace lamplock::motion

@@ -1,0 +1,73 @@
+// Beam search: with how many beats to each point of a window.
+//
+// In:  a window (way.hpp).
+// Out: beats of every way, such that every axis can go on and, at the end of the window, is where
+// it
+//      is allowed to be.
+// Called by the planner (main loop), point by point, so that the main loop can do other things in
+// between: budget, a few label steps (way.hpp, step()) per candidate.
+//
+// A label is a number of beats so far and the box of speeds the machine can have at the point; axes
+// couple only through the common beats, so propagating boxes is exact. A label that another one
+// with no more beats contains is dropped. The others are ranked by beats and the fewest beats of
+// the next way; the best ones are kept, and always one that can stand still at the point: from it
+// the rest costs no more than stopping at every point, so no choice made early can ruin what comes.
+//
+// Candidates of a way lie one beat apart at first and then so far that a few dozen cover all from
+// the fewest possible to those from rest to rest; improve.hpp closes the gaps.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/motion/way.hpp"
+
+namespace lamplock::motion {
+
+/// Most labels kept per point.
+inline constexpr std::uint32_t most_labels = 8;
+
+/// Searches one window at a time.
+class Beam {
+ public:
+  /// Begins a window with `width` labels per point, 1..most_labels.
+  void begin(const Window& window, std::uint32_t width);
+  /// Extends every label to point `i`; in order from 0. False: no way there.
+  bool extend(const Window& window, std::uint32_t i);
+  /// Beats of all ways of the best label, once the last point has been reached.
+  void trace(const Window& window, std::array<std::int32_t, window_points>& beats) const;
+
+ private:
+  struct Label {
+    std::int32_t total = 0;  ///< beats from the start of the window
+    std::int32_t next = 0;   ///< fewest beats of the way behind, for ranking
+    std::uint16_t beats = 0;
+    std::uint8_t parent = 0;
+    bool may_rest = false;
+    Box box{};
+
+    std::int32_t rank() const { return total + next; }
+  };
+  struct Trace {
+    std::uint16_t beats = 0;
+    std::uint8_t parent = 0;
+  };
+
+  void extend_label(const Window& window, std::uint32_t i, std::uint8_t parent);
+  bool too_late(std::int32_t total, const Way* next) const;
+  void keep(const Window& window, Label& label, const Way* next);
+  bool dominated(const Window& window, const Label& label) const;
+  void drop_dominated_by(const Window& window, const Label& label);
+  void insert(const Label& label);
+  std::uint32_t place_to_lose() const;
+
+  std::uint32_t width_ = 1;
+  std::uint32_t from_count_ = 0, to_count_ = 0;
+  std::array<Label, most_labels> from_{}, to_{};  ///< to_ is sorted, best first
+  std::array<std::array<Trace, most_labels>, window_points> traces_{};
+};
+
+/// Fewest beats of a way from some speed of a box; 0 if there is no way at all.
+std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from);
+
+}  // namespace lamplock::motion

@@ -1,0 +1,113 @@
+#include "firmware/motion/improve.hpp"
+
+namespace lamplock::motion {
+namespace {
+
+/// Passes over the window with moves of one size, at most.
+constexpr std::int32_t most_passes = 4;
+
+/// Change of two neighbouring ways, in units of the size of a move.
+struct Move {
+  std::int32_t first, second;
+};
+constexpr Move moves[] = {{-1, 0}, {1, -2}, {-2, 1}, {1, -3}, {-3, 1}};
+
+/// Boxes are rounded inwards: a speed on a bound needs a hair of width not to be lost on the way
+/// back. Far below the room that the planning limits leave (limits.cpp).
+Box widened(const Box& box, std::int32_t beats, int axes) {
+  Box wide = box;
+  for (int a = 0; a < axes; ++a) {
+    SpeedInterval& side = wide[index(a)];
+    const std::int64_t size =
+        abs64(side.lo_q32) > abs64(side.hi_q32) ? abs64(side.lo_q32) : abs64(side.hi_q32);
+    const std::int64_t slack = 8 + 4 * beats + (size >> 28);
+    side.lo_q32 -= slack;
+    side.hi_q32 += slack;
+  }
+  return wide;
+}
+
+}  // namespace
+
+bool Improver::make_forwards(const Window& window, const Beats& beats, std::uint32_t i) {
+  const Box from = i == 0 ? window.start : widened(forwards_[i - 1], beats[i], window.axes());
+  return step(window, window.ways[i], from, beats[i], forwards_[i]);
+}
+
+/// Box at the end of way i - 1, from the one at the end of way i.
+bool Improver::make_backwards(const Window& window, const Beats& beats, std::uint32_t i) {
+  const Box to = widened(backwards_[i], beats[i], window.axes());
+  return step_back(window, i, to, beats[i], backwards_[i - 1]);
+}
+
+bool Improver::make_boxes(const Window& window, const Beats& beats) {
+  for (std::uint32_t i = 0; i < window.count; ++i)
+    if (!make_forwards(window, beats, i)) return false;
+  backwards_[window.count - 1] = window.ways[window.count - 1].allowed;
+  for (std::uint32_t i = window.count; --i > 0;)
+    if (!make_backwards(window, beats, i)) return false;
+  return true;
+}
+
+bool Improver::begin(const Window& window, Beats& beats) {
+  std::int32_t most = 0;
+  for (std::uint32_t i = 0; i < window.count; ++i)
+    if (beats[i] > most) most = beats[i];
+  size_ = 1;
+  while (size_ * 4 <= most) size_ *= 2;
+  at_ = 0;
+  passes_ = 0;
+  improved_ = false;
+  return make_boxes(window, beats);
+}
+
+bool Improver::possible(const Window& window, const Beats& beats, std::uint32_t i,
+                        std::uint32_t ways) const {
+  Box from = before(window, i), to;
+  for (std::uint32_t k = i; k < i + ways; ++k) {
+    if (beats[k] < window.ways[k].first_beats) return false;
+    if (!step(window, window.ways[k], from, beats[k], to)) return false;
+    from = to;
+  }
+  return overlap(to, backwards_[i + ways - 1], window.axes());
+}
+
+bool Improver::try_move(const Window& window, Beats& beats, std::uint32_t i, std::int32_t first,
+                        std::int32_t second) {
+  const std::uint32_t ways = second == 0 ? 1 : 2;
+  if (i + ways > window.count || window.ways[i].fixed_beats != 0) return false;
+  if (ways == 2 && window.ways[i + 1].fixed_beats != 0) return false;
+  beats[i] += first;
+  if (ways == 2) beats[i + 1] += second;
+  if (possible(window, beats, i, ways)) {
+    if (ways == 2) make_backwards(window, beats, i + 1);
+    return true;
+  }
+  beats[i] -= first;
+  if (ways == 2) beats[i + 1] -= second;
+  return false;
+}
+
+bool Improver::try_moves(const Window& window, Beats& beats, std::uint32_t i) {
+  for (const Move& move : moves)
+    if (try_move(window, beats, i, move.first * size_, move.second * size_)) return true;
+  return false;
+}
+
+bool Improver::advance(const Window& window, Beats& beats) {
+  if (size_ == 0) return false;
+  while (try_moves(window, beats, at_)) improved_ = true;
+  make_forwards(window, beats, at_);
+  if (++at_ < window.count) return true;
+  at_ = 0;
+  ++passes_;
+  if (improved_) make_boxes(window, beats);
+  if (!improved_ || passes_ == most_passes) {
+    size_ = size_ * 2 / 3;
+    passes_ = 0;
+  }
+  improved_ = false;
+  return size_ != 0;
+}
+
+}  // namespace lamplock::motion

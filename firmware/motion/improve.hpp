@@ -1,0 +1,61 @@
+// From good beats to better ones, and the speeds they leave at every point.
+//
+// In:  a window and beats that can be done (beam.hpp).
+// Out: beats, no more in total; per point the box of speeds that the start can reach and from which
+//      the end can be reached.
+// Called by the planner (main loop), point by point: budget, some tens of label steps.
+//
+// With the beats of all other ways fixed, a change of a few neighbouring ones is possible exactly
+// if the box forwards of where it begins, propagated with the new beats, meets the box backwards of
+// where it ends. Moves take beats from one way, or take more from one than they give to its
+// neighbour; coarse ones first, where ways take tens of beats, then finer ones.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/motion/way.hpp"
+
+namespace lamplock::motion {
+
+/// Improves one window at a time.
+class Improver {
+ public:
+  /// Begins with beats that can be done; false if boxes cannot be made (beats that cannot).
+  bool begin(const Window& window, std::array<std::int32_t, window_points>& beats);
+  /// Tries moves at one way; false when there is nothing left to be done.
+  bool advance(const Window& window, std::array<std::int32_t, window_points>& beats);
+  /// Does everything at once.
+  void finish(const Window& window, std::array<std::int32_t, window_points>& beats) {
+    while (advance(window, beats)) {
+    }
+  }
+
+  /// Speeds at the end of a way that the start can reach.
+  const Box& forwards(std::uint32_t i) const { return forwards_[i]; }
+  /// Speeds at the end of a way from which the end of the window can be reached.
+  const Box& backwards(std::uint32_t i) const { return backwards_[i]; }
+
+ private:
+  using Beats = std::array<std::int32_t, window_points>;
+
+  const Box& before(const Window& window, std::uint32_t i) const {
+    return i == 0 ? window.start : forwards_[i - 1];
+  }
+  bool make_forwards(const Window& window, const Beats& beats, std::uint32_t i);
+  bool make_backwards(const Window& window, const Beats& beats, std::uint32_t i);
+  bool make_boxes(const Window& window, const Beats& beats);
+  bool possible(const Window& window, const Beats& beats, std::uint32_t i,
+                std::uint32_t ways) const;
+  bool try_move(const Window& window, Beats& beats, std::uint32_t i, std::int32_t first,
+                std::int32_t second);
+  bool try_moves(const Window& window, Beats& beats, std::uint32_t i);
+
+  std::array<Box, window_points> forwards_{}, backwards_{};
+  std::uint32_t at_ = 0;     ///< way to try next
+  std::int32_t size_ = 1;    ///< of a move, beats
+  std::int32_t passes_ = 0;  ///< with moves of this size
+  bool improved_ = false;    ///< in this pass
+};
+
+}  // namespace lamplock::motion

@@ -1,0 +1,31 @@
+// The quiet plan: which speeds to have at the points, once their beats are known.
+//
+// In:  a window, its beats, and the boxes of speeds that they leave (improve.hpp).
+// Out: one speed per point and axis such that every way can be done, with about the least sum over
+//      the ways of time x peak acceleration squared.
+// Called by the planner (main loop); budget, two divisions per point, axis and sweep.
+//
+// The motion with the least integral of acceleration squared through given points at given times is
+// the natural cubic spline; its speeds solve, between ways of k and l beats with mean speeds s and
+// t,
+//   l v_before + 2 (k + l) v + k v_behind = 3 (l s + k t).
+// Some sweeps over these equations, each speed cut to its box (projected Gauss-Seidel), find the
+// least sum inside the boxes; a last pass from the end backwards joins every pair of speeds
+// exactly.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/motion/improve.hpp"
+
+namespace lamplock::motion {
+
+using Speeds = std::array<PerAxis<std::int64_t>, window_points>;  ///< Q32, normalised
+
+/// Chooses the speeds at the ends of all ways. `start_q32` are those at the start.
+void choose_quiet_speeds(const Window& window, const Improver& boxes,
+                         const std::array<std::int32_t, window_points>& beats,
+                         const PerAxis<std::int64_t>& start_q32, Speeds& speeds_q32);
+
+}  // namespace lamplock::motion
