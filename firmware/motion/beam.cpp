@@ -30,14 +30,14 @@ std::int64_t width_q32(const Box& box, int axes) {
 
 }  // namespace
 
-std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from) {
+std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from, Box& to) {
   if (way.fixed_beats != 0)
-    return can_step(window, way, from, way.fixed_beats) ? way.fixed_beats : 0;
+    return step(window, way, from, way.fixed_beats, to) ? way.fixed_beats : 0;
   std::int64_t last = way.first_beats + spare_beats;
   for (int a = 0; a < window.axes(); ++a) last += 2 * (window.speed_limit_q32(a) >> 32);
   if (last > window.most_beats) last = window.most_beats;
   for (std::int32_t beats = way.first_beats; beats <= last; ++beats)
-    if (can_step(window, way, from, beats)) return beats;
+    if (can_step(window, way, from, beats) && step(window, way, from, beats, to)) return beats;
   return 0;
 }
 
@@ -46,7 +46,7 @@ void Beam::begin(const Window& window, std::uint32_t width) {
   to_count_ = 1;
   to_[0] = Label{};
   to_[0].box = window.start;
-  to_[0].next = fewest_beats(window, window.ways[0], window.start);
+  to_[0].next = fewest_beats(window, window.ways[0], window.start, to_[0].next_box);
 }
 
 bool Beam::extend(const Window& window, std::uint32_t i) {
@@ -66,15 +66,14 @@ void Beam::extend_label(const Window& window, std::uint32_t i, std::uint8_t pare
   const std::int32_t last = way.fixed_beats != 0 ? way.fixed_beats : way.last_beats;
   Label label;
   label.parent = parent;
-  bool found = false;
-  for (std::int32_t beats = from.next; beats <= last || !found;
+  for (std::int32_t beats = from.next; beats == from.next || beats <= last;
        beats += 1 + beats / candidate_share) {
     if (beats > window.most_beats || too_late(from.total + beats, next)) return;
-    if (!step(window, way, from.box, beats, label.box)) {
-      if (way.fixed_beats != 0) return;
+    if (beats == from.next) {
+      label.box = from.next_box;
+    } else if (!step(window, way, from.box, beats, label.box)) {
       continue;
     }
-    found = true;
     label.total = from.total + beats;
     label.beats = static_cast<std::uint16_t>(beats);
     label.may_rest = contains_rest(label.box, window.axes());
@@ -116,7 +115,7 @@ void Beam::drop_dominated_by(const Window& window, const Label& label) {
 
 void Beam::keep(const Window& window, Label& label, const Way* next) {
   if (dominated(window, label)) return;
-  label.next = next != nullptr ? fewest_beats(window, *next, label.box) : 0;
+  label.next = next != nullptr ? fewest_beats(window, *next, label.box, label.next_box) : 0;
   if (next != nullptr && label.next == 0) return;
   drop_dominated_by(window, label);
   insert(label);

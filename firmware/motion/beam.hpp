@@ -45,6 +45,7 @@ class Beam {
     std::uint8_t parent = 0;
     bool may_rest = false;
     Box box{};
+    Box next_box{};  ///< at the point behind, with `next` beats
 
     std::int32_t rank() const { return total + next; }
   };
@@ -67,7 +68,8 @@ class Beam {
   std::array<std::array<Trace, most_labels>, window_points> traces_{};
 };
 
-/// Fewest beats of a way from some speed of a box; 0 if there is no way at all.
-std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from);
+/// Fewest beats of a way from some speed of a box, and the speeds at its end; 0 if there is no way
+/// at all.
+std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from, Box& to);
 
 }  // namespace lamplock::motion

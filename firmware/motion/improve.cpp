@@ -66,6 +66,7 @@ bool Improver::possible(const Window& window, const Beats& beats, std::uint32_t 
   Box from = before(window, i), to;
   for (std::uint32_t k = i; k < i + ways; ++k) {
     if (beats[k] < window.ways[k].first_beats) return false;
+    if (!can_step(window, window.ways[k], from, beats[k])) return false;
     if (!step(window, window.ways[k], from, beats[k], to)) return false;
     from = to;
   }

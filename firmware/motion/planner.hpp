@@ -1,9 +1,9 @@
 // The planner: how many beats to each point, and at which speed through it.
 //
 // In:  a window of targets (up to `window_points`) and the state the machine starts from.
-// Out: segments of whole beats that end exactly on the targets, for the first half of a full window
-//      or for all of a shorter one.
-// Called from the main loop by the job runner, slice by slice; nothing here runs in an interrupt.
+// Out: segments of whole beats that end exactly on the targets, for the first `commit_points` of
+// them. Called from the main loop by the job runner, slice by slice; nothing here runs in an
+// interrupt.
 //
 //   targets -> window (way.hpp) -> beats (beam.hpp, improve.hpp) -> speeds (quiet.hpp)
 //           -> profiles (profile.hpp), checked against the limits and the work space
@@ -39,8 +39,9 @@ using stepper::AxisState;
 using stepper::MotionState;
 using stepper::Segment;
 
-/// Segments made of a window, at most.
-inline constexpr std::uint32_t commit_points = window_points / 2;
+/// Segments made of a window, at most; the points behind them are what the plan looks ahead. Eight
+/// are enough: with more of them the plans are no shorter.
+inline constexpr std::uint32_t commit_points = window_points - 8;
 
 /// What a window is planned for.
 struct PlanRequest {

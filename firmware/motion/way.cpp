@@ -79,8 +79,7 @@ bool can_step(const Window& window, const Way& way, const Box& from, std::int32_
     if (reachable(from[index(a)], way.displacement_q32[index(a)], beats,
                   window.speed_limit_q32(a)) == Reachable::no)
       return false;
-  Box to;
-  return step(window, way, from, beats, to);
+  return true;
 }
 
 std::int32_t beats_at_rest(const Window& window, const Way& way, std::int32_t most) {

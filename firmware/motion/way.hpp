@@ -22,7 +22,7 @@
 namespace lamplock::motion {
 
 /// Points planned at once.
-inline constexpr std::uint32_t window_points = 64;
+inline constexpr std::uint32_t window_points = 40;
 
 /// Speeds of all axes at one point.
 using Box = PerAxis<SpeedInterval>;
@@ -58,7 +58,7 @@ bool step(const Window& window, const Way& way, const Box& from, std::int32_t be
 /// at the end of way `i` can be had.
 bool step_back(const Window& window, std::uint32_t i, const Box& to, std::int32_t beats, Box& from);
 
-/// What step() will say of the next way, mostly without a root or a division.
+/// False if step() is sure to say no: without a root or a division.
 bool can_step(const Window& window, const Way& way, const Box& from, std::int32_t beats);
 
 /// Fewest beats of a way from rest to rest; 0 if there are more than `most`.

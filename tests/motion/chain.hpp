@@ -1,7 +1,7 @@
 // Random chains of points and the way the firmware plans them, for tests of planner and stepper.
 //
 // A chain is planned as the machine does it: windows of `window_points` points, of which the first
-// half is committed. Every window is handed to an observer before it is committed.
+// `commit_points` are committed. Every window is handed to an observer before it is committed.
 #pragma once
 
 #include <algorithm>

@@ -125,7 +125,7 @@ TEST(Planner, NeedsHardlyMoreBeatsThanTheExactOptimum) {
 }
 
 TEST(Planner, StaysAtTheOptimumOverLongStreams) {
-  // Windows of 16 points, 8 of them committed, against an optimum that sees the whole stream.
+  // Windows, most of them committed at once, against an optimum that sees the whole stream.
   std::mt19937_64 random(53);
   Planner planner;
   long optimum = 0, planned = 0;
