@@ -71,9 +71,9 @@ void ShotScheduler::restart(BeatReason reason) {
   blocked_ = false;
 }
 
-bool ShotScheduler::shot_pending() const {
+bool ShotScheduler::point_pending() const {
   for (std::uint32_t i = begin_; i != end_; ++i)
-    if (plans_[i % capacity].shot) return true;
+    if (plans_[i % capacity].shot || plans_[i % capacity].ends_point) return true;
   return false;
 }
 
@@ -84,10 +84,10 @@ bool ShotScheduler::outcome(PointOutcome& out) {
   return true;
 }
 
-std::uint32_t ShotScheduler::done_untaken() const {
-  std::uint32_t i = outcome_begin_;
-  while (i != outcome_end_ && outcomes_[i % capacity].outcome != Outcome::missed) ++i;
-  return i - outcome_begin_;
+bool ShotScheduler::untaken(std::uint32_t i, PointOutcome& out) const {
+  if (i >= outcome_end_ - outcome_begin_) return false;
+  out = outcomes_[(outcome_begin_ + i) % capacity];
+  return true;
 }
 
 void ShotScheduler::report(std::uint32_t point, Outcome outcome) {

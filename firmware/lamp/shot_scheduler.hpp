@@ -78,14 +78,14 @@ class ShotScheduler {
   /// Firing permitted or not; when not, beats count with `reason`.
   void permit(bool firing, BeatReason reason) { permitted_ = firing, idle_reason_ = reason; }
   bool permitted() const { return permitted_; }
-  /// A shot is planned that no edge has judged yet.
-  bool shot_pending() const;
+  /// A shot or the end of a point is planned that no edge has judged yet.
+  bool point_pending() const;
   /// The board holds a token, or has fired on one and not yet said so.
   bool token_out() const { return token_out_; }
   /// Takes the oldest outcome.
   bool outcome(PointOutcome& out);
-  /// Points in a row that are done and whose outcome was not taken yet. Also beat interrupt.
-  std::uint32_t done_untaken() const;
+  /// Outcome `i` of those not taken yet; false if there are no more. Also beat interrupt.
+  bool untaken(std::uint32_t i, PointOutcome& out) const;
   const BeatLedger& ledger() const { return ledger_; }
   /// Shots that the hardware reported on a beat that had none planned; must stay 0.
   std::uint32_t stray_shots() const { return stray_shots_; }

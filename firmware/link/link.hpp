@@ -36,21 +36,22 @@ namespace lamplock::link {
 ///   on_data(records)        the next records: all of them are taken, or none
 ///                           (Result::no_space: not yet; any other result: never)
 ///   on_end(total)           the last point has been sent; `total` as in the header
-///   on_command(command)     hold, resume or stop of the host's user
-///   refused_value()         after a result other than ok: setting number or index of the point
+///   on_command(request)     hold, resume, stop or another speed, of the host's user
+///   refused_value()         after a result other than ok: setting number, index of the point or
+///                           value of the command
 ///   fill_status(status)     everything in Status that the link does not know itself
 template <class Sink>
 concept LinkSink = requires(Sink& sink, const Sink& reader, std::uint8_t byte,
                             std::string_view line, const wire::JobHeader& header,
                             std::span<const std::uint8_t> records, std::uint32_t total,
-                            wire::Command command, wire::Status& status) {
+                            const wire::CommandRequest& request, wire::Status& status) {
   sink.on_realtime(byte);
   sink.on_line(line);
   sink.on_line_too_long();
   { sink.on_begin(header) } -> std::same_as<Result>;
   { sink.on_data(records) } -> std::same_as<Result>;
   { sink.on_end(total) } -> std::same_as<Result>;
-  { sink.on_command(command) } -> std::same_as<Result>;
+  { sink.on_command(request) } -> std::same_as<Result>;
   { reader.refused_value() } -> std::convertible_to<std::uint32_t>;
   reader.fill_status(status);
 };
@@ -218,12 +219,10 @@ class Link {
                       Sink& sink) {
     if (frame.session != session_ || session_ == 0) return refuse(frame, Result::no_job, 0);
     if (frame.number <= last_command_) return;
-    wire::ByteReader in(payload);
-    const auto command = static_cast<wire::Command>(in.take<std::uint8_t>());
-    if (!in.exhausted() || command < wire::Command::hold || command > wire::Command::stop)
-      return refuse(frame, Result::bad_frame, 0);
+    wire::CommandRequest request;
+    if (!wire::read_command(payload, request)) return refuse(frame, Result::bad_frame, 0);
     last_command_ = frame.number;
-    const Result result = sink.on_command(command);
+    const Result result = sink.on_command(request);
     if (result != Result::ok) refuse(frame, result, sink.refused_value());
   }
 

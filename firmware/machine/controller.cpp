@@ -361,10 +361,13 @@ Result Controller::on_end(std::uint32_t total) {
   return total == points_total_ && runner_.queue().end() == total ? Result::ok : Result::bad_value;
 }
 
-Result Controller::on_command(wire::Command command) {
+Result Controller::change_beat(std::uint32_t) { return Result::unsupported; }
+
+Result Controller::on_command(const wire::CommandRequest& request) {
+  refused_value_ = request.value;
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
   const Masked masked(mask_);
-  switch (command) {
+  switch (request.command) {
     case wire::Command::hold:
       hold(HoldReason::host);
       break;
@@ -374,6 +377,12 @@ Result Controller::on_command(wire::Command command) {
       break;
     case wire::Command::stop:
       stop();
+      break;
+    case wire::Command::lamp_frequency:
+      return change_beat(request.value);
+    case wire::Command::job_speed:
+      if (request.value == 0 || request.value > highest_job_speed) return Result::bad_value;
+      runner_.set_job_speed(request.value);
       break;
   }
   return Result::ok;

@@ -64,7 +64,8 @@ struct FireTiming {
   bool own_edges = false;          ///< free beat: the trigger output is the LAMP SYNC
 };
 
-/// How far a job is: what has to survive a crash.
+/// How far a job is: what has to survive a crash. How many flashes of that point have been fired
+/// does not.
 struct JobMark {
   std::uint32_t session = 0;  ///< 0 = no job
   std::uint32_t first_unfired = 0;
@@ -74,9 +75,6 @@ struct JobMark {
 /// Clocks from the edge to the decision whether to fire: runt filter (2 us) and latency of the
 /// fire stage. Worked out for the PIO of the RP2040; the virtual board does the same.
 inline constexpr std::uint32_t fire_decision_clocks = 269;
-
-/// Flashes at one point; several are for a later version.
-inline constexpr std::uint8_t most_shots_per_point = 1;
 
 /// The core.
 class Controller {
@@ -94,7 +92,7 @@ class Controller {
   void new_connection() { link_.new_connection(); }
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
   bool prepare(std::uint64_t clock);
-  void plan() { runner_.plan(values_); }
+  void plan() { runner_.plan(values_, stored_); }
   void commit();
   void input_changed(Input input, bool active);
   /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.
@@ -125,7 +123,7 @@ class Controller {
   /// Exact as of the last lamp_edge(). Beat interrupt, or main loop with it masked.
   JobMark job_mark() const {
     if (!job_) return {};
-    return {link_.session(), runner_.queue().begin() + shots_.done_untaken(), shots_.token_out()};
+    return {link_.session(), runner_.first_unfired(), shots_.token_out()};
   }
   bool next_token(lamp::FireToken& token) { return shots_.next_token(token, clock_); }
   void token_expired() { shots_.token_expired(); }
@@ -152,7 +150,7 @@ class Controller {
   Result on_begin(const wire::JobHeader& header);
   Result on_data(std::span<const std::uint8_t> records);
   Result on_end(std::uint32_t total);
-  Result on_command(wire::Command command);
+  Result on_command(const wire::CommandRequest& request);
   std::uint32_t refused_value() const { return refused_value_; }
   void fill_status(wire::Status& status) const;
 
@@ -164,6 +162,7 @@ class Controller {
   void use_settings(const settings::Values& values);
   void end_overrides();
   void set_trigger();
+  Result change_beat(std::uint32_t milli_hz);
   void hold(wire::HoldReason reason);
   void resume();
   void stop();
@@ -191,7 +190,7 @@ class Controller {
   lamp::BeatClock clock_;
   lamp::ShotScheduler shots_;
   JobRunner runner_;
-  program::PulseDecoder decoder_{most_shots_per_point};
+  program::PulseDecoder decoder_;
   StepLimits work_space_;
 
   wire::MachineState state_ = wire::MachineState::idle;

@@ -1,5 +1,7 @@
 #include "firmware/machine/job_runner.hpp"
 
+#include <limits>
+
 #include "firmware/motion/profile.hpp"
 
 namespace lamplock::machine {
@@ -9,26 +11,56 @@ namespace {
 constexpr std::uint32_t start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
 /// At rest the host has this long, after the last points, to complete a window.
 constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
+/// Between two flashes of a point the machine may swing there and back, which saves beats on the
+/// way to the first ones and from the last ones: so many of each. In between it stands.
+constexpr std::uint32_t swings = 2;
 /// Limits are made anew when the shortest tick has moved by more than this: 1/512.
 constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
+std::int32_t scaled(std::int32_t milli, std::uint32_t percent) {
+  const std::int64_t wide = std::int64_t{milli} * percent / full_job_speed;
+  constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(wide < most ? wide : most);
+}
+
 }  // namespace
+
+settings::Values at_job_speed(const settings::Values& job, const settings::Values& own,
+                              std::uint32_t percent) {
+  settings::Values values = job;
+  if (percent == full_job_speed) return values;
+  const auto scale = [&](settings::Id id, std::int32_t milli) {
+    const std::int32_t least = settings::row(id).min_milli, most = own.milli(id);
+    values.set_milli(id, milli < least ? least : milli < most ? milli : most);
+  };
+  for (int axis = 0; axis < max_axes; ++axis) {
+    const settings::Id rate = settings::for_axis(settings::Id::max_rate_x, axis);
+    const settings::Id accel = settings::for_axis(settings::Id::acceleration_x, axis);
+    scale(rate, scaled(job.milli(rate), percent));
+    scale(accel, scaled(scaled(job.milli(accel), percent), percent));
+  }
+  return values;
+}
 
 void JobRunner::begin(const RunOptions& options, const settings::Values& values,
                       std::uint32_t first) {
   clear();
   options_ = options;
   queue_.reset(first);
-  next_ = first_ = received_ = first;
+  first_ = received_ = first;
+  next_ = {first, 0};
   starvations_ = misses_ = 0;
-  make_limits(values, options.shortest_tick_q16, limits_);
+  job_speed_ = fastest_ = full_job_speed;
+  pace_ = {options.shortest_tick_q16, full_job_speed};
+  make_limits(values, values, pace_, limits_);
+  brake_limits_ = limits_;
 }
 
 void JobRunner::clear() {
   options_ = RunOptions{};
   queue_.reset(0);
-  next_ = 0;
-  from_rest_ = true;
+  next_ = {};
+  from_rest_ = astray_ = true;
   returning_ = starving_ = braked_ = false;
 }
 
@@ -38,25 +70,28 @@ std::uint32_t JobRunner::shortest_tick_q16() const {
   return shortest - shortest % limits_step_q16;
 }
 
-void JobRunner::make_limits(const settings::Values& values, std::uint32_t tick_q16,
-                            motion::Limits& limits) {
-  // The settings were checked when the job began; a shorter tick only makes limits smaller.
+bool JobRunner::make_limits(const settings::Values& values, const settings::Values& own,
+                            const Pace& pace, motion::Limits& limits) const {
+  // The settings were checked when the job began; only the lowest job speeds can be too low for
+  // the planner.
   std::uint16_t setting = 0;
-  motion::make_limits(values, clock_.beat_ticks(), tick_q16, limits, setting);
-  limits_tick_q16_ = tick_q16;
+  return motion::make_limits(at_job_speed(values, own, pace.job_speed), clock_.beat_ticks(),
+                             pace.tick_q16, limits, setting) == Result::ok;
 }
 
 void JobRunner::read_outcomes() {
   lamp::PointOutcome o;
   bool missed = false;
   while (shots_.outcome(o)) {
-    if (o.outcome == lamp::Outcome::missed)
-      missed = true;
-    else if (o.point >= queue_.begin() && o.point < queue_.end())
-      queue_.mark_done(o.point);
+    if (o.outcome == lamp::Outcome::missed) missed = true;
+    // What was passed without a shot after a miss is passed again, in order, on the way on.
+    if (missed) continue;
+    queue_.mark_done(o.point);
+    if (o.point == next_.point && next_.committed != 0) --next_.committed;
+    if (o.point == rest_next_.point && rest_next_.committed != 0) --rest_next_.committed;
   }
   // A point fired after a brake had put it back: its place in the queue may be another's by now.
-  if (next_ < queue_.begin()) next_ = queue_.begin();
+  if (next_.point < queue_.begin()) next_ = {queue_.begin(), 0};
   if (missed) {
     ++misses_;
     go_back();
@@ -74,9 +109,20 @@ void JobRunner::go_back() {
     shots_.cancel_after(plan_beat_);
   }
   from_rest_ = !generator_.running() || plan_state_.at_rest();
-  next_ = queue_.begin();
-  returning_ = true;
+  next_ = {queue_.begin(), 0};
+  returning_ = astray_ = true;
   if (!from_rest_) commit_brake();
+}
+
+std::uint32_t JobRunner::first_unfired() const {
+  std::uint32_t point = queue_.begin(), fired = 0;
+  lamp::PointOutcome o;
+  for (std::uint32_t i = 0; shots_.untaken(i, o) && o.outcome != lamp::Outcome::missed; ++i) {
+    if (o.point != point || ++fired < queue_.left(point)) continue;
+    ++point;
+    fired = 0;
+  }
+  return point;
 }
 
 std::uint64_t JobRunner::start_beat() const {
@@ -97,16 +143,57 @@ bool JobRunner::prepare_start() {
 
 bool JobRunner::window_ready() {
   request_.count = 0;
-  for (std::uint32_t i = next_; i != queue_.end() && request_.count < motion::window_points; ++i)
-    if (!queue_.done(i)) request_.points[request_.count++] = i;
+  gone_to_ = false;
+  bool room = true;
+  for (std::uint32_t i = next_.point; room && i != queue_.end(); ++i)
+    room = add_target(i, queue_.left(i) - (i == next_.point ? next_.committed : 0));
+  if (request_.count == 0) return false;
   const bool all_known = queue_.end() == options_.points_total;
-  const std::uint32_t behind = request_.count == 0 ? 0 : request_.points[request_.count - 1] + 1;
-  request_.rest_at_end = !all_known || behind == queue_.end();
-  if (request_.count == motion::window_points) {
-    request_.rest_at_end = all_known && behind == queue_.end();
-    return true;
+  const bool full = request_.count == motion::window_points;
+  request_.rest_at_end = !full || place_after(request_.count).point == options_.points_total;
+  return full || all_known;
+}
+
+/// False if the window is full.
+bool JobRunner::add_target(std::uint32_t point, std::uint32_t flashes) {
+  const motion::Target& target = queue_.at(point);
+  const bool first = request_.count == 0;
+  if (target.dwell) {
+    // It begins where the way before it ends: at rest.
+    if (!first) request_.rest[request_.count - 1] = true;
+    gone_to_ = first && astray_;
+    return (!gone_to_ || add_way(point, true, 1)) && add_way(point, true, 0);
   }
-  return request_.count != 0 && all_known;
+  // The beats of a target are those of the way from the one before, at full job speed; a slower
+  // machine uses more. Further flashes come as soon as they may.
+  const std::uint32_t slower = job_speed_ < full_job_speed ? target.beats : 0;
+  const std::uint32_t fired = target.shots == 0 ? 0 : target.shots - flashes;
+  bool room = true;
+  for (std::uint32_t i = 0; room && i < flashes; ++i) {
+    const bool there = fired + i != 0;
+    const bool stand = fired + i >= swings && i + swings < flashes;
+    room = add_way(point, stand, there || (first && astray_) ? 1 : slower);
+  }
+  return room;
+}
+
+/// False if the window was full.
+bool JobRunner::add_way(std::uint32_t point, bool rest, std::uint32_t at_least) {
+  if (request_.count == motion::window_points) return false;
+  request_.points[request_.count] = point;
+  request_.rest[request_.count] = rest;
+  request_.at_least[request_.count] = static_cast<std::uint16_t>(at_least);
+  ++request_.count;
+  return true;
+}
+
+/// Where handing out goes on behind the first `count` ways of the request.
+JobRunner::Place JobRunner::place_after(std::uint32_t count) const {
+  const std::uint32_t point = request_.points[count - 1];
+  std::uint32_t committed = point == next_.point ? next_.committed : 0;
+  for (std::uint32_t i = gone_to_ ? 1 : 0; i < count; ++i)
+    if (request_.points[i] == point) ++committed;
+  return committed < queue_.left(point) ? Place{point, committed} : Place{point + 1, 0};
 }
 
 bool JobRunner::may_plan() {
@@ -120,18 +207,18 @@ bool JobRunner::may_plan() {
     starving_ = false;
     return true;
   }
-  if (next_ == options_.points_total || !from_rest_) return false;
+  if (next_.point == options_.points_total || !from_rest_) return false;
   // At rest the host has some time to complete a window; at the very start it is only late then.
   const bool patient = generator_.state().tick < receive_tick_ + patience_ticks;
-  if (at_rest() && next_ == first_ && patient) return false;
-  if (!starving_ && next_ != first_) ++starvations_;
+  if (at_rest() && next_.point == first_ && patient) return false;
+  if (!starving_ && next_.point != first_) ++starvations_;
   starving_ = true;
   return request_.count != 0 && !patient;
 }
 
 bool JobRunner::prepare(bool go) {
   // In this order: an edge may come in between.
-  if (!shots_.shot_pending()) braked_ = false;
+  if (!shots_.point_pending()) braked_ = false;
   read_outcomes();
   if (provisional_begun()) keep_provisional();
   if (!go || braked_ || !may_plan() || !prepare_start()) return false;
@@ -139,29 +226,35 @@ bool JobRunner::prepare(bool go) {
   request_.mode = options_.mode;
   request_.least_beats = options_.least_beats;
   request_.start = plan_state_;
-  shortest_tick_q16_ = shortest_tick_q16();
+  wanted_ = {shortest_tick_q16(), job_speed_};
   return true;
 }
 
-void JobRunner::plan(const settings::Values& values) {
-  planned_ = shortest_tick_q16_ != limits_tick_q16_ && plan_with_new_limits(values);
+void JobRunner::plan(const settings::Values& values, const settings::Values& own) {
+  planned_ = wanted_ != pace_ && plan_with_new_limits(values, own);
   if (planned_) return;
+  // The lamp has become faster, or the job shall run more slowly, and the speeds planned under the
+  // old limits do not fit into the new ones: the old ones serve once more. At another job speed
+  // they end in a rest, from which any limits will do.
+  if (wanted_.job_speed != pace_.job_speed) request_.rest[request_.commits() - 1] = true;
   request_.limits = &limits_;
   planned_ = planner_.plan(request_, failed_) == Result::ok;
 }
 
-bool JobRunner::plan_with_new_limits(const settings::Values& values) {
-  // The lamp has become faster or slower. Speeds planned under the old limits may not fit into
-  // new, smaller ones at once: then the old ones serve once more.
-  const std::uint32_t old_tick_q16 = limits_tick_q16_;
-  make_limits(values, shortest_tick_q16_, new_limits_);
+bool JobRunner::plan_with_new_limits(const settings::Values& values, const settings::Values& own) {
+  if (wanted_.job_speed > fastest_) fastest_ = wanted_.job_speed;
+  make_limits(values, own, {wanted_.tick_q16, fastest_}, brake_limits_);
   request_.limits = &new_limits_;
-  if (planner_.plan(request_, failed_) == Result::ok) {
-    limits_ = new_limits_;
-    return true;
+  for (Pace pace = wanted_;; pace.job_speed *= 2) {
+    if (make_limits(values, own, pace, new_limits_) &&
+        planner_.plan(request_, failed_) == Result::ok) {
+      limits_ = new_limits_;
+      pace_ = pace;
+      return true;
+    }
+    // From rest a way can only be too long for so slow a machine: then it goes faster this once.
+    if (!from_rest_ || 2 * pace.job_speed > full_job_speed) return false;
   }
-  limits_tick_q16_ = old_tick_q16;
-  return false;
 }
 
 Result JobRunner::commit() {
@@ -208,8 +301,8 @@ void JobRunner::commit_plan() {
   for (std::uint32_t i = 0; i < count; ++i) push(i, late_ticks, plan_beat_);
   plan_state_ = planner_.segment(count - 1).end;
   plan_state_.tick += late_ticks;
-  next_ = request_.points[count - 1] + 1;
-  returning_ = false;
+  next_ = place_after(count);
+  returning_ = astray_ = false;
   from_rest_ = plan_state_.at_rest();
   rest_state_ = plan_state_;
   rest_next_ = next_;
@@ -224,6 +317,7 @@ void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& b
   segment.reason = returning_ && i == 0 ? BeatReason::returning
                    : options_.dry       ? BeatReason::dry
                                         : BeatReason::moving;
+  if (gone_to_ && i == 0) segment.ends_point = false;
   if (options_.dry) segment.shot.present = false;
   const auto beats = static_cast<std::uint64_t>(planner_.beats(i));
   shots_.commit(segment, beat + 1, beat + beats);
@@ -232,7 +326,7 @@ void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& b
 }
 
 void JobRunner::commit_brake() {
-  const stepper::Segment s = motion::make_brake(plan_state_, limits_);
+  const stepper::Segment s = motion::make_brake(plan_state_, brake_limits_);
   segments_.push(s);
   provisional_ = 1;
   rest_state_ = s.end;
@@ -248,13 +342,13 @@ void JobRunner::brake() {
   shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
   // Also where the speed is zero for a moment, at the start of a segment or at a turn.
   if (generator_.running()) {
-    const stepper::Segment s = motion::make_brake(head, limits_);
+    const stepper::Segment s = motion::make_brake(head, brake_limits_);
     generator_.replace(s);
     plan_state_ = s.end;
     clock_.set_motion_end(plan_state_.tick);
   }
-  next_ = queue_.begin();
-  from_rest_ = true;
+  next_ = {queue_.begin(), 0};
+  from_rest_ = astray_ = true;
   returning_ = false;
   braked_ = true;
 }
@@ -265,8 +359,8 @@ void JobRunner::halt() {
   provisional_ = 0;
   shots_.cancel_after(0);
   clock_.set_motion_end(0);
-  next_ = queue_.begin();
-  from_rest_ = true;
+  next_ = {queue_.begin(), 0};
+  from_rest_ = astray_ = true;
 }
 
 }  // namespace lamplock::machine

@@ -25,6 +25,18 @@
 // one that comes too late, because planning took long or the host was slow, finds them begun and
 // starts anew where they end. So no delay of the main loop can end motion with speed.
 //
+// A target with several flashes stands in the window as often as flashes are still to come, and on
+// its own if there are many: the same place again, no sooner than the highest shot rate permits.
+// A `Place` is where handing out goes on: a target and how many of its flashes are on their way.
+//
+// Astray: after a brake the machine does not come from the target before. Then the first way takes
+// as long as it has to, and a dwell is gone to before it is begun.
+//
+// Job speed: s % is the job's speed limits times s/100 and accelerations times (s/100)^2, so that
+// the same way is run more slowly. Where a state is too fast for slower limits the old ones serve
+// once more, up to a rest. Brakes are as hard as the fastest job speed so far (at least 100 %) has
+// permitted: whatever still runs, it stops no further out than it was planned to go.
+//
 // Determinism: a window of `window_points` points is planned when all of them are known, and its
 // first half committed; the rest of a job that is shorter is planned when its last point is known.
 // So the plan depends on the points alone; only provisional motion that was begun changes it, and
@@ -42,6 +54,15 @@
 
 namespace lamplock::machine {
 
+/// Job speed, percent.
+inline constexpr std::uint32_t full_job_speed = 100;
+inline constexpr std::uint32_t highest_job_speed = 140;
+
+/// A job's settings at a job speed: limits of the axes scaled, never above the machine's own and
+/// never below what the table permits.
+settings::Values at_job_speed(const settings::Values& job, const settings::Values& own,
+                              std::uint32_t percent);
+
 /// What a job is run with.
 struct RunOptions {
   motion::JoinMode mode = motion::JoinMode::free;
@@ -56,8 +77,12 @@ class JobRunner {
  public:
   JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots) : clock_(clock), shots_(shots) {}
 
-  /// Starts a job whose first point has index `first`; the machine must be at rest.
+  /// Starts a job whose first point has index `first`, at full job speed; the machine must be at
+  /// rest.
   void begin(const RunOptions& options, const settings::Values& values, std::uint32_t first);
+  /// 1..highest_job_speed percent from the next plan on.
+  void set_job_speed(std::uint32_t percent) { job_speed_ = percent; }
+  std::uint32_t job_speed() const { return job_speed_; }
   /// Forgets the job. The machine must be at rest.
   void clear();
   motion::PointQueue& queue() { return queue_; }
@@ -65,8 +90,8 @@ class JobRunner {
 
   /// Reads outcomes; true if `go` and there is something to plan now.
   bool prepare(bool go);
-  /// Plans what prepare() has found.
-  void plan(const settings::Values& values);
+  /// Plans what prepare() has found, for the job's settings on a machine with its own.
+  void plan(const settings::Values& values, const settings::Values& own);
   /// Hands out what was planned. Error: unreachable (failed_point()).
   Result commit();
   /// What the hardware has done so far, nothing else.
@@ -80,6 +105,9 @@ class JobRunner {
   bool at_rest() const { return !generator_.running() && segments_.empty(); }
   /// Every point of the job is done.
   bool complete() const { return queue_.begin() == options_.points_total; }
+  /// First point that is not done, outcomes counted that prepare() has not read yet. Also beat
+  /// interrupt.
+  std::uint32_t first_unfired() const;
   bool starving() const { return starving_; }
   std::uint32_t starvations() const { return starvations_; }
   std::uint32_t failed_point() const { return failed_point_; }
@@ -96,14 +124,30 @@ class JobRunner {
   stepper::TickGenerator& generator() { return generator_; }
 
  private:
+  /// Where handing out goes on.
+  struct Place {
+    std::uint32_t point = 0;      ///< first target not handed out whole
+    std::uint32_t committed = 0;  ///< flashes of it that are handed out and not judged
+  };
+  /// What limits are made for.
+  struct Pace {
+    std::uint32_t tick_q16 = 0;  ///< shortest tick over the nominal one
+    std::uint32_t job_speed = 0;
+    friend bool operator==(const Pace&, const Pace&) = default;
+  };
+
   void go_back();
   bool may_plan();
   bool window_ready();
+  bool add_target(std::uint32_t point, std::uint32_t flashes);
+  bool add_way(std::uint32_t point, bool rest, std::uint32_t at_least);
+  Place place_after(std::uint32_t count) const;
   bool prepare_start();
   std::uint64_t start_beat() const;
   void start_later();
-  bool plan_with_new_limits(const settings::Values& values);
-  void make_limits(const settings::Values& values, std::uint32_t tick_q16, motion::Limits& limits);
+  bool plan_with_new_limits(const settings::Values& values, const settings::Values& own);
+  bool make_limits(const settings::Values& values, const settings::Values& own, const Pace& pace,
+                   motion::Limits& limits) const;
   void commit_plan();
   void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);
   void commit_brake();
@@ -116,26 +160,30 @@ class JobRunner {
   motion::PointQueue queue_;
   stepper::SegmentQueue segments_;
   motion::Planner planner_;
-  motion::PlanRequest request_;          ///< being planned, from prepare() to commit()
-  bool planned_ = false;                 ///< the planner has found a way
-  std::uint32_t shortest_tick_q16_ = 0;  ///< at prepare()
-  motion::Limits limits_, new_limits_;
+  motion::PlanRequest request_;  ///< being planned, from prepare() to commit()
+  bool planned_ = false;         ///< the planner has found a way
+  bool gone_to_ = false;         ///< the first way of the request only leads to its dwell
+  Pace wanted_;                  ///< at prepare()
+  Pace pace_;                    ///< of limits_
+  std::uint32_t job_speed_ = full_job_speed;
+  std::uint32_t fastest_ = full_job_speed;  ///< job speed so far
+  motion::Limits limits_, new_limits_, brake_limits_;
   stepper::TickGenerator generator_;
   RunOptions options_;
-  std::uint32_t limits_tick_q16_ = 0;  ///< shortest tick the limits were made for
-  std::uint32_t first_ = 0;            ///< first point of the job
-  std::uint32_t next_ = 0;             ///< first point not committed
-  std::uint32_t received_ = 0;         ///< end of the queue when it last grew
-  std::uint64_t receive_tick_ = 0;     ///< and when that was
-  bool from_rest_ = true;              ///< the next window starts on a fresh beat
+  std::uint32_t first_ = 0;         ///< first point of the job
+  Place next_;                      ///< first flash not committed
+  std::uint32_t received_ = 0;      ///< end of the queue when it last grew
+  std::uint64_t receive_tick_ = 0;  ///< and when that was
+  bool from_rest_ = true;           ///< the next window starts on a fresh beat
   bool returning_ = false;
+  bool astray_ = true;   ///< the next window does not start at the target before it
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet
   bool starving_ = false;
   stepper::MotionState plan_state_;  ///< where committed motion ends
   std::uint64_t plan_beat_ = 0;      ///< on which beat
   std::uint32_t provisional_ = 0;    ///< segments at the end of the queue that may be taken back
   stepper::MotionState rest_state_;  ///< where these end, at rest
-  std::uint32_t rest_next_ = 0;      ///< and the first point behind them
+  Place rest_next_;                  ///< and the first flash behind them
   std::uint32_t starvations_ = 0;
   std::uint32_t misses_ = 0;
   std::uint32_t failed_ = 0;  ///< place in the request that cannot be reached

@@ -101,8 +101,8 @@ bool Planner::set_up() {
 
 bool Planner::set_up_way(std::uint32_t i) {
   Way& way = window_.ways[i];
-  const bool rest =
-      request_->mode == JoinMode::start_stop || (i + 1 == request_->count && request_->rest_at_end);
+  const bool rest = request_->mode == JoinMode::start_stop || request_->rest[i] ||
+                    (i + 1 == request_->count && request_->rest_at_end);
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
     const std::int32_t steps = target(i).steps[index(a)];
@@ -114,7 +114,7 @@ bool Planner::set_up_way(std::uint32_t i) {
     way.displacement_q32[index(a)] = q;
     way.allowed[index(a)] = rest ? SpeedInterval{} : allowed_speeds(axis, steps);
   }
-  return set_beats(way, target(i));
+  return set_beats(way, i);
 }
 
 SpeedInterval Planner::allowed_speeds(const AxisLimits& axis, std::int32_t steps) const {
@@ -124,14 +124,17 @@ SpeedInterval Planner::allowed_speeds(const AxisLimits& axis, std::int32_t steps
   return {-speed, speed};
 }
 
-bool Planner::set_beats(Way& way, const Target& target) const {
-  std::int64_t first = target.shots == 0 && target.beats != 0 ? 1 : request_->least_beats;
+bool Planner::set_beats(Way& way, std::uint32_t i) const {
+  const std::int32_t at_least = request_->at_least[i];
+  way.fixed_beats = at_least != 0 ? 0 : target(i).beats;
+  const bool hurried = target(i).shots == 0 && way.fixed_beats != 0;
+  std::int64_t first = hurried ? 1 : request_->least_beats;
+  if (at_least > first) first = at_least;
   for (int a = 0; a < limits_->axes; ++a) {
     const std::int64_t limit = limits_->axis[index(a)].speed_q32;
     const std::int64_t beats = (abs64(way.displacement_q32[index(a)]) + limit - 1) / limit;
     if (beats > first) first = beats;
   }
-  way.fixed_beats = target.beats;
   if (first > window_.most_beats) return false;
   way.first_beats = static_cast<std::int32_t>(first);
   if (way.fixed_beats != 0)

@@ -46,11 +46,16 @@ inline constexpr std::uint32_t commit_points = window_points - 8;
 /// What a window is planned for.
 struct PlanRequest {
   const PointQueue* queue = nullptr;
-  std::array<std::uint32_t, window_points> points{};  ///< indices into the queue, in order
-  std::uint32_t count = 0;                            ///< 1..window_points
+  /// Indices into the queue, in order; one several times for as many flashes.
+  std::array<std::uint32_t, window_points> points{};
+  std::uint32_t count = 0;  ///< 1..window_points
   JoinMode mode = JoinMode::free;
   bool rest_at_end = true;       ///< no point is known behind the last one
   std::int32_t least_beats = 1;  ///< between points, for a highest shot rate
+  /// At rest at points[i], whatever the mode.
+  std::array<bool, window_points> rest{};
+  /// 0: the beats of the target hold. Else the planner chooses, but no fewer than these.
+  std::array<std::uint16_t, window_points> at_least{};
   const Limits* limits = nullptr;
   MotionState start;  ///< on a lattice tick
 
@@ -83,7 +88,7 @@ class Planner {
   bool set_up();
   bool set_up_way(std::uint32_t i);
   SpeedInterval allowed_speeds(const AxisLimits& axis, std::int32_t steps) const;
-  bool set_beats(Way& way, const Target& target) const;
+  bool set_beats(Way& way, std::uint32_t i) const;
   std::uint32_t beam_width() const;
   void search();
   void improve();

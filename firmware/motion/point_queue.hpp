@@ -2,8 +2,10 @@
 //
 // In:  the decoder pushes targets in job order (main loop).
 // Out: the planner reads ahead of the machine; a target leaves only when it is done, so that a
-//      missed flash, a hold or a lost link can always go back to it.
-// Level: main loop only; the outcomes of shots reach it through the job runner. No allocation.
+//      missed flash, a hold or a lost link can always go back to it. Targets are done in order: a
+//      missed one blocks every later shot (shot_scheduler.hpp). One with several flashes is done
+//      with the last of them.
+// Level: main loop; the outcomes of shots reach it through the job runner. No allocation.
 #pragma once
 
 #include <array>
@@ -19,7 +21,10 @@ class PointQueue {
   static constexpr std::uint32_t capacity = 1024;
 
   /// Empties the queue; the next target pushed has index `first`.
-  void reset(std::uint32_t first) { begin_ = end_ = first; }
+  void reset(std::uint32_t first) {
+    begin_ = end_ = first;
+    done_ = 0;
+  }
   std::uint32_t begin() const { return begin_; }  ///< index of the first target not done
   std::uint32_t end() const { return end_; }      ///< index after the last target received
   std::uint32_t size() const { return end_ - begin_; }
@@ -28,29 +33,37 @@ class PointQueue {
   /// Adds a target; false if full.
   bool push(const Target& target) {
     if (free() == 0) return false;
-    slots_[end_ % capacity] = {target, false};
+    slots_[end_ % capacity] = target;
     ++end_;
     return true;
   }
 
   /// Target `index`, begin() <= index < end().
-  const Target& at(std::uint32_t index) const { return slots_[index % capacity].target; }
-  bool done(std::uint32_t index) const { return slots_[index % capacity].done; }
+  const Target& at(std::uint32_t index) const { return slots_[index % capacity]; }
 
-  /// Marks a target as done and drops every done target at the front.
+  /// Flashes still to come at target `index`; one without shots has one passage instead.
+  std::uint32_t left(std::uint32_t index) const {
+    const std::uint32_t shots = at(index).shots;
+    return (shots == 0 ? 1 : shots) - (index == begin_ ? done_ : 0);
+  }
+
+  /// Takes one flash off the first target, which leaves with its last one. Any other target has
+  /// been done before: nothing happens.
   void mark_done(std::uint32_t index) {
-    slots_[index % capacity].done = true;
-    while (begin_ != end_ && slots_[begin_ % capacity].done) ++begin_;
+    if (index != begin_ || begin_ == end_) return;
+    if (left(index) > 1) {
+      ++done_;
+      return;
+    }
+    done_ = 0;
+    ++begin_;
   }
 
  private:
-  struct Slot {
-    Target target;
-    bool done;
-  };
-  std::array<Slot, capacity> slots_{};
+  std::array<Target, capacity> slots_{};
   std::uint32_t begin_ = 0;
   std::uint32_t end_ = 0;
+  std::uint32_t done_ = 0;  ///< flashes of the first target that have been fired
 };
 
 }  // namespace lamplock::motion

@@ -17,6 +17,7 @@ struct Target {
   std::uint8_t shots = 1;    ///< flashes to fire here; 0 = pass without a shot
   std::uint8_t channel = 0;  ///< beam channel 0..3
   std::uint16_t energy = 0;  ///< energy or attenuator value, 0 = as the machine stands
+  bool dwell = false;        ///< stand where the target before is, for exactly so many beats
 };
 
 }  // namespace lamplock::motion

@@ -11,8 +11,9 @@ bool inside(const StepPosition& steps, const StepLimits& limits, int axes) {
   return true;
 }
 
-motion::Target to_target(const wire::Record& record) {
-  return {record.steps, record.beats, record.shots, record.channel, record.energy};
+motion::Target to_target(const wire::Record& record, const StepPosition& before) {
+  const bool dwell = record.shots == 0 && record.beats != 0 && record.steps == before;
+  return {record.steps, record.beats, record.shots, record.channel, record.energy, dwell};
 }
 
 }  // namespace
@@ -30,7 +31,6 @@ Result PulseDecoder::decode(std::span<const std::uint8_t> records, motion::Point
   wire::RecordState trial = state_;
   const Result checked = wire::walk_records(records, axes_, trial, [&](const wire::Record& record) {
     if (index >= points_total_) return Result::bad_value;
-    if (record.shots > most_shots_) return Result::unsupported;
     if (!inside(record.steps, limits, axes_)) return Result::out_of_bounds;
     ++index;
     return Result::ok;
@@ -40,8 +40,11 @@ Result PulseDecoder::decode(std::span<const std::uint8_t> records, motion::Point
     return checked;
   }
   if (index - queue.end() > queue.free()) return Result::no_space;
-  return wire::walk_records(records, axes_, state_, [&queue](const wire::Record& record) {
-    return queue.push(to_target(record)) ? Result::ok : Result::no_space;
+  StepPosition before = state_.steps;
+  return wire::walk_records(records, axes_, state_, [&](const wire::Record& record) {
+    const motion::Target target = to_target(record, before);
+    before = record.steps;
+    return queue.push(target) ? Result::ok : Result::no_space;
   });
 }
 

@@ -21,17 +21,13 @@ namespace lamplock::program {
 /// Decoder of one job's records.
 class PulseDecoder {
  public:
-  /// `most_shots`: the machine fires at most that often at one point.
-  explicit PulseDecoder(std::uint8_t most_shots = 255) : most_shots_(most_shots) {}
-
   /// Starts a job: deltas count from the header's origin, indices from its first index.
   void begin(const wire::JobHeader& header);
 
   /// Decodes one payload into the queue, whose end() must be the index of the payload's first
   /// target. Results: ok; no_space (ask again later); bad_frame (malformed); bad_value (channel,
   /// shots, or more points than the header announced); out_of_bounds (outside `limits`, or beyond
-  /// 32 bits); unsupported (more than `most_shots` at one point). With any but ok neither queue nor
-  /// decoder has changed.
+  /// 32 bits). With any but ok neither queue nor decoder has changed.
   Result decode(std::span<const std::uint8_t> records, motion::PointQueue& queue,
                 const StepLimits& limits);
 
@@ -43,7 +39,6 @@ class PulseDecoder {
   std::uint32_t points_total_ = 0;
   std::uint32_t refused_index_ = 0;
   int axes_ = 0;
-  std::uint8_t most_shots_;
 };
 
 }  // namespace lamplock::program

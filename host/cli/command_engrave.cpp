@@ -17,7 +17,8 @@ Exit engrave(const Options& options) {
   Console console(options.board.json);
   options.board.check();
   auto port = open_port(options.board);
-  const Work work = make_work(options.engraving, options.board.dry, console);
+  Work work = make_work(options.engraving, options.board.dry, console);
+  take_off_fired(work, options.board);
   const Outcome outcome = run_job(work, options.board, std::move(port), console);
   return report_job(outcome, options.board, console);
 }
@@ -30,7 +31,8 @@ void add_engrave(CLI::App& program, Action& action) {
   app->footer(
       "Example:\n  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n"
       "  lamplock engrave points.xyz --board /dev/ttyACM0 --machine machine.toml\n\n"
-      "Ctrl-C holds the machine with the laser off, Enter resumes, Ctrl-C again stops.\n"
+      "Ctrl-C holds the machine with the laser off, Enter resumes, Ctrl-C again stops. In a\n"
+      "terminal a number and Enter is another job speed in percent, + or - and Enter a step.\n"
       "Exit status: 0 done, 1 job failed, 2 bad input, 3 no device, 130 interrupted.");
   const auto options = std::make_shared<Options>();
   options->engraving.add(*app, true);

@@ -87,6 +87,7 @@ void add_frame(CLI::App& program, Action& action) {
       ->capture_default_str()
       ->group("Machine");
   options->board.add_choice(*app);
+  options->board.add_job_speed(*app);
   app->add_flag("--json", options->board.json, "Print the result as JSON on stdout")
       ->group("Board");
   app->callback([options, &action] { action = [options] { return frame(*options); }; });

@@ -21,6 +21,7 @@ Exit send_file(const Options& options) {
   Work work{options.file, {}, job::read_job_file(options.file)};
   work.points = points_of(work.job);
   work.job.header.dry = work.job.header.dry || options.board.dry;
+  take_off_fired(work, options.board);
   console.phase("job",
                 fmt::format("{}: {} points, {}{}", options.file, work.points.size(),
                             mode_name(work.job.header.mode), work.job.header.dry ? ", dry" : ""));

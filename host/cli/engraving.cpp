@@ -12,6 +12,11 @@ void EngravingOptions::add(CLI::App& app, bool input_required) {
   order.add(app);
   machine.add_machine(app);
   mode.add(app);
+  app.add_option("--flashes", flashes, "Flashes at each point, one after the other")
+      ->check(CLI::Range(1u, 255u))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group("Points");
   machine.add_overrides(app);
 }
 
@@ -22,6 +27,7 @@ Work make_work(const EngravingOptions& options, bool dry, Console& console) {
   job::JobOptions job_options;
   job_options.mode = options.mode.mode();
   job_options.dry = dry;
+  job_options.shots = static_cast<std::uint8_t>(options.flashes);
   Work work{options.input, std::move(cloud.points), {}};
   work.job = job::make_job(work.points, profile, job_options);
   return work;

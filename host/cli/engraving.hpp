@@ -16,6 +16,7 @@ struct EngravingOptions {
   PointsOptions points{};
   OrderOption order{};
   ModeOption mode{};
+  unsigned flashes = 1;
 
   /// Adds all options; the input is optional if the command can do without.
   void add(CLI::App& app, bool input_required);

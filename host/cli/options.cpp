@@ -13,6 +13,7 @@
 #include "host/cli/report_folder.hpp"
 #include "host/cli/staged_file.hpp"
 #include "host/error.hpp"
+#include "host/link/sender.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::cli {
@@ -22,6 +23,7 @@ using settings::Id;
 using settings::LampMode;
 
 constexpr double percent = 0.01;
+constexpr unsigned most_shots = 255;  ///< at one point, of the pulse stream
 constexpr const char* machine_group = "Machine";
 constexpr const char* points_group = "Points";
 constexpr const char* board_group = "Board";
@@ -237,11 +239,25 @@ void BoardOptions::add_board(CLI::App& app) {
   app.add_flag("--json", json, "Print the result as JSON on stdout")->group(board_group);
 }
 
+void BoardOptions::add_job_speed(CLI::App& app) {
+  app.add_option("--job-speed", job_speed,
+                 "Speed of the job; accelerations by its square, never above the machine's own")
+      ->check(CLI::Range(1u, link::highest_job_speed))
+      ->type_name("PERCENT")
+      ->capture_default_str()
+      ->group(board_group);
+}
+
 void BoardOptions::add_job(CLI::App& app) {
   app.add_option("--from", from, "Go on at this point: the first one not fired")
       ->check(number_from(0, true))
       ->type_name("N")
       ->group(board_group);
+  app.add_option("--fired", fired, "Flashes of the point of --from that were fired before")
+      ->check(CLI::Range(0u, most_shots))
+      ->type_name("N")
+      ->group(board_group);
+  add_job_speed(app);
   app.add_flag("--dry", dry, "Move, never fire")->group(board_group);
   app.add_option("--report", report, "Write report.json, shots.csv, shots.ply and cloud.png there")
       ->type_name("DIR")

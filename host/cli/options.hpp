@@ -87,13 +87,16 @@ struct LampFaults {
 struct BoardOptions {
   std::string board = "virtual", image{};
   std::size_t from = 0;
+  std::uint32_t fired = 0, job_speed = 100;
   bool yes = false, dry = false, json = false;
   std::string report{}, vcd{}, shots{}, timing{};
   LampFaults faults{};
 
   void add_choice(CLI::App& app);  ///< --board, --image
   void add_board(CLI::App& app);   ///< these, --yes, --json
-  void add_job(CLI::App& app);  ///< --from, --dry, --report, --vcd, --shots and the lamp's faults
+  void add_job_speed(CLI::App& app);  ///< --job-speed
+  /// --from, --fired, --job-speed, --dry, --report, --vcd, --shots and the lamp's faults
+  void add_job(CLI::App& app);
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// Refuses what the board cannot do, before any work is done. Throws Error(bad_input).
   void check() const;

@@ -46,6 +46,8 @@ link::JobResult send(link::Transport& transport, const Work& work, const BoardOp
                      Clocking clocking) {
   link::SenderOptions sending;
   sending.first_index = options.from;
+  sending.first_fired = options.fired;
+  sending.job_speed = options.job_speed;
   Progress progress(work.job.header.dry ? "dry run" : "engraving", work.points.size(),
                     options.from);
   if (clocking == Clocking::wall)
@@ -136,7 +138,7 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
 }
 
 std::string go_on_text(const link::JobResult& result) {
-  return fmt::format("go on with --from {}", result.status.first_unfired);
+  return "go on with " + link::go_on_options(result.status.first_unfired, result.flashes_fired);
 }
 
 std::string end_name(JobEnd end) {
@@ -163,6 +165,16 @@ std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
   if (!path && sim::parse_tcp_address(options.board))
     return std::make_unique<link::TcpTransport>(options.board);
   return std::make_unique<link::SerialTransport>(options.board);
+}
+
+void take_off_fired(Work& work, const BoardOptions& options) {
+  if (options.fired == 0 || options.from >= work.job.targets.size()) return;
+  motion::Target& target = work.job.targets[options.from];
+  if (options.fired >= target.shots)
+    throw Error(Exit::bad_input, fmt::format("--fired {}", options.fired),
+                fmt::format("point {} has {} flashes", options.from, target.shots),
+                "give fewer, or go on at the next point");
+  target.shots = static_cast<std::uint8_t>(target.shots - options.fired);
 }
 
 Outcome run_job(const Work& work, const BoardOptions& options,

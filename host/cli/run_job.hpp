@@ -36,6 +36,9 @@ struct Outcome {
 /// Error(no_device).
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options);
 
+/// With --fired: the first point wants fewer flashes than it did. Throws Error(bad_input).
+void take_off_fired(Work& work, const BoardOptions& options);
+
 /// Asks the user if need be, then runs the job to its end. `port` as open_port() gave it. Throws
 /// Error.
 Outcome run_job(const Work& work, const BoardOptions& options,

@@ -3,8 +3,12 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <chrono>
+#include <cstdint>
+#include <system_error>
 #include <thread>
 
 namespace lamplock::cli {
@@ -16,13 +20,22 @@ constexpr std::chrono::milliseconds look_interval{50};
 
 enum class Input { nothing, line, end };
 
+constexpr std::uint32_t job_speed_step = 10;
+
+/// Somebody sits there, and this program has the keyboard.
+bool at_terminal() {
+  return ::isatty(STDIN_FILENO) == 1 && ::tcgetpgrp(STDIN_FILENO) == ::getpgrp();
+}
+
 /// Waits for something on stdin, but not for long.
-Input read_stdin(std::chrono::milliseconds wait) {
+Input read_stdin(std::chrono::milliseconds wait, std::string& typed) {
   pollfd watched{STDIN_FILENO, POLLIN, 0};
   if (::poll(&watched, 1, static_cast<int>(wait.count())) <= 0) return Input::nothing;
   std::array<char, 256> text{};
   const ssize_t count = ::read(STDIN_FILENO, text.data(), text.size());
-  return count > 0 ? Input::line : Input::end;
+  if (count <= 0) return Input::end;
+  typed.append(text.data(), static_cast<std::size_t>(count));
+  return Input::line;
 }
 
 }  // namespace
@@ -42,7 +55,12 @@ void Steering::look() {
     ask_to_go_on("door open, laser off: close it");
   else if (state == wire::MachineState::hold && holding_ && !asking_)
     ask_to_go_on("held, laser off");
-  if (!asking_ && !holding_) return;
+  if (!asking_ && !holding_) {
+    if (Clock::now() - looked_at_ < look_interval) return;
+    looked_at_ = Clock::now();
+    if (at_terminal()) take_input(std::chrono::milliseconds(0));
+    return;
+  }
   if (asking_ && clocking_ == Clocking::lock_step) return wait_for_user();
   take_input(std::chrono::milliseconds(0));
 }
@@ -65,15 +83,44 @@ void Steering::wait_for_user() {
   while (asking_ && interrupt_.count() < 2) take_input(look_interval);
 }
 
-/// Enter goes on.
 void Steering::take_input(std::chrono::milliseconds wait) {
   if (input_ended_) {
     std::this_thread::sleep_for(wait);
     return;
   }
-  const Input input = read_stdin(wait);
-  if (input == Input::line) go_on();
-  if (input == Input::end) input_ended_ = true;
+  if (read_stdin(wait, typed_) == Input::end) input_ended_ = true;
+  for (auto end = typed_.find('\n'); end != std::string::npos; end = typed_.find('\n')) {
+    const std::string line = typed_.substr(0, end);
+    typed_.erase(0, end + 1);
+    take_line(line);
+  }
+}
+
+void Steering::take_line(const std::string& line) {
+  const auto first = line.find_first_not_of(" \t\r"), last = line.find_last_not_of(" \t\r%");
+  const bool blank = first == std::string::npos || last == std::string::npos;
+  const std::string word = blank ? "" : line.substr(first, last + 1 - first);
+  if (word.empty()) {
+    if (asking_ || holding_) go_on();
+    return;
+  }
+  const std::uint32_t present = sender_.job_speed();
+  std::uint32_t percent = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), percent);
+  if (word == "+")
+    change_job_speed(present + job_speed_step);
+  else if (word == "-")
+    change_job_speed(present > job_speed_step ? present - job_speed_step : 1);
+  else if (error == std::errc{} && end == word.data() + word.size() && percent > 0)
+    change_job_speed(percent);
+  else
+    progress_.note("type a job speed in percent, + or -; a blank line goes on after a hold");
+}
+
+void Steering::change_job_speed(std::uint32_t percent) {
+  percent = std::min(percent, link::highest_job_speed);
+  sender_.set_job_speed(percent);
+  progress_.note("job speed " + std::to_string(percent) + " %");
 }
 
 void Steering::go_on() {

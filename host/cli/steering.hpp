@@ -1,6 +1,9 @@
-// The user's hand on a running job: Ctrl-C, Enter.
+// The user's hand on a running job: Ctrl-C, Enter, another job speed.
 //
 // In:  interrupts, lines on stdin, the state of the machine. Out: wishes to the sender, notes.
+//      A blank line goes on after a hold; a number is the job speed in percent, + and - change it
+//      by a step. Unless it waits for an answer only a terminal is read: a script that feeds itself
+//      by stdin keeps its lines.
 // Who: run_job, after every step of the sender.
 #pragma once
 
@@ -33,6 +36,8 @@ class Steering {
   void ask_to_go_on(const std::string& why);
   void wait_for_user();
   void take_input(std::chrono::milliseconds wait);
+  void take_line(const std::string& line);
+  void change_job_speed(std::uint32_t percent);
   void stop();
   void go_on();
 
@@ -44,6 +49,8 @@ class Steering {
   bool asking_ = false;   ///< the machine is at rest until the user says
   bool stopping_ = false;
   bool input_ended_ = false;
+  std::string typed_{};  ///< a line that has not ended
+  std::chrono::steady_clock::time_point looked_at_{};
   std::optional<std::chrono::steady_clock::time_point> asked_at_{};
 };
 

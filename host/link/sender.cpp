@@ -56,6 +56,11 @@ std::string describe_setting(std::uint32_t number) {
 
 }  // namespace
 
+std::string go_on_options(std::uint32_t first_unfired, std::uint32_t flashes_fired) {
+  const std::string from = fmt::format("--from {}", first_unfired);
+  return flashes_fired == 0 ? from : from + fmt::format(" --fired {}", flashes_fired);
+}
+
 JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions options)
     : transport_(transport),
       job_(check_first(job, options.first_index)),
@@ -64,7 +69,8 @@ JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions op
       encoder_(job, options_.first_index),
       session_(choose_session(options_.session)),
       // Tags start anywhere, so that an answer to somebody else is not taken for one to us.
-      tag_(session_ & 0x7FFFFFFFu) {
+      tag_(session_ & 0x7FFFFFFFu),
+      job_speed_(options_.job_speed) {
   const std::int64_t dead_man_ms = job.settings.whole(settings::Id::dead_man);
   if (dead_man_ms > 0) {
     const Time quarter{dead_man_ms * us_per_ms / 4};
@@ -117,9 +123,21 @@ std::size_t JobSender::points_fired() const {
   return begun ? status_.first_unfired : options_.first_index;
 }
 
+/// The machine counts shots, and which point is done; what is over was fired at the next one.
+std::uint32_t JobSender::flashes_fired() const {
+  if (job_.header.dry || status_.session != session_) return 0;
+  const std::size_t next = std::min<std::size_t>(status_.first_unfired, job_.targets.size());
+  std::uint64_t done = 0;
+  for (std::size_t i = options_.first_index; i < next; ++i) done += job_.targets[i].shots;
+  if (next == job_.targets.size()) return 0;
+  const std::uint32_t before = next == options_.first_index ? options_.first_fired : 0;
+  return before + (status_.shots > done ? static_cast<std::uint32_t>(status_.shots - done) : 0);
+}
+
 JobResult JobSender::result() const {
   const Time elapsed = phase_ == Phase::ended ? elapsed_ : transport_.now() - started_at_;
-  return {end_, status_, resent_, connection_.bad_frames(), reconnects_, elapsed};
+  return {end_,        status_, flashes_fired(), resent_, connection_.bad_frames(),
+          reconnects_, elapsed};
 }
 
 void JobSender::receive() {
@@ -209,7 +227,8 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
   const bool of_point = refused.type != wire::FrameType::begin;
   const std::string where = of_point ? fmt::format("point {}", refused.value) : "machine";
   // In mid-job nobody shall begin anew: points would be fired twice.
-  const std::string go_on = fmt::format("go on with --from {}", status_.first_unfired);
+  const std::string go_on =
+      "go on with " + go_on_options(status_.first_unfired, flashes_fired());
   const std::string then = of_point ? ", then " + go_on : "";
   switch (refused.result) {
     case Result::busy:
@@ -334,8 +353,9 @@ void JobSender::steer() {
   if (wish_ == Wish::stop) return begin_stop(JobEnd::stopped);
   if (cut_ || !synced_) return;
   const Time now = transport_.now();
-  const bool taken = status_.last_command >= command_number_;
-  if (now - command_at_ < (taken ? options_.status_interval : options_.reply_timeout) &&
+  const bool taken = command_taken();
+  const bool other_speed = taken && job_speed_ != machine_job_speed_;
+  if (!other_speed && now - command_at_ < (taken ? options_.status_interval : options_.reply_timeout) &&
       command_number_ > 0)
     return;
   if (!taken) return send_command();
@@ -344,6 +364,10 @@ void JobSender::steer() {
   const bool firmly_held = held && status_.hold_reason == wire::HoldReason::host;
   if (wish_ == Wish::hold && !firmly_held && (held || status_.state == wire::MachineState::run))
     return command(wire::Command::hold);
+  if (job_speed_ != machine_job_speed_) {
+    machine_job_speed_ = job_speed_;
+    return command(wire::Command::job_speed, machine_job_speed_);
+  }
   if (wish_ != Wish::run) return;
   // A wish to go on is not kept for a later hold.
   if (status_.state == wire::MachineState::run) resume_asked_.store(false);
@@ -357,21 +381,26 @@ void JobSender::steer() {
   }
 }
 
-void JobSender::command(wire::Command what) {
-  command_ = what;
+void JobSender::command(wire::Command what, std::uint32_t value) {
+  command_ = {what, value};
   ++command_number_;
   send_command();
 }
 
 void JobSender::send_command() {
-  const std::array payload{static_cast<std::uint8_t>(command_)};
-  connection_.send({wire::FrameType::command, session_, command_number_}, payload);
+  std::array<std::uint8_t, wire::max_command_size> payload{};
+  wire::ByteWriter out(payload);
+  wire::write_command(out, command_);
+  connection_.send({wire::FrameType::command, session_, command_number_}, out.written());
   command_at_ = transport_.now();
 }
 
 /// Writes frames as far as window and the machine's space go.
 void JobSender::stream() {
   if (phase_ != Phase::stream || cut_ || !synced_) return;
+  // Nothing moves before the machine knows how fast.
+  const bool speed_known = job_speed_ == machine_job_speed_ && command_taken();
+  if (written_ == 0 && !speed_known) return;
   const std::size_t limit = std::size_t{status_.received} + status_.free_points;
   while (connection_.backlog() < most_backlog) {
     if (cursor_ == frames_.size() && !build_frame()) return;
@@ -451,8 +480,7 @@ void JobSender::insist_on_stop() {
       state == MachineState::idle || state == MachineState::alarm || state == MachineState::estop;
   if (stands || status_.session != session_) return finish_stop();
   if (now >= stop_by_) throw_not_stopped();
-  const bool taken = status_.last_command >= command_number_;
-  if (!cut_ && !taken && now - command_at_ >= options_.reply_timeout) send_command();
+  if (!cut_ && !command_taken() && now - command_at_ >= options_.reply_timeout) send_command();
 }
 
 void JobSender::finish_stop() {

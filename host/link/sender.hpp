@@ -1,6 +1,6 @@
 // Sends a job and sees it through to its last shot (docs/wire-format.md, section 2).
 //
-// In:  a job, a transport, the wishes of the user (pause, resume, stop).
+// In:  a job, a transport, the wishes of the user (pause, resume, stop, job speed).
 // Out: frames; progress; at the end how it went.
 // Who: the command line. Not thread-safe but for the wishes, which may come from a signal handler.
 //
@@ -30,6 +30,10 @@
 
 namespace lamplock::link {
 
+/// Job speed, percent of the speed the job was made for.
+inline constexpr std::uint32_t full_job_speed = 100;
+inline constexpr std::uint32_t highest_job_speed = 140;
+
 /// How patient the sender is, and where it starts. All times are times of the transport.
 struct SenderOptions {
   std::chrono::microseconds hello_timeout{3'000'000};  ///< until the first answer
@@ -39,7 +43,9 @@ struct SenderOptions {
   std::chrono::microseconds status_interval{100'000};  ///< between questions when all is well
   std::size_t window_frames = 16;                      ///< frames sent and not acknowledged
   std::size_t first_index = 0;                         ///< go on with a job at this point
+  std::uint32_t first_fired = 0;  ///< flashes of it fired before, not among those of the job
   std::uint32_t session = 0;                           ///< 0 = choose at random
+  std::uint32_t job_speed = full_job_speed;            ///< percent, before anything moves
   bool take_over = false;  ///< stop a job of another host that is still there
   std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
 };
@@ -57,11 +63,15 @@ enum class JobEnd : std::uint8_t {
 struct JobResult {
   JobEnd end = JobEnd::done;
   wire::Status status;           ///< last one received; first_unfired is where to go on
+  std::uint32_t flashes_fired = 0;  ///< at that point, if it wants several
   std::uint64_t resent = 0;      ///< frames sent again
   std::uint64_t bad_frames = 0;  ///< frames from the machine that came in broken
   std::uint64_t reconnects = 0;
   std::chrono::microseconds elapsed{0};
 };
+
+/// Options of the command line with which a job goes on.
+std::string go_on_options(std::uint32_t first_unfired, std::uint32_t flashes_fired);
 
 /// Sends one job. Construct, run(), read the result.
 class JobSender {
@@ -89,6 +99,9 @@ class JobSender {
     wish_.store(Wish::run);
   }
   void stop() noexcept { wish_.store(Wish::stop); }
+  /// 1..highest_job_speed percent, now and until changed.
+  void set_job_speed(std::uint32_t percent) noexcept { job_speed_.store(percent); }
+  std::uint32_t job_speed() const noexcept { return job_speed_.load(); }
 
   /// All points before this index are done.
   std::size_t points_fired() const;
@@ -124,6 +137,7 @@ class JobSender {
   void handle(const std::string& text);
   void refuse_job(const RefusedFrame& frame) const;
   void throw_ended() const;
+  std::uint32_t flashes_fired() const;
   bool take_barrier(const wire::Status& status);
   void acknowledge(const wire::Status& status);
 
@@ -134,7 +148,8 @@ class JobSender {
   void begin();
   void take_over();
   void steer();
-  void command(wire::Command command);
+  bool command_taken() const { return status_.last_command >= command_number_; }
+  void command(wire::Command command, std::uint32_t value = 0);
   void send_command();
   void stream();
   bool build_frame();
@@ -184,7 +199,9 @@ class JobSender {
 
   std::atomic<Wish> wish_{Wish::run};
   std::atomic<bool> resume_asked_{false};
-  wire::Command command_ = wire::Command::hold;
+  std::atomic<std::uint32_t> job_speed_;
+  std::uint32_t machine_job_speed_ = full_job_speed;  ///< as commanded last
+  wire::CommandRequest command_;
   std::uint32_t command_number_ = 0;
   Time command_at_{};
   std::optional<Time> finish_by_;  ///< all done but the machine still moves

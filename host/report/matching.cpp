@@ -106,7 +106,6 @@ class Matcher {
 
   Matching match() {
     Matching result;
-    std::vector<bool> hit(run_.points.size(), false);
     for (std::size_t i = 0; i < run_.shots.size(); ++i) {
       const StepPosition& steps =
           run_.lattice_steps.empty() ? run_.shots[i].steps : run_.lattice_steps[i];
@@ -117,13 +116,10 @@ class Matcher {
         continue;
       }
       open_.fire(point);
-      hit[point] = true;
       expected_ = point;
     }
-    for (std::size_t i = 0; i < hit.size(); ++i) {
-      const bool ordered = run_.shots_ordered.empty() || run_.shots_ordered[i] > 0;
-      if (ordered && !hit[i]) ++result.missed;
-    }
+    for (std::uint32_t i = 0; i < open_.end(); ++i)
+      if (open_.open(i)) ++result.missed;
     return result;
   }
 

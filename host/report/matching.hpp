@@ -15,7 +15,7 @@ inline constexpr std::uint32_t no_point = UINT32_MAX;
 /// Result of matching shots to points.
 struct Matching {
   std::vector<std::uint32_t> point_of_shot;  ///< no_point only if the job has no points
-  std::uint64_t missed = 0;                  ///< points never fired
+  std::uint64_t missed = 0;                  ///< points fired less often than ordered
   std::uint64_t doubled = 0;                 ///< shots beyond those ordered
 };
 

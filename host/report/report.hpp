@@ -78,7 +78,7 @@ struct Report {
   std::optional<double> largest_error_steps;
   /// The same with the position at the real shot: lamp jitter included.
   std::optional<double> largest_jitter_error_steps;
-  std::optional<std::uint64_t> missed;   ///< points never fired
+  std::optional<std::uint64_t> missed;   ///< points fired less often than ordered
   std::optional<std::uint64_t> doubled;  ///< shots beyond those ordered
   std::map<std::string, std::uint64_t> beats_by_reason;
   LinkCounts link;

@@ -26,7 +26,40 @@ enum class FrameType : std::uint8_t {
 };
 
 /// What the host's user wants of a running job. Acts at once, out of turn.
-enum class Command : std::uint8_t { hold = 1, resume = 2, stop = 3 };
+enum class Command : std::uint8_t {
+  hold = 1,
+  resume = 2,
+  stop = 3,
+  lamp_frequency = 4,  ///< value: mHz
+  job_speed = 5        ///< value: percent of the job's speed, 1..140
+};
+
+/// Payload of COMMAND. Only some commands have a value.
+struct CommandRequest {
+  Command command = Command::hold;
+  std::uint32_t value = 0;
+  friend constexpr bool operator==(const CommandRequest&, const CommandRequest&) = default;
+};
+inline constexpr std::size_t max_command_size = 5;
+
+constexpr bool has_value(Command command) { return command >= Command::lamp_frequency; }
+
+constexpr void write_command(ByteWriter& out, const CommandRequest& request) {
+  out.put(static_cast<std::uint8_t>(request.command));
+  if (has_value(request.command)) out.put(request.value);
+}
+
+/// False if it is malformed or unknown.
+constexpr bool read_command(std::span<const std::uint8_t> payload, CommandRequest& request) {
+  ByteReader in(payload);
+  CommandRequest read;
+  read.command = static_cast<Command>(in.take<std::uint8_t>());
+  if (has_value(read.command)) read.value = in.take<std::uint32_t>();
+  if (!in.exhausted() || read.command < Command::hold || read.command > Command::job_speed)
+    return false;
+  request = read;
+  return true;
+}
 
 /// Header of a frame.
 struct FrameHeader {

@@ -145,7 +145,7 @@ TEST_F(InterruptTiming, IdleAfterAStopKnowsEveryShot) {
     ASSERT_NO_FATAL_FAILURE(board.begin(0));
     // Half of the stops in a pass that has an edge.
     while (!board.stop_due() || (seed % 2 == 0 && !board.edge_ahead())) board.pass();
-    board.pass([&] { board.core.on_command(wire::Command::stop); });
+    board.pass([&] { board.core.on_command({wire::Command::stop}); });
     while (board.core.state() != MachineState::idle) board.pass();
     ASSERT_EQ(board.status().first_unfired, board.shots());
     for (int i = 0; i < 4000 && !board.core.runner().at_rest(); ++i) board.pass();

@@ -52,11 +52,14 @@ class FakeMachine {
     ended = true;
     return total == header.points_total && total == queue.end() ? Result::ok : Result::bad_value;
   }
-  Result on_command(wire::Command command) {
-    commands.push_back(command);
+  Result on_command(const wire::CommandRequest& request) {
+    const wire::Command command = request.command;
+    commands.push_back(request);
+    if (command == wire::Command::job_speed) job_speed = request.value;
     if (command == wire::Command::hold) hold(wire::HoldReason::host);
     if (command == wire::Command::resume) run();
     if (command == wire::Command::stop) state = wire::MachineState::idle;
+    if (command == wire::Command::lamp_frequency) return Result::unsupported;
     return Result::ok;
   }
   std::uint32_t refused_value() const { return refused; }
@@ -73,8 +76,9 @@ class FakeMachine {
   /// Fires up to `count` points.
   void fire(std::uint32_t count) {
     while (state == wire::MachineState::run && count-- > 0 && queue.size() > 0) {
-      fired.push_back(queue.begin());
-      queue.mark_done(queue.begin());
+      const std::uint32_t point = queue.begin();
+      fired.push_back(point);
+      while (queue.size() > 0 && queue.begin() == point) queue.mark_done(point);
     }
     if (state == wire::MachineState::run && ended && queue.size() == 0)
       state = wire::MachineState::idle;
@@ -103,7 +107,8 @@ class FakeMachine {
   int lost_lines = 0;
   std::vector<std::uint8_t> realtime;
   std::vector<std::string> lines;
-  std::vector<wire::Command> commands;
+  std::vector<wire::CommandRequest> commands;
+  std::uint32_t job_speed = 100;
   std::vector<motion::Target> received;
   std::vector<std::uint32_t> fired;
 };
