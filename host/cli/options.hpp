@@ -92,8 +92,8 @@ struct BoardOptions {
   std::string report{}, vcd{}, shots{}, timing{};
   LampFaults faults{};
 
-  void add_choice(CLI::App& app);  ///< --board, --image
-  void add_board(CLI::App& app);   ///< these, --yes, --json
+  void add_choice(CLI::App& app);     ///< --board, --image
+  void add_board(CLI::App& app);      ///< these, --yes, --json
   void add_job_speed(CLI::App& app);  ///< --job-speed
   /// --from, --fired, --job-speed, --dry, --report, --vcd, --shots and the lamp's faults
   void add_job(CLI::App& app);

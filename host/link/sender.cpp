@@ -136,8 +136,7 @@ std::uint32_t JobSender::flashes_fired() const {
 
 JobResult JobSender::result() const {
   const Time elapsed = phase_ == Phase::ended ? elapsed_ : transport_.now() - started_at_;
-  return {end_,        status_, flashes_fired(), resent_, connection_.bad_frames(),
-          reconnects_, elapsed};
+  return {end_, status_, flashes_fired(), resent_, connection_.bad_frames(), reconnects_, elapsed};
 }
 
 void JobSender::receive() {
@@ -227,8 +226,7 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
   const bool of_point = refused.type != wire::FrameType::begin;
   const std::string where = of_point ? fmt::format("point {}", refused.value) : "machine";
   // In mid-job nobody shall begin anew: points would be fired twice.
-  const std::string go_on =
-      "go on with " + go_on_options(status_.first_unfired, flashes_fired());
+  const std::string go_on = "go on with " + go_on_options(status_.first_unfired, flashes_fired());
   const std::string then = of_point ? ", then " + go_on : "";
   switch (refused.result) {
     case Result::busy:
@@ -355,7 +353,8 @@ void JobSender::steer() {
   const Time now = transport_.now();
   const bool taken = command_taken();
   const bool other_speed = taken && job_speed_ != machine_job_speed_;
-  if (!other_speed && now - command_at_ < (taken ? options_.status_interval : options_.reply_timeout) &&
+  if (!other_speed &&
+      now - command_at_ < (taken ? options_.status_interval : options_.reply_timeout) &&
       command_number_ > 0)
     return;
   if (!taken) return send_command();

@@ -44,9 +44,9 @@ struct SenderOptions {
   std::size_t window_frames = 16;                      ///< frames sent and not acknowledged
   std::size_t first_index = 0;                         ///< go on with a job at this point
   std::uint32_t first_fired = 0;  ///< flashes of it fired before, not among those of the job
-  std::uint32_t session = 0;                           ///< 0 = choose at random
-  std::uint32_t job_speed = full_job_speed;            ///< percent, before anything moves
-  bool take_over = false;  ///< stop a job of another host that is still there
+  std::uint32_t session = 0;      ///< 0 = choose at random
+  std::uint32_t job_speed = full_job_speed;  ///< percent, before anything moves
+  bool take_over = false;                    ///< stop a job of another host that is still there
   std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
 };
 
@@ -62,10 +62,10 @@ enum class JobEnd : std::uint8_t {
 /// Result of a job that was begun.
 struct JobResult {
   JobEnd end = JobEnd::done;
-  wire::Status status;           ///< last one received; first_unfired is where to go on
+  wire::Status status;              ///< last one received; first_unfired is where to go on
   std::uint32_t flashes_fired = 0;  ///< at that point, if it wants several
-  std::uint64_t resent = 0;      ///< frames sent again
-  std::uint64_t bad_frames = 0;  ///< frames from the machine that came in broken
+  std::uint64_t resent = 0;         ///< frames sent again
+  std::uint64_t bad_frames = 0;     ///< frames from the machine that came in broken
   std::uint64_t reconnects = 0;
   std::chrono::microseconds elapsed{0};
 };

@@ -187,7 +187,8 @@ TEST(Link, CommandsActOnceEachAndOnlyOnTheirJob) {
   bench.frame(FrameType::command, 1, {1});
   bench.frame(FrameType::command, 2, {2});
   bench.frame(FrameType::command, 1, {3});
-  EXPECT_EQ(bench.machine->commands, (std::vector<wire::CommandRequest>{{wire::Command::hold}, {wire::Command::resume}}));
+  EXPECT_EQ(bench.machine->commands,
+            (std::vector<wire::CommandRequest>{{wire::Command::hold}, {wire::Command::resume}}));
   EXPECT_EQ(bench.last_status().last_command, 2u);
   bench.frame(FrameType::command, 3, {4});
   EXPECT_EQ(std::get<RefusedFrame>(bench.messages().at(0)).refused.result, Result::bad_frame);
