@@ -114,6 +114,47 @@ TEST(Engrave, the_rest_of_a_job) {
   expect_exactly(read_shots(folder / "shots.csv"), {points.begin() + 150, points.end()});
 }
 
+TEST(Engrave, several_flashes_at_each_point) {
+  const Folder folder;
+  const std::vector<points::Point> points = walk(60, 3);
+  const std::string list = folder.write("p.xyz", xyz(points));
+  std::vector<points::Point> thrice;
+  for (const points::Point& p : points) thrice.insert(thrice.end(), 3, p);
+  const Json report =
+      run_json({"engrave", list, "--flashes", "3", "--shots", folder / "shots.csv"});
+  EXPECT_EQ(report["points"], 60);
+  EXPECT_EQ(report["shots"], 180);
+  EXPECT_EQ(report["missed"], 0);
+  EXPECT_EQ(report["doubled"], 0);
+  expect_exactly(read_shots(folder / "shots.csv"), thrice);
+  // The same as a job file; the rest of it, one flash of point 20 fired before.
+  const std::string job = folder / "job.llj";
+  ASSERT_EQ(run({"job", list, "--flashes", "3", "-o", job}).status, 0);
+  const Json rest =
+      run_json({"send", job, "--from", "20", "--fired", "1", "--shots", folder / "rest.csv"});
+  EXPECT_EQ(rest["shots"], 119);
+  EXPECT_EQ(rest["missed"], 0);
+  EXPECT_EQ(rest["doubled"], 0);
+  expect_exactly(read_shots(folder / "rest.csv"), {thrice.begin() + 61, thrice.end()});
+}
+
+TEST(Engrave, job_speed_costs_beats_and_nothing_else) {
+  const Folder folder;
+  const std::vector<points::Point> points = walk(100, 3);
+  const std::string list = folder.write("p.xyz", xyz(points));
+  std::vector<int> beats;
+  for (const char* speed : {"100", "50", "20"}) {
+    const Json report = run_json(
+        {"engrave", list, "--lamp", "200", "--job-speed", speed, "--shots", folder / "shots.csv"});
+    expect_each_once(report);
+    expect_exactly(read_shots(folder / "shots.csv"), points);
+    beats.push_back(report["beats"]);
+  }
+  EXPECT_GT(beats[1], 3 * beats[0] / 2);
+  EXPECT_GT(beats[2], 2 * beats[1]);
+  EXPECT_EQ(run({"frame", list, "--job-speed", "30"}).status, 0);
+}
+
 TEST(Engrave, dry_moves_and_never_fires) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(100, 3)));

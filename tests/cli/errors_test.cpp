@@ -92,6 +92,11 @@ TEST(Errors, options_out_of_range) {
   expect_refused(folder, {"engrave", mesh, "--accel", "inf"}, "--accel");
   expect_refused(folder, {"engrave", mesh, "--dropouts", "250"}, "--dropouts");
   expect_refused(folder, {"engrave", mesh, "--from", "1000000"}, "--from 1000000");
+  expect_refused(folder, {"engrave", mesh, "--flashes", "0"}, "--flashes");
+  expect_refused(folder, {"engrave", mesh, "--flashes", "256"}, "--flashes");
+  expect_refused(folder, {"engrave", mesh, "--job-speed", "0"}, "--job-speed");
+  expect_refused(folder, {"engrave", mesh, "--job-speed", "141"}, "--job-speed");
+  expect_refused(folder, {"engrave", mesh, "--flashes", "3", "--fired", "3"}, "--fired 3");
 }
 
 TEST(Errors, results_that_cannot_be_written_are_told_first) {

@@ -31,6 +31,7 @@ class FakeMachine {
   void on_line_too_long() { ++lost_lines; }
   Result on_begin(const wire::JobHeader& job) {
     ++begins;
+    shots = 0;
     if (begin_result != Result::ok) return begin_result;
     if (state != wire::MachineState::idle) return Result::busy;
     header = job;
@@ -70,7 +71,7 @@ class FakeMachine {
     status.free_points = queue.free();
     status.received = queue.end();
     status.first_unfired = queue.begin();
-    status.shots = static_cast<std::uint32_t>(fired.size());
+    status.shots = shots;
   }
 
   /// Fires up to `count` points.
@@ -78,6 +79,7 @@ class FakeMachine {
     while (state == wire::MachineState::run && count-- > 0 && queue.size() > 0) {
       const std::uint32_t point = queue.begin();
       fired.push_back(point);
+      shots += queue.at(point).shots;
       while (queue.size() > 0 && queue.begin() == point) queue.mark_done(point);
     }
     if (state == wire::MachineState::run && ended && queue.size() == 0)
@@ -109,6 +111,7 @@ class FakeMachine {
   std::vector<std::string> lines;
   std::vector<wire::CommandRequest> commands;
   std::uint32_t job_speed = 100;
+  std::uint32_t shots = 0;
   std::vector<motion::Target> received;
   std::vector<std::uint32_t> fired;
 };

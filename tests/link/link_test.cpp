@@ -190,8 +190,36 @@ TEST(Link, CommandsActOnceEachAndOnlyOnTheirJob) {
   EXPECT_EQ(bench.machine->commands,
             (std::vector<wire::CommandRequest>{{wire::Command::hold}, {wire::Command::resume}}));
   EXPECT_EQ(bench.last_status().last_command, 2u);
-  bench.frame(FrameType::command, 3, {4});
-  EXPECT_EQ(std::get<RefusedFrame>(bench.messages().at(0)).refused.result, Result::bad_frame);
+}
+
+TEST(Link, CommandsHaveAValueOrNone) {
+  Bench bench;
+  bench.begin();
+  bench.frame(FrameType::command, 1, {5, 70, 0, 0, 0});
+  EXPECT_EQ(bench.machine->commands,
+            (std::vector<wire::CommandRequest>{{wire::Command::job_speed, 70}}));
+  bench.messages();
+  bench.frame(FrameType::command, 2, {4, 0x40, 0x0D, 0x03, 0});
+  EXPECT_EQ(bench.machine->commands.back(),
+            (wire::CommandRequest{wire::Command::lamp_frequency, 200'000}));
+  EXPECT_EQ(std::get<RefusedFrame>(bench.messages().at(0)).refused.result, Result::unsupported);
+  const std::size_t taken = bench.machine->commands.size();
+  for (const Bytes& bad : {Bytes{},
+                           {0},
+                           {1, 0},
+                           {3, 1, 0, 0, 0},
+                           {5},
+                           {5, 70},
+                           {5, 70, 0, 0},
+                           {5, 70, 0, 0, 0, 0},
+                           {6},
+                           {6, 1, 0, 0, 0},
+                           {255}}) {
+    bench.messages();
+    bench.frame(FrameType::command, 3, bad);
+    EXPECT_EQ(std::get<RefusedFrame>(bench.messages().at(0)).refused.result, Result::bad_frame);
+  }
+  EXPECT_EQ(bench.machine->commands.size(), taken);
 }
 
 TEST(Link, FullQueueIsNotARefusal) {

@@ -171,6 +171,46 @@ struct Bench {
   std::vector<std::uint8_t> payload;
 };
 
+/// A target with several flashes leaves the queue with its last one, and no other with it.
+TEST(PointQueue, FlashesAreTakenOffOneByOne) {
+  auto queue = std::make_unique<PointQueue>();
+  queue->reset(7);
+  for (const int shots : {1, 3, 0, 255})
+    queue->push({{}, 0, static_cast<std::uint8_t>(shots), 0, 0});
+  queue->mark_done(8);  // not its turn
+  EXPECT_EQ(queue->left(8), 3u);
+  std::uint32_t point = 7;
+  for (const std::uint32_t flashes : {1u, 3u, 1u, 255u}) {
+    for (std::uint32_t left = flashes; left > 0; --left) {
+      ASSERT_EQ(queue->begin(), point);
+      ASSERT_EQ(queue->left(point), left);
+      queue->mark_done(point - 1);  // long done
+      queue->mark_done(point);
+    }
+    ++point;
+  }
+  EXPECT_EQ(queue->size(), 0u);
+  queue->mark_done(point);
+  EXPECT_EQ(queue->begin(), point);
+}
+
+TEST(PulseDecoder, ADwellIsATargetInTheSamePlaceWithBeatsAndNoShot) {
+  PulseDecoder decoder;
+  auto queue = std::make_unique<PointQueue>();
+  wire::JobHeader header;
+  header.points_total = 10;
+  decoder.begin(header);
+  // Point, dwell, move of no length with and without beats; a new frame; dwell.
+  const std::vector<std::uint8_t> first{0x01, 5, 0xC2, 9, 0, 0x40, 0xC1, 3, 0, 0x40};
+  const std::vector<std::uint8_t> second{0xC2, 1, 0, 0x41, 2, 0x00};
+  ASSERT_EQ(decoder.decode(first, *queue, everywhere), Result::ok);
+  ASSERT_EQ(decoder.decode(second, *queue, everywhere), Result::ok);
+  std::vector<bool> dwells;
+  for (std::uint32_t i = 0; i < queue->end(); ++i) dwells.push_back(queue->at(i).dwell);
+  EXPECT_EQ(dwells, (std::vector<bool>{false, true, false, true, true, false, false}));
+  EXPECT_EQ(queue->at(1).beats, 9);
+}
+
 TEST(PulseDecoder, OutOfBoundsNamesThePointAndPushesNothing) {
   Bench bench;
   const std::uint32_t wrong = 23;

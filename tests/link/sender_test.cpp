@@ -350,6 +350,59 @@ class LosesCommands : public FaultyTransport {
   int left_;
 };
 
+TEST(Sender, NothingIsSentBeforeTheMachineKnowsItsJobSpeed) {
+  LosesCommands board(4);
+  const job::Job job = random_job(3000, 8);
+  SenderOptions options = fixed_session();
+  options.job_speed = 40;
+  JobSender sender(board, job, options);
+  while (sender.step())
+    if (board.machine.job_speed != 40) {
+      ASSERT_TRUE(board.machine.received.empty());
+    }
+  EXPECT_EQ(board.machine.commands,
+            (std::vector<wire::CommandRequest>{{wire::Command::job_speed, 40}}));
+  expect_each_once(board, job);
+}
+
+TEST(Sender, TheJobSpeedFollowsTheUserThroughHoldsAndABadCable) {
+  for (int seed = 0; seed < test::scaled(10); ++seed) {
+    auto board = cable({.drop = 5e-4, .flip = 5e-4, .cuts = 3}, static_cast<std::uint64_t>(seed));
+    const job::Job job = random_job(20'000, 8);
+    JobSender sender(*board, job, fixed_session());
+    std::size_t round = 0;
+    std::uint32_t wanted = 100;
+    while (sender.step() && board->machine.fired.size() < 15'000) {
+      if (++round % 50 == 0) sender.set_job_speed(wanted = 1 + (wanted * 7 + 13) % 140);
+      if (round % 170 == 0) sender.pause();
+      if (round % 170 == 60) sender.resume();
+    }
+    sender.resume();
+    EXPECT_EQ(sender.run().end, JobEnd::done);
+    EXPECT_EQ(board->machine.job_speed, wanted);
+    expect_each_once(*board, job);
+  }
+}
+
+TEST(Sender, HowManyFlashesOfTheNextPointWereFired) {
+  EXPECT_EQ(go_on_options(12, 0), "--from 12");
+  EXPECT_EQ(go_on_options(12, 3), "--from 12 --fired 3");
+  LosesCommands board(0);
+  job::Job job = random_job(3000, 8);
+  for (motion::Target& target : job.targets) target.shots = 4;
+  SenderOptions options = fixed_session();
+  options.first_index = 500;
+  options.first_fired = 2;
+  JobSender sender(board, job, options);
+  while (board.machine.received.empty()) ASSERT_TRUE(sender.step());
+  EXPECT_EQ(sender.result().flashes_fired, sender.points_fired() == 500 ? 2u : 0u);
+  while (board.machine.fired.size() < 500) ASSERT_TRUE(sender.step());
+  board.machine.shots += 3;  // of the point that is being fired
+  sender.pause();
+  while (sender.status().state != wire::MachineState::hold) ASSERT_TRUE(sender.step());
+  EXPECT_EQ(sender.result().flashes_fired, 3u);
+}
+
 job::Job job_with_a_bad_point(const FaultyTransport& board) {
   job::Job job = random_job(5000, 12);
   job.targets[4321].steps[2] = board.machine.limits.max[2] + 1;

@@ -154,6 +154,15 @@ TEST(Evaluate, MoreShotsOrderedThanOne) {
   EXPECT_EQ(evaluate(run).doubled, 2u);
 }
 
+TEST(Evaluate, FewerShotsThanOrderedAreMissed) {
+  JobRun run = job(10, 1);
+  run.shots_ordered.assign(10, 3);
+  for (std::size_t i = 0; i < 10; ++i)
+    for (int n = 0; n < (i == 4 ? 2 : 3); ++n) add_shot_at_point(run, i);
+  EXPECT_EQ(evaluate(run).missed, 1u);
+  EXPECT_EQ(evaluate(run).doubled, 0u);
+}
+
 TEST(Evaluate, NothingFiredOrNothingToFire) {
   JobRun run = job(100, 1);
   EXPECT_EQ(evaluate(run).missed, 100u);
