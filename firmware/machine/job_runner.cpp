@@ -1,5 +1,6 @@
 #include "firmware/machine/job_runner.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "firmware/motion/profile.hpp"
@@ -231,30 +232,34 @@ bool JobRunner::prepare(bool go) {
 }
 
 void JobRunner::plan(const settings::Values& values, const settings::Values& own) {
-  planned_ = wanted_ != pace_ && plan_with_new_limits(values, own);
-  if (planned_) return;
+  planned_ = wanted_ == pace_ ? plan_with(limits_) : plan_with_new_limits(values, own, wanted_);
+  // From rest a way can only be too long for so slow a machine: then it goes faster this once.
+  Pace faster = wanted_;
+  while (!planned_ && from_rest_ && faster.job_speed < full_job_speed) {
+    faster.job_speed = std::min(2 * faster.job_speed, full_job_speed);
+    planned_ = plan_with_new_limits(values, own, faster);
+  }
+  if (planned_ || wanted_ == pace_) return;
   // The lamp has become faster, or the job shall run more slowly, and the speeds planned under the
   // old limits do not fit into the new ones: the old ones serve once more. At another job speed
   // they end in a rest, from which any limits will do.
   if (wanted_.job_speed != pace_.job_speed) request_.rest[request_.commits() - 1] = true;
-  request_.limits = &limits_;
-  planned_ = planner_.plan(request_, failed_) == Result::ok;
+  planned_ = plan_with(limits_);
 }
 
-bool JobRunner::plan_with_new_limits(const settings::Values& values, const settings::Values& own) {
-  if (wanted_.job_speed > fastest_) fastest_ = wanted_.job_speed;
-  make_limits(values, own, {wanted_.tick_q16, fastest_}, brake_limits_);
-  request_.limits = &new_limits_;
-  for (Pace pace = wanted_;; pace.job_speed *= 2) {
-    if (make_limits(values, own, pace, new_limits_) &&
-        planner_.plan(request_, failed_) == Result::ok) {
-      limits_ = new_limits_;
-      pace_ = pace;
-      return true;
-    }
-    // From rest a way can only be too long for so slow a machine: then it goes faster this once.
-    if (!from_rest_ || 2 * pace.job_speed > full_job_speed) return false;
-  }
+bool JobRunner::plan_with(const motion::Limits& limits) {
+  request_.limits = &limits;
+  return planner_.plan(request_, failed_) == Result::ok;
+}
+
+bool JobRunner::plan_with_new_limits(const settings::Values& values, const settings::Values& own,
+                                     const Pace& pace) {
+  if (pace.job_speed > fastest_) fastest_ = pace.job_speed;
+  make_limits(values, own, {pace.tick_q16, fastest_}, brake_limits_);
+  if (!make_limits(values, own, pace, new_limits_) || !plan_with(new_limits_)) return false;
+  limits_ = new_limits_;
+  pace_ = pace;
+  return true;
 }
 
 Result JobRunner::commit() {

@@ -145,7 +145,9 @@ class JobRunner {
   bool prepare_start();
   std::uint64_t start_beat() const;
   void start_later();
-  bool plan_with_new_limits(const settings::Values& values, const settings::Values& own);
+  bool plan_with(const motion::Limits& limits);
+  bool plan_with_new_limits(const settings::Values& values, const settings::Values& own,
+                            const Pace& pace);
   bool make_limits(const settings::Values& values, const settings::Values& own, const Pace& pace,
                    motion::Limits& limits) const;
   void commit_plan();

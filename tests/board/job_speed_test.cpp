@@ -79,7 +79,13 @@ TEST(JobSpeed, HalfTheSpeedIsTwiceTheBeats) {
 /// A way too long for the slowest speeds is run, not refused.
 TEST(JobSpeed, TheSlowestSpeedStillArrives) {
   const job::Profile profile = lamp_profile(4000);
-  const job::Job job = job::make_job({{-50, 0, 0}, {50, 50, 50}, {50, 50, 49.9}}, profile, {});
+  points::PointCloud cloud{{-50, 0, 0}};
+  for (int i = 0; i < 40; ++i) {
+    // Far ways among short ones.
+    const double x = i % 13 == 12 ? -cloud.back().x : cloud.back().x;
+    cloud.push_back({x, i * 0.05, -i * 0.1});
+  }
+  const job::Job job = job::make_job(cloud, profile, {});
   Rig rig(profile);
   link::SenderOptions options = session(1);
   options.job_speed = 1;

@@ -142,6 +142,35 @@ TEST(Port, a_simulation_is_engraved_like_hardware) {
             (std::vector<std::string>{"cloud.png", "report.json"}));
 }
 
+TEST(Port, another_job_speed_from_the_keyboard) {
+  const Folder folder;
+  const auto points = walk(600, 4, 0.05);
+  const std::string list = folder.write("p.xyz", xyz(points));
+  Running sim({"sim", "--tcp", "127.0.0.1:0", "--lamp", "200", "--shots", folder / "shots.csv"});
+  ASSERT_TRUE(sim.wait_for("Ctrl-C"));
+  InTerminal engrave({"engrave", list, "--lamp", "200", "--board", tcp_address(sim), "--yes",
+                      "--job-speed", "90"});
+  ASSERT_TRUE(engrave.wait_for("engraving"));
+  engrave.type("70\n");
+  ASSERT_TRUE(engrave.wait_for("job speed 70 %"));
+  engrave.type("+\n-\n-\n");
+  ASSERT_TRUE(engrave.wait_for("job speed 80 %"));
+  ASSERT_TRUE(engrave.wait_for("job speed 70 %"));
+  ASSERT_TRUE(engrave.wait_for("job speed 60 %"));
+  engrave.type("slower\n");
+  ASSERT_TRUE(engrave.wait_for("type a job speed in percent"));
+  engrave.type("\x03");
+  ASSERT_TRUE(engrave.wait_for("Enter to resume"));
+  engrave.type("1000 %\n");
+  ASSERT_TRUE(engrave.wait_for("job speed 140 %"));
+  engrave.type("\n");
+  ASSERT_TRUE(engrave.wait_for("resuming"));
+  EXPECT_EQ(engrave.finish().status, 0);
+  sim.interrupt();
+  EXPECT_EQ(sim.finish().status, 0);
+  EXPECT_EQ(read_shots(folder / "shots.csv").size(), points.size());
+}
+
 TEST(Port, interrupted_held_stopped_and_gone_on_with) {
   const Folder folder;
   const auto points = walk(400, 4, 0.05);

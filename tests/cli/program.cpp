@@ -1,10 +1,13 @@
 #include "tests/cli/program.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -17,6 +20,19 @@ namespace lamplock::cli::test {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// A command line as execv() wants it.
+struct Words {
+  explicit Words(const std::vector<std::string>& arguments) {
+    texts.insert(texts.end(), arguments.begin(), arguments.end());
+    for (std::string& text : texts) argv.push_back(text.data());
+    argv.push_back(nullptr);
+  }
+  std::vector<std::string> texts{LAMPLOCK_PROGRAM};
+  std::vector<char*> argv;
+};
+
+int exit_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
 void redirect(const std::string& file, int flags, int to) {
   const int descriptor = ::open(file.c_str(), flags, 0600);
@@ -62,19 +78,14 @@ std::vector<std::string> lines(const std::string& text) {
 }
 
 Running::Running(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words{LAMPLOCK_PROGRAM};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
+  const Words words(arguments);
   const std::string out = folder_ / "out", err = folder_ / "err";
   process_ = ::fork();
   if (process_ != 0) return;
   redirect("/dev/null", O_RDONLY, STDIN_FILENO);
   redirect(out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   redirect(err, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
-  ::execv(LAMPLOCK_PROGRAM, argv.data());
+  ::execv(LAMPLOCK_PROGRAM, words.argv.data());
   ::_exit(127);
 }
 
@@ -100,8 +111,61 @@ Finished Running::finish() {
   int status = 0;
   ::waitpid(process_, &status, 0);
   process_ = -1;
-  const int exit = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return {exit, out(), err()};
+  return {exit_of(status), out(), err()};
+}
+
+InTerminal::InTerminal(const std::vector<std::string>& arguments) {
+  const Words words(arguments);
+  process_ = ::forkpty(&terminal_, nullptr, nullptr, nullptr);
+  if (process_ != 0) return;
+  ::execv(LAMPLOCK_PROGRAM, words.argv.data());
+  ::_exit(127);
+}
+
+InTerminal::~InTerminal() {
+  if (process_ > 0) {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+  }
+  ::close(terminal_);
+}
+
+/// False once the program has closed its end.
+bool InTerminal::read_more(int wait_ms) {
+  pollfd watched{terminal_, POLLIN, 0};
+  if (::poll(&watched, 1, wait_ms) <= 0) return true;
+  std::array<char, 4096> text{};
+  const ssize_t count = ::read(terminal_, text.data(), text.size());
+  if (count > 0) shown_.append(text.data(), static_cast<std::size_t>(count));
+  return count > 0;
+}
+
+bool InTerminal::wait_for(const std::string& text) {
+  using namespace std::chrono_literals;
+  const auto until = std::chrono::steady_clock::now() + 20s;
+  bool open = true;
+  while (open && std::chrono::steady_clock::now() < until) {
+    const auto at = shown_.find(text, seen_);
+    if (at != std::string::npos) {
+      seen_ = at + text.size();
+      return true;
+    }
+    open = read_more(20);
+  }
+  return false;
+}
+
+void InTerminal::type(const std::string& text) const {
+  if (::write(terminal_, text.data(), text.size()) < 0) ::kill(process_, SIGKILL);
+}
+
+Finished InTerminal::finish() {
+  while (read_more(1000)) {
+  }
+  int status = 0;
+  ::waitpid(process_, &status, 0);
+  process_ = -1;
+  return {exit_of(status), shown_, {}};
 }
 
 Finished run(const std::vector<std::string>& arguments) { return Running(arguments).finish(); }

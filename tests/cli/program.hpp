@@ -59,6 +59,29 @@ class Running {
   pid_t process_ = -1;
 };
 
+/// A run in a terminal of its own: stdin, stdout and stderr.
+class InTerminal {
+ public:
+  explicit InTerminal(const std::vector<std::string>& arguments);
+  ~InTerminal();
+  InTerminal(const InTerminal&) = delete;
+  InTerminal& operator=(const InTerminal&) = delete;
+
+  /// Waits until it has shown this, after what was waited for before; false after some seconds.
+  bool wait_for(const std::string& text);
+  void type(const std::string& text) const;
+  /// Waits for its end; what it has shown is in `out`.
+  Finished finish();
+
+ private:
+  bool read_more(int wait_ms);
+
+  int terminal_ = -1;
+  pid_t process_ = -1;
+  std::string shown_;
+  std::size_t seen_ = 0;
+};
+
 /// Runs to the end.
 Finished run(const std::vector<std::string>& arguments);
 
