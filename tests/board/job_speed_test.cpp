@@ -129,8 +129,8 @@ TEST(JobSpeed, TakesEffectBehindWhatIsCommitted) {
     const job::Profile profile = lamp_profile(seed % 2 == 0 ? 100 : 500);
     job::JobOptions options;
     options.mode = both_modes[seed / 2 % 2];
-    job::Job job = job::make_job(histogram_walk(180, number), profile, options);
-    constexpr std::size_t stands = 135;  // its third flash finds the machine at rest
+    job::Job job = job::make_job(histogram_walk(200, number), profile, options);
+    constexpr std::size_t stands = 150;  // its third flash finds the machine at rest
     job.targets[stands].shots = 6;
     Rig rig(profile);
     BoardCable cable(rig);
@@ -196,13 +196,13 @@ TEST(HoldAndResume, EveryPointAsOrderedAndNoShotInBetween) {
 /// A host that delivers whenever it likes: the machine stops in time, and goes on by itself.
 TEST(Starvation, BurstsOfPointsCostBeatsAndNothingElse) {
   std::uint32_t starved = 0;
-  for (int seed = 0; seed < scaled(80); ++seed) {
+  for (int seed = 0; seed < scaled(20); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const auto number = static_cast<std::uint64_t>(seed);
     std::mt19937_64 random(number);
     job::Profile profile = lamp_profile(seed % 3 == 0 ? 1000 : 100);
     profile.settings.set_milli(Id::dead_man, 0);
-    const job::Job job = mixed_job(profile, 100, number, both_modes[seed % 2]);
+    const job::Job job = mixed_job(profile, 1500, number, both_modes[seed % 2]);
     Rig rig(profile, {.dropout = seed % 4 == 3 ? 0.03 : 0.0, .seed = number + 1});
     rig.board.set_planning_time(seed % 5 * 4 * ps_per_ms);
     BoardCable cable(rig);
