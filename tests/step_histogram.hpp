@@ -1,5 +1,5 @@
 // Walks through space whose steps are as long as those of a real engraved object
-// (data/glass_tables.hpp).
+// (host/bench/glass_tables.hpp).
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <random>
 
+#include "host/bench/glass_tables.hpp"
 #include "host/points/point.hpp"
-#include "tests/data/glass_tables.hpp"
 
 namespace lamplock::test {
 
@@ -18,13 +18,13 @@ inline points::PointCloud histogram_walk(std::size_t count, std::uint64_t seed,
                                          double half_size_mm = 45) {
   std::mt19937_64 random(seed);
   std::normal_distribution<> normal;
-  std::array<double, glass_step_lengths.size()> shares{};
-  for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = glass_step_lengths[i].fraction;
+  std::array<double, bench::glass_step_lengths.size()> shares{};
+  for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = bench::glass_step_lengths[i].fraction;
   std::discrete_distribution<std::size_t> pick(shares.begin(), shares.end());
   points::PointCloud cloud;
   std::array<double, 3> at{};
   for (std::size_t i = 0; i < count; ++i) {
-    const double length_mm = glass_step_lengths[pick(random)].step_um / 1000;
+    const double length_mm = bench::glass_step_lengths[pick(random)].step_um / 1000;
     std::array<double, 3> way{normal(random), normal(random), normal(random)};
     const double norm = std::hypot(way[0], way[1], way[2]);
     for (std::size_t a = 0; a < 3; ++a) {

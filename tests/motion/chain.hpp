@@ -1,20 +1,18 @@
 // Random chains of points and the way the firmware plans them, for tests of planner and stepper.
 //
-// A chain is planned as the machine does it: windows of `window_points` points, of which the first
-// `commit_points` are committed. Every window is handed to an observer before it is committed.
+// A chain is planned as the machine does it (host/bench/plan_stream.hpp). Every window is handed to
+// an observer before it is committed.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <random>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
-#include "firmware/motion/planner.hpp"
+#include "host/bench/machine.hpp"
+#include "host/bench/plan_stream.hpp"
 
 namespace lamplock::test {
 
@@ -25,50 +23,11 @@ struct Chain {
   std::vector<motion::Target> targets;
 };
 
-/// Every segment of a chain, and the beats of each.
-struct ChainPlan {
-  Result result = Result::ok;
-  std::vector<stepper::Segment> segments;
-  std::vector<std::int32_t> beats;
-
-  long total_beats() const {
-    long sum = 0;
-    for (const std::int32_t b : beats) sum += b;
-    return sum;
-  }
-};
-
-/// Sees every window: the planner after planning it, and what it was asked.
-using WindowObserver = std::function<void(const motion::Planner&, const motion::PlanRequest&)>;
-
-/// Settings of a machine whose axes are all alike; work space as large as the table allows.
-inline settings::Values machine_settings(double lamp_hz, double accel_m_s2, double speed_m_s,
-                                         int axes, double steps_per_mm) {
-  using settings::Id;
-  settings::Values values;
-  const auto milli = [](double v) { return static_cast<std::int32_t>(std::lround(v * 1000)); };
-  values.set_milli(Id::lamp_frequency, milli(lamp_hz));
-  values.set_milli(Id::axes, axes * 1000);
-  for (int a = 0; a < max_axes; ++a) {
-    using settings::for_axis;
-    values.set_milli(for_axis(Id::steps_per_mm_x, a), milli(steps_per_mm));
-    values.set_milli(for_axis(Id::acceleration_x, a), milli(accel_m_s2 * 1e3));
-    values.set_milli(for_axis(Id::max_rate_x, a), milli(speed_m_s * 6e4));
-    values.set_milli(for_axis(Id::travel_x, a), 2'000'000);
-    values.set_milli(for_axis(Id::min_corner_x, a), -1'000'000);
-  }
-  return values;
-}
-
-/// Limits of such a machine on its nominal beat.
-inline motion::Limits limits_of(const settings::Values& values,
-                                std::uint32_t tick_q16 = full_tick_q16) {
-  motion::Limits limits;
-  std::uint16_t setting = 0;
-  if (motion::make_limits(values, beat_ticks(values), tick_q16, limits, setting) != Result::ok)
-    throw std::runtime_error("setting " + std::to_string(setting) + " refused");
-  return limits;
-}
+using bench::limits_of;
+using bench::machine_settings;
+using bench::rest_at_zero;
+using bench::WindowObserver;
+using ChainPlan = bench::StreamPlan;
 
 /// Sets the work space to the bounding box of the points and the start at zero.
 inline void tighten_work_space(Chain& chain) {
@@ -123,47 +82,12 @@ inline Chain random_chain(std::mt19937_64& random, std::size_t points) {
   return chain;
 }
 
-/// Rest at the machine's zero, on lattice tick 0.
-inline stepper::MotionState rest_at_zero() {
-  stepper::MotionState state;
-  for (stepper::AxisState& axis : state.axis) axis.position_q64 = stepper::middle_of_step(0);
-  return state;
-}
-
 /// Plans a chain as the machine does. `queued_at_once` is how far the queue is filled ahead.
 inline ChainPlan plan_chain(const Chain& chain, motion::Planner& planner,
                             const WindowObserver& observe = {},
                             std::uint32_t queued_at_once = motion::PointQueue::capacity) {
-  constexpr std::uint32_t window = motion::window_points;
-  const auto queue = std::make_unique<motion::PointQueue>();
-  const auto total = static_cast<std::uint32_t>(chain.targets.size());
-  queue->reset(0);
-  ChainPlan plan;
-  motion::PlanRequest request;
-  request.queue = queue.get();
-  request.mode = chain.mode;
-  request.limits = &chain.limits;
-  request.start = rest_at_zero();
-  for (std::uint32_t next = 0; next < total;) {
-    while (queue->end() < total && queue->size() < std::max(queued_at_once, window))
-      queue->push(chain.targets[queue->end()]);
-    request.count = std::min(window, total - next);
-    for (std::uint32_t i = 0; i < request.count; ++i) request.points[i] = next + i;
-    request.rest_at_end = next + request.count == total;
-    std::uint32_t failed = 0;
-    plan.result = planner.plan(request, failed);
-    if (plan.result != Result::ok) return plan;
-    if (observe) observe(planner, request);
-    const std::uint32_t commit = request.commits();
-    for (std::uint32_t i = 0; i < commit; ++i) {
-      plan.segments.push_back(planner.segment(i));
-      plan.beats.push_back(planner.beats(i));
-      queue->mark_done(next + i);
-    }
-    request.start = plan.segments.back().end;
-    next += commit;
-  }
-  return plan;
+  return bench::plan_stream(chain.limits, chain.targets, {chain.mode, queued_at_once}, planner,
+                            observe);
 }
 
 }  // namespace lamplock::test

@@ -7,8 +7,7 @@
 #include <random>
 
 #include "firmware/motion/profile.hpp"
-#include "tests/motion/chain.hpp"
-#include "tests/motion/tick_sum.hpp"
+#include "tests/motion/plan_checks.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::motion {
@@ -16,116 +15,7 @@ namespace {
 
 using test::Chain;
 using test::ChainPlan;
-using test::native;
-
-constexpr double unit_q64 = 18446744073709551616.0;  // 2^64
-
-/// Steps between an exact position and the middle of a step.
-double off_by(Int128 position_q64, std::int32_t step) {
-  return static_cast<double>(native(position_q64 - stepper::middle_of_step(step))) / unit_q64;
-}
-
-/// Work space at a position: the step that the axis shows there.
-bool in_work_space(const AxisLimits& axis, Int128 position_q64) {
-  return axis.min_steps <= position_q64.hi() && position_q64.hi() <= axis.max_steps;
-}
-
-/// Joins: a segment starts where and when the one before it ended, and as fast.
-void expect_joined(const Chain& chain, const MotionState& from, const Segment& s,
-                   std::int32_t beats) {
-  ASSERT_EQ(s.start_tick, from.tick);
-  ASSERT_GE(beats, 1);
-  ASSERT_EQ(s.ticks, static_cast<std::uint32_t>(beats) * chain.limits.beat_ticks);
-  ASSERT_EQ(s.end.tick, s.start_tick + s.ticks);
-  for (int a = 0; a < chain.limits.axes; ++a) {
-    const AxisProfile& p = s.axis[index(a)];
-    ASSERT_EQ(p.ticks(), s.ticks);
-    ASSERT_EQ(p.speed_q62, from.axis[index(a)].speed_q62);
-    ASSERT_EQ(native(s.end.axis[index(a)].position_q64),
-              native(from.axis[index(a)].position_q64 + (stepper::displacement_q62(p) << 2)));
-    ASSERT_LE(abs64(p.end_speed_q62() - s.end.axis[index(a)].speed_q62),
-              2 * static_cast<std::int64_t>(p.tail_ticks));
-  }
-}
-
-/// The point: in the middle of its step on every axis, the shot as ordered.
-void expect_at_point(const Chain& chain, const Segment& s, std::uint32_t point) {
-  const Target& target = chain.targets[point];
-  ASSERT_TRUE(s.ends_point);
-  ASSERT_EQ(s.point, point);
-  ASSERT_EQ(s.shot.present, target.shots != 0);
-  if (s.shot.present) {
-    ASSERT_GE(s.shot.half_window_ticks, 1u);
-    ASSERT_LE(s.shot.half_window_ticks, chain.limits.beat_ticks / 4);
-  }
-  for (int a = 0; a < chain.limits.axes; ++a) {
-    const Int128 at = s.end.axis[index(a)].position_q64;
-    ASSERT_EQ(at.hi(), target.steps[index(a)]);
-    // 1e-6 step, and what evenness of the accelerations costs over very long segments.
-    const double n = s.ticks;
-    ASSERT_LT(std::fabs(off_by(at, target.steps[index(a)])), 1e-6 + 2 * n * n / 4.6e18);
-  }
-}
-
-/// Limits by the ends of the phases and by excursions.
-void expect_limits(const Chain& chain, const MotionState& from, const Segment& s) {
-  for (int a = 0; a < chain.limits.axes; ++a) {
-    const AxisLimits& axis = chain.limits.axis[index(a)];
-    const AxisProfile& p = s.axis[index(a)];
-    for (const std::int64_t speed : {p.speed_q62, p.cruise_speed_q62(), p.end_speed_q62()})
-      ASSERT_LE(abs64(speed), axis.speed_q62);
-    ASSERT_LE(abs64(p.lead_accel_q62), axis.accel_q62);
-    ASSERT_LE(abs64(p.tail_accel_q62), axis.accel_q62);
-    const Excursion e = excursion(p);
-    const Int128 start = from.axis[index(a)].position_q64;
-    ASSERT_TRUE(in_work_space(axis, start + (e.low_q62 << 2)));
-    ASSERT_TRUE(in_work_space(axis, start + (e.high_q62 << 2)));
-  }
-}
-
-/// The same by looking at every tick.
-void expect_limits_tick_by_tick(const Chain& chain, const MotionState& from, const Segment& s) {
-  for (int a = 0; a < chain.limits.axes; ++a) {
-    const AxisLimits& axis = chain.limits.axis[index(a)];
-    const Int128 start = from.axis[index(a)].position_q64;
-    const test::TickSum sum = test::sum_ticks(s.axis[index(a)]);
-    ASSERT_LE(sum.largest_speed_q62, axis.speed_q62);
-    ASSERT_LE(sum.largest_accel_q62, axis.accel_q62);
-    ASSERT_TRUE(in_work_space(axis, start + (test::to_int128(sum.lowest_q62) << 2)));
-    ASSERT_TRUE(in_work_space(axis, start + (test::to_int128(sum.highest_q62) << 2)));
-    ASSERT_EQ(native(s.end.axis[index(a)].position_q64),
-              native(start + (test::to_int128(sum.end_q62) << 2)));
-  }
-}
-
-void expect_valid(const Chain& chain, const ChainPlan& plan, long& ticks_to_sum) {
-  ASSERT_EQ(plan.result, Result::ok);
-  ASSERT_EQ(plan.segments.size(), chain.targets.size());
-  MotionState from = test::rest_at_zero();
-  for (std::uint32_t i = 0; i < plan.segments.size(); ++i) {
-    const Segment& s = plan.segments[i];
-    SCOPED_TRACE(testing::Message() << "segment " << i);
-    ASSERT_NO_FATAL_FAILURE(expect_joined(chain, from, s, plan.beats[i]));
-    ASSERT_NO_FATAL_FAILURE(expect_at_point(chain, s, i));
-    ASSERT_NO_FATAL_FAILURE(expect_limits(chain, from, s));
-    if (ticks_to_sum > 0 && i % 5 == 0) {
-      ticks_to_sum -= s.ticks;
-      ASSERT_NO_FATAL_FAILURE(expect_limits_tick_by_tick(chain, from, s));
-    }
-    if (chain.targets[i].beats != 0) {
-      ASSERT_EQ(plan.beats[i], chain.targets[i].beats);
-    }
-    from = s.end;
-  }
-  ASSERT_TRUE(from.at_rest());
-}
-
-/// The stored tail to rest: braking from the end of what is committed stays in the work space.
-void expect_stop_inside(const Chain& chain, const MotionState& from) {
-  const Segment brake = make_brake(from, chain.limits);
-  ASSERT_TRUE(brake.end.at_rest());
-  expect_limits(chain, from, brake);
-}
+using test::in_work_space;
 
 TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
   Planner planner;
@@ -134,14 +24,14 @@ TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4100);
     Chain chain = test::random_chain(random, 100);
     const auto can_stop = [&chain](const Planner& p, const PlanRequest& request) {
-      expect_stop_inside(chain, p.segment(request.commits() - 1).end);
+      ASSERT_EQ(test::window_fault(chain, p, request), test::Fault{});
     };
     long free_beats = 0;
     for (const JoinMode mode : {JoinMode::free, JoinMode::start_stop}) {
       chain.mode = mode;
       const ChainPlan plan = test::plan_chain(chain, planner, can_stop);
       long ticks_to_sum = 600'000;
-      ASSERT_NO_FATAL_FAILURE(expect_valid(chain, plan, ticks_to_sum));
+      ASSERT_EQ(test::plan_fault(chain, plan, ticks_to_sum), test::Fault{});
       if (mode == JoinMode::free) {
         free_beats = plan.total_beats();
       } else {
@@ -202,7 +92,7 @@ TEST(Planner, FixedBeatsAreKept) {
       chain.targets[k].beats = static_cast<std::uint16_t>(plan.beats[k]);
     const ChainPlan ordered = test::plan_chain(chain, planner);
     long ticks_to_sum = 0;
-    ASSERT_NO_FATAL_FAILURE(expect_valid(chain, ordered, ticks_to_sum));
+    ASSERT_EQ(test::plan_fault(chain, ordered, ticks_to_sum), test::Fault{});
   }
 }
 
@@ -258,7 +148,7 @@ TEST(Planner, NeverPromisesWhatItsNumbersCannotHold) {
       continue;
     }
     long ticks_to_sum = 0;
-    ASSERT_NO_FATAL_FAILURE(expect_valid(chain, plan, ticks_to_sum)) << "machine " << i;
+    ASSERT_EQ(test::plan_fault(chain, plan, ticks_to_sum), test::Fault{}) << "machine " << i;
   }
   EXPECT_GT(refused, 0);
 }

@@ -4,12 +4,13 @@
 // obiektów trójwymiarowych w szkle" (Mechatronic positioning of a pulsed laser beam in devices
 // forming three-dimensional objects in glass), Białystok University of Technology: 53 measured
 // times of one object of 16 179 points. The histogram of step lengths was fitted to these rows
-// (lengths along one axis); it is not that of the real object.
+// (lengths along one axis); it is not that of the real object. The tables as published are
+// tests/data/*.csv; a test holds these here against them.
 #pragma once
 
 #include <array>
 
-namespace lamplock::test {
+namespace lamplock::bench {
 
 inline constexpr int glass_points = 16'179;
 
@@ -48,4 +49,4 @@ inline constexpr std::array<StartStopTime, 53> glass_start_stop_times{{
     {100, 0.1, 7.5, 189},
 }};
 
-}  // namespace lamplock::test
+}  // namespace lamplock::bench

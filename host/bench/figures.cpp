@@ -1,0 +1,100 @@
+#include "host/bench/figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+
+#include "host/bench/machine.hpp"
+#include "host/bench/plan_stream.hpp"
+
+namespace lamplock::bench {
+namespace {
+
+/// Of walks: a machine of 1 m/s cannot have many more, one step a microsecond being the fastest.
+constexpr double steps_per_mm = 500;
+/// Steps of 1 um, in which the lengths of the histogram are given.
+constexpr double fine_steps_per_mm = 1000;
+
+double beats_per_point(const motion::Limits& limits, const std::vector<motion::Target>& targets,
+                       motion::JoinMode mode) {
+  const auto planner = std::make_unique<motion::Planner>();
+  StreamOptions options;
+  options.mode = mode;
+  const StreamPlan plan = plan_stream(limits, targets, options, *planner);
+  if (plan.result != Result::ok)
+    throw std::runtime_error("point " + std::to_string(plan.beats.size()) + " cannot be reached");
+  return static_cast<double>(plan.total_beats()) / static_cast<double>(targets.size());
+}
+
+/// True if the time of a step is a whole number of beats but for rounding.
+bool ends_on_a_beat(const StartStopTime& row, double way_m) {
+  const double a = row.accel_m_s2, v = row.speed_m_s;
+  const double time_s = std::sqrt(way_m * a) <= v ? 2 * std::sqrt(way_m / a) : way_m / v + v / a;
+  const double beats = time_s * row.lamp_hz;
+  return std::fabs(beats - std::round(beats)) < 1e-9;
+}
+
+}  // namespace
+
+Figures figures_of(const motion::Limits& limits, const std::vector<motion::Target>& targets,
+                   const PointsPlanned& planned) {
+  using motion::JoinMode;
+  const std::size_t count = targets.size();
+  // Three plans and the search, each counted as a third of the points but the shortest.
+  std::size_t told = 0;
+  const auto tell = [&](std::size_t done) {
+    if (planned) planned(done - told);
+    told = done;
+  };
+  Figures figures;
+  figures.start_stop = beats_per_point(limits, targets, JoinMode::start_stop);
+  if (can_plan(JoinMode::path)) figures.path = beats_per_point(limits, targets, JoinMode::path);
+  tell(count / 3);
+  figures.free = beats_per_point(limits, targets, JoinMode::free);
+  tell(count / 3 * 2);
+  const ReferenceResult best = fewest_beats(
+      problem_of(limits, targets), [&](std::size_t done) { tell(count / 3 * 2 + done / 3); });
+  tell(count);
+  figures.optimum = static_cast<double>(best.beats) / static_cast<double>(count);
+  figures.labels = static_cast<double>(best.labels) / static_cast<double>(count);
+  return figures;
+}
+
+double measured_beats(const StartStopTime& row) { return row.lamp_hz * row.time_s / glass_points; }
+
+double start_stop_on_one_axis(const StartStopTime& row) {
+  const motion::Limits limits =
+      limits_of(machine_settings(row.lamp_hz, row.accel_m_s2, row.speed_m_s, 1, fine_steps_per_mm));
+  const std::vector<int> counts = step_counts(glass_points);
+  double beats = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const double step_um = glass_step_lengths[i].step_um;
+    motion::Target target;
+    target.steps[0] =
+        static_cast<std::int32_t>(step_um) - (ends_on_a_beat(row, step_um * 1e-6) ? 1 : 0);
+    beats += counts[i] * beats_per_point(limits, {target}, motion::JoinMode::start_stop);
+  }
+  return beats / glass_points;
+}
+
+Figures walk_figures(const Machine& machine, int points, std::uint64_t seed,
+                     const PointsPlanned& planned) {
+  constexpr int axes = 2;
+  const motion::Limits limits = limits_of(
+      machine_settings(machine.lamp_hz, machine.accel_m_s2, machine.speed_m_s, axes, steps_per_mm));
+  return figures_of(limits, histogram_walk(points, axes, steps_per_mm, seed), planned);
+}
+
+Figures course_figures(const PulseCourse& row, std::uint64_t seed, const PointsPlanned& planned) {
+  settings::Values values = machine_settings(pulse_machine.lamp_hz, pulse_machine.accel_m_s2,
+                                             pulse_machine.speed_m_s, 2, steps_per_mm);
+  const auto jump_milli = static_cast<std::int32_t>(std::lround(row.corner_jump_mm_s * 1000));
+  for (int a = 0; a < 2; ++a)
+    values.set_milli(settings::for_axis(settings::Id::speed_jump_x, a), jump_milli);
+  return figures_of(limits_of(values), course(row.shape, pulse_points, steps_per_mm, seed),
+                    planned);
+}
+
+}  // namespace lamplock::bench
