@@ -2,8 +2,8 @@
 // one.
 //
 // Each is checked for speed and acceleration of every axis, work space, exact end points, exact
-// beats, and at every commitment for a tail to rest inside all limits; the phases analytically, a
-// hundredth of the chains tick by tick.
+// beats, and at every commitment for a tail to rest inside all limits: a brake. The phases
+// analytically, a hundredth of the chains tick by tick.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -40,9 +40,11 @@ Fault every_tick(const Chain& chain, const ChainPlan& plan) {
 }
 
 /// What is wrong with chain `number`, in either mode.
-Fault fault_of(std::uint64_t number, Planner& planner, long& stops) {
+Fault fault_of(std::uint64_t number, Planner& planner) {
   std::mt19937_64 random(number * 0x9e3779b97f4a7c15u + 4700);
-  Chain chain = test::random_chain(random, 3 + random() % 22);
+  // Mostly short ones; one in eight takes several windows.
+  const std::size_t points = random() % 8 == 0 ? 40 + random() % 80 : 3 + random() % 22;
+  Chain chain = test::random_chain(random, points);
   // Seven of eight free: resting everywhere is the simpler thing.
   chain.mode = random() % 8 == 0 ? JoinMode::start_stop : JoinMode::free;
   Fault fault;
@@ -51,7 +53,6 @@ Fault fault_of(std::uint64_t number, Planner& planner, long& stops) {
         if (!fault) fault = test::window_fault(chain, p, request);
       });
   if (fault) return fault;
-  stops += static_cast<long>(plan.rests);
   long no_ticks = 0;
   fault = test::plan_fault(chain, plan, no_ticks);
   if (!fault && number % tick_by_tick_every == 0) fault = every_tick(chain, plan);
@@ -63,15 +64,10 @@ class ManyChains : public testing::TestWithParam<int> {};
 TEST_P(ManyChains, KeepEveryLimitAndCanAlwaysStop) {
   const auto planner = std::make_unique<Planner>();
   const auto count = static_cast<std::uint64_t>(test::scaled(chains));
-  long stops = 0;
   for (auto number = static_cast<std::uint64_t>(GetParam()); number < count; number += shares) {
-    const Fault fault = fault_of(number, *planner, stops);
+    const Fault fault = fault_of(number, *planner);
     ASSERT_EQ(fault, Fault{}) << "chain " << number;
   }
-  RecordProperty("stops", std::to_string(stops));
-  // From speed, a soft limit can leave the planner no way it knows: then it runs to the rest it has
-  // stored. Rare.
-  EXPECT_LE(stops, static_cast<long>(count / shares / 500));
 }
 
 INSTANTIATE_TEST_SUITE_P(Share, ManyChains, testing::Range(0, shares));
