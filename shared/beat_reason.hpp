@@ -14,7 +14,7 @@ namespace lamplock {
 enum class BeatReason : std::uint8_t {
   fired = 0,              ///< a shot at its point
   no_point_due = 1,       ///< nothing to fire here: a pass, a dwell, or nothing planned
-  moving = 2,             ///< the way to the next point takes more than one beat
+  moving = 2,             ///< the next point cannot be reached on this beat
   outside_tolerance = 3,  ///< the edge came while the machine was too far from the point
   no_edge = 4,            ///< the lamp did not flash
   returning = 5,          ///< on the way back to a point that was missed
@@ -24,7 +24,7 @@ enum class BeatReason : std::uint8_t {
   alarm = 9,
   starved = 10,     ///< no points from the host
   warm_up = 11,     ///< the lamp's first flashes
-  protection = 12,  ///< the highest shot rate forbade it
+  protection = 12,  ///< highest shot rate, or the machine waits for shutter or attenuator
   dry = 13,         ///< the job moves without firing
 };
 

@@ -8,6 +8,7 @@ void BeatLedger::count(BeatReason reason, std::uint32_t beats) {
   if (reason != BeatReason::fired) {
     if (shots_ == 0) {
       beats_before_ += beats;
+      before_[static_cast<std::size_t>(reason)] += beats;
       return;
     }
     pending_beats_ += beats;
@@ -24,7 +25,18 @@ void BeatLedger::count(BeatReason reason, std::uint32_t beats) {
   }
 }
 
-void ShotScheduler::begin_job() {
+BeatsByReason BeatLedger::outside() const {
+  BeatsByReason sum = before_;
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += pending_[i];
+  return sum;
+}
+
+void ShotScheduler::begin_job(const ShotRules& rules) {
+  rules_ = rules;
+  check_.pending = failed_ = false;
+  checks_ = {};
+  failures_ = 0;
+  beam_.begin_job();
   end_ = begin_;
   outcome_end_ = outcome_begin_;
   blocked_ = token_out_ = false;
@@ -72,6 +84,7 @@ void ShotScheduler::restart(BeatReason reason) {
 }
 
 bool ShotScheduler::point_pending() const {
+  if (check_pending()) return true;
   for (std::uint32_t i = begin_; i != end_; ++i)
     if (plans_[i % capacity].shot || plans_[i % capacity].ends_point) return true;
   return false;
@@ -96,9 +109,53 @@ void ShotScheduler::report(std::uint32_t point, Outcome outcome) {
   if (outcome == Outcome::missed) blocked_ = true;
 }
 
+void ShotScheduler::shot_fired(const Plan& plan) {
+  has_shot_ = true;
+  last_shot_beat_ = plan.last_beat;
+  if (rules_.check != ShotCheck::ignore) {
+    if (check_.pending) judge_shot(false);
+    if (failures_ != 0 && plan.point == failed_point_) ++checks_.repeats;
+    check_ = {true, plan.channel, plan.point, edge_clock_ + rules_.answer_clocks};
+  }
+  if (rules_.check != ShotCheck::repeat) report(plan.point, Outcome::fired);
+}
+
+void ShotScheduler::judge_shot(bool made) {
+  check_.pending = false;
+  ++(made ? checks_.made : checks_.not_made);
+  if (rules_.check != ShotCheck::repeat) return;
+  if (made || failed_point_ != check_.point) failures_ = 0;
+  failed_point_ = check_.point;
+  if (!made && ++failures_ % (rules_.repeats + 1) == 0) failed_ = true;
+  report(check_.point, made ? Outcome::fired : Outcome::missed);
+}
+
+void ShotScheduler::photosensors(std::uint8_t answered, std::uint64_t clock) {
+  if (!check_.pending) return;
+  if ((answered >> check_.channel & 1) != 0)
+    judge_shot(true);
+  else if (clock >= check_.end_clock)
+    judge_shot(false);
+}
+
+void ShotScheduler::end_check() {
+  if (check_pending()) report(check_.point, Outcome::fired);
+  check_.pending = false;
+}
+
+bool ShotScheduler::take_failed(std::uint32_t& point) {
+  point = failed_point_;
+  const bool failed = failed_;
+  failed_ = false;
+  return failed;
+}
+
 void ShotScheduler::pass(const Plan& plan, bool fired) {
   if (plan.shot) {
-    report(plan.point, fired ? Outcome::fired : Outcome::missed);
+    if (fired)
+      shot_fired(plan);
+    else
+      report(plan.point, Outcome::missed);
   } else {
     if (fired) ++stray_shots_;
     if (plan.ends_point) report(plan.point, Outcome::passed);
@@ -106,7 +163,7 @@ void ShotScheduler::pass(const Plan& plan, bool fired) {
 }
 
 bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock) {
-  if (!permitted_ || blocked_ || token_out_) return false;
+  if (!permitted_ || blocked_ || token_out_ || check_pending()) return false;
   for (std::uint32_t i = begin_; i != end_; ++i) {
     Plan& p = at(i);
     if (!p.shot || p.issued) continue;
@@ -115,6 +172,8 @@ bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock) {
     if (tick + p.half_window_ticks <= clock.next_tick() && clock.next_tick() > tick) return false;
     // Its way may not have begun yet and still be planned anew: a token that is out cannot follow.
     if (tick >= clock.next_tick() + clock.beat_ticks()) return false;
+    // Not yet: the beat passes, and so does the point, which is returned to.
+    if (too_soon(p.last_beat) || !beam_.take({p.channel, p.energy})) return false;
     p.issued = true;
     token_out_ = true;
     token_beat_ = p.last_beat;
@@ -151,7 +210,11 @@ BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
                                                  : idle_reason_;
   }
   const Plan& p = at(begin_);
-  if (p.last_beat != beat) return permitted_ ? p.reason : idle_reason_;
+  if (p.last_beat != beat) {
+    if (!permitted_) return idle_reason_;
+    // The way may take as long: no shot would have been permitted here anyhow.
+    return p.reason == BeatReason::moving && too_soon(beat) ? BeatReason::protection : p.reason;
+  }
   begin_ = begin_ + 1;
   const bool was_blocked = blocked_;
   pass(p, fired);
@@ -162,7 +225,8 @@ BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
   return p.reason == BeatReason::moving ? BeatReason::no_point_due : p.reason;
 }
 
-void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent) {
+void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent, std::uint64_t clock) {
+  edge_clock_ = clock;
   // Flashes count while the clock looks for the rhythm; no beat numbers them yet.
   if (info.unlocked && !fired) ledger_.count(permitted_ ? BeatReason::not_locked : idle_reason_, 1);
   if (info.valid) {

@@ -4,7 +4,8 @@
 //      every edge and whether the hardware fired on it.
 // Out: tokens, each the right to one shot on one beat; outcomes for the main loop; one counter per
 //      beat.
-// Level: commit, cancel, outcome: main loop. edge, next_token, token_expired: beat interrupt.
+// Level: commit, cancel, outcome: main loop. edge, next_token, token_expired, photosensors: beat
+// interrupt.
 //
 // A shot needs all of: a token (issued here, one at a time), the arm bit of the lattice (true by
 // construction where the machine is in position), the edge itself. The hardware decides on the
@@ -12,7 +13,12 @@
 // blocks every later shot until the main loop has planned the way back to it, so that points are
 // fired in order.
 //
-// The board asks for a token after each edge and at least every 250 us.
+// The board asks for a token after each edge and at least every 250 us, and says as often which
+// photosensors have answered.
+//
+// A shot whose photosensor says nothing in time was not made. Where such shots are repeated the
+// outcome waits for the sensor, and so does the next token; a shot not made is a miss like any
+// other, until the same point has failed too often: then the main loop is asked to hold.
 //
 //  life of a token:   a beat       half a beat before its lattice tick     arm window closes
 //                      | may be taken | may be loaded .................... | withdrawn
@@ -21,7 +27,9 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/lamp/beam_path.hpp"
 #include "firmware/lamp/beat_clock.hpp"
+#include "firmware/lamp/protection.hpp"
 #include "firmware/stepper/segment.hpp"
 #include "shared/beat_reason.hpp"
 
@@ -43,6 +51,20 @@ struct PointOutcome {
   Outcome outcome = Outcome::missed;
 };
 
+/// What the laser asks of the shots of a job.
+struct ShotRules {
+  std::uint32_t least_beats = 1;  ///< from one shot to the next
+  ShotCheck check = ShotCheck::ignore;
+  std::uint32_t answer_clocks = 0;  ///< LAMP SYNC to the end of the sensor's time
+  std::uint32_t repeats = 0;        ///< of a shot not made, before the job is held
+};
+
+/// What the photosensors have said in a job.
+struct CheckCounts {
+  std::uint32_t made = 0, not_made = 0;
+  std::uint32_t repeats = 0;  ///< shots at a point whose last shot was not made
+};
+
 /// Counters of beats; those after the last shot are kept apart until the next one.
 class BeatLedger {
  public:
@@ -53,10 +75,12 @@ class BeatLedger {
   std::uint32_t beats() const { return beats_; }  ///< first to last shot, inclusive
   std::uint32_t beats_before() const { return beats_before_; }
   const BeatsByReason& by_reason() const { return total_; }
+  /// Beats before the first shot and after the last one: with by_reason() every beat of the job.
+  BeatsByReason outside() const;
 
  private:
   std::uint32_t shots_ = 0, beats_ = 0, beats_before_ = 0, pending_beats_ = 0;
-  BeatsByReason total_{}, pending_{};
+  BeatsByReason total_{}, before_{}, pending_{};
 };
 
 /// One per controller.
@@ -66,7 +90,7 @@ class ShotScheduler {
 
   // Main loop.
   /// Forgets everything planned and counted; no shot of an earlier job can follow.
-  void begin_job();
+  void begin_job(const ShotRules& rules = {});
   /// A segment was committed that covers beats first..last (the last one may carry its shot).
   bool commit(const stepper::Segment& segment, std::uint64_t first_beat, std::uint64_t last_beat);
   std::uint32_t free() const { return capacity - (end_ - begin_); }
@@ -76,12 +100,27 @@ class ShotScheduler {
   /// are allowed again from the next commit on.
   void restart(BeatReason reason);
   /// Firing permitted or not; when not, beats count with `reason`.
-  void permit(bool firing, BeatReason reason) { permitted_ = firing, idle_reason_ = reason; }
+  void permit(bool firing, BeatReason reason) {
+    permitted_ = firing, idle_reason_ = reason;
+    // A shot that the hardware has decided passes first: it is too late to take it back.
+    if (!firing && !token_out_) beam_.cut();
+  }
   bool permitted() const { return permitted_; }
-  /// A shot or the end of a point is planned that no edge has judged yet.
+  /// A shot or the end of a point is planned that no edge, or no photosensor, has judged yet.
   bool point_pending() const;
+  /// Nobody waits for the photosensor any more: the last shot counts as fired.
+  void end_check();
+  /// True once after a point has failed too often; `point`: which.
+  bool take_failed(std::uint32_t& point);
+  BeamPath& beam() { return beam_; }
+  const BeamPath& beam() const { return beam_; }
+  const CheckCounts& checks() const { return checks_; }
   /// The board holds a token, or has fired on one and not yet said so.
   bool token_out() const { return token_out_; }
+  /// A shot was fired that waits for its photosensor to be done.
+  bool check_pending() const { return check_.pending && rules_.check == ShotCheck::repeat; }
+  /// A shot may still be counted, or sent back.
+  bool undecided() const { return token_out_ || check_pending(); }
   /// Takes the oldest outcome.
   bool outcome(PointOutcome& out);
   /// Outcome `i` of those not taken yet; false if there are no more. Also beat interrupt.
@@ -96,8 +135,10 @@ class ShotScheduler {
   /// The token was withdrawn without an edge.
   void token_expired();
   /// An edge that the beat clock has judged; `fired` and `token_spent` as the hardware says: it
-  /// takes a loaded token on every edge, a stray one too.
-  void edge(const EdgeInfo& info, bool fired, bool token_spent);
+  /// takes a loaded token on every edge, a stray one too; `clock` is that of the edge.
+  void edge(const EdgeInfo& info, bool fired, bool token_spent, std::uint64_t clock = 0);
+  /// Photosensors (bits, by channel) that have answered since the last call, made at `clock`.
+  void photosensors(std::uint8_t answered, std::uint64_t clock);
 
  private:
   struct Plan {
@@ -110,6 +151,18 @@ class ShotScheduler {
   };
 
   Plan& at(std::uint32_t i) { return plans_[i % capacity]; }
+  struct Check {
+    bool pending = false;
+    std::uint8_t channel = 0;
+    std::uint32_t point = 0;
+    std::uint64_t end_clock = 0;
+  };
+
+  bool too_soon(std::uint64_t beat) const {
+    return has_shot_ && beat - last_shot_beat_ < rules_.least_beats;
+  }
+  void shot_fired(const Plan& plan);
+  void judge_shot(bool made);
   void report(std::uint32_t point, Outcome outcome);
   void pass(const Plan& plan, bool fired);
   BeatReason judge(std::uint64_t beat, bool fired);
@@ -129,6 +182,16 @@ class ShotScheduler {
   BeatReason idle_reason_ = BeatReason::no_point_due;
   std::uint32_t stray_shots_ = 0;
   BeatLedger ledger_;
+  BeamPath beam_;
+  ShotRules rules_;
+  bool has_shot_ = false;  ///< since power-up
+  std::uint64_t last_shot_beat_ = 0;
+  std::uint64_t edge_clock_ = 0;  ///< of the edge being judged
+  Check check_;
+  CheckCounts checks_;
+  std::uint32_t failures_ = 0;  ///< of failed_point_, one after the other
+  std::uint32_t failed_point_ = 0;
+  bool failed_ = false;  ///< too often, and the main loop was not told
 };
 
 }  // namespace lamplock::lamp

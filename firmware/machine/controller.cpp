@@ -50,7 +50,15 @@ bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
     case Id::dead_man:
       return own != 0 && (asked == 0 || asked > own);
     case Id::max_shot_rate:
+    case Id::lamp_power:
       return asked > own;
+    case Id::lamp_energy:
+    case Id::shutter_open:
+    case Id::shutter_close:
+    case Id::attenuator_settle:
+      return asked < own;
+    case Id::channels:
+      return ((asked / 1000) & ~(own / 1000)) != 0;
     default:
       return id >= Id::max_rate_x && id <= Id::travel_a && asked > own;
   }
@@ -72,9 +80,11 @@ bool inside_work_space(const settings::Values& job, const settings::Values& own,
 
 }  // namespace
 
-Controller::Controller(const settings::Values& stored, const InterruptMask& mask, int board_axes)
+Controller::Controller(const settings::Values& stored, const InterruptMask& mask, int board_axes,
+                       std::uint8_t board_channels)
     : mask_(mask),
       board_axes_(board_axes),
+      board_channels_(board_channels),
       stored_(stored),
       values_(stored),
       runner_(clock_, shots_) {
@@ -90,6 +100,7 @@ void Controller::use_settings(const settings::Values& values) {
   values_ = values;
   work_space_ = work_space(values);
   if (other_beat) clock_.configure(values);
+  shots_.beam().configure(values);
   set_trigger();
 }
 
@@ -97,7 +108,7 @@ void Controller::use_settings(const settings::Values& values) {
 void Controller::end_overrides() {
   const bool over = state_ == MachineState::idle || state_ == MachineState::alarm ||
                     state_ == MachineState::estop;
-  if (!overridden_ || !over || !runner_.at_rest() || shots_.token_out()) return;
+  if (!overridden_ || !over || !runner_.at_rest() || shots_.undecided()) return;
   overridden_ = false;
   use_settings(stored_);
 }
@@ -108,6 +119,17 @@ FireTiming Controller::fire_timing() const {
   };
   return {clocks(Id::q_switch_delay), clocks(Id::q_switch_width),
           clock_.mode() == settings::LampMode::free_beat};
+}
+
+Outputs Controller::outputs() const {
+  Outputs outputs;
+  outputs.drives_enable = state_ != MachineState::estop;
+  outputs.fire_enable = shots_.permitted();
+  // These outlast the permission by the shot that the hardware has decided, not in an alarm.
+  if (state_ == MachineState::alarm || state_ == MachineState::estop) return outputs;
+  outputs.shutters = shots_.beam().shutters();
+  outputs.attenuator = shots_.beam().attenuator();
+  return outputs;
 }
 
 void Controller::set_trigger() {
@@ -140,10 +162,12 @@ bool Controller::prepare(std::uint64_t clock) {
   }
   check_dead_man();
   if (runner_.underrun()) raise_alarm(alarm_position_lost);
+  hold_after_failed_shots();
   const bool go = ready_to_move();
   if (moving_ && !go) runner_.brake();
   moving_ = go;
   shots_.permit(go && !dry_, idle_reason());
+  shots_.beam().update(!runner_.at_rest() || shots_.point_pending(), clock);
   if (!job_) runner_.read_outcomes();
   planning_ = job_ && runner_.prepare(go);
   return planning_;
@@ -159,7 +183,7 @@ void Controller::commit() {
   // A stop is over when the machine stands and the last shot that was decided has been counted.
   const bool stopping = !job_ && (state_ == MachineState::run || state_ == MachineState::hold ||
                                   state_ == MachineState::door);
-  if (stopping && runner_.at_rest() && !shots_.token_out()) {
+  if (stopping && runner_.at_rest() && !shots_.undecided()) {
     // The edge may have come since prepare(): who sees idle shall see every shot.
     runner_.read_outcomes();
     state_ = MachineState::idle;
@@ -192,6 +216,7 @@ BeatReason Controller::idle_reason() const {
   if (clock_.edges() < static_cast<std::uint32_t>(values_.whole(Id::lamp_warm_up)))
     return BeatReason::warm_up;
   if (dry_) return BeatReason::dry;
+  if (runner_.waiting_for_beam()) return BeatReason::protection;
   return runner_.starving() ? BeatReason::starved : BeatReason::no_point_due;
 }
 
@@ -231,6 +256,7 @@ void Controller::input_changed(Input input, bool active) {
 }
 
 void Controller::stopped_at(const StepPosition& steps) {
+  shots_.end_check();
   runner_.read_outcomes();  // of a shot that the board has found when it stopped
   runner_.halt();
   runner_.generator().set_position(steps);
@@ -238,6 +264,8 @@ void Controller::stopped_at(const StepPosition& steps) {
 
 void Controller::raise_alarm(std::uint8_t number) {
   shots_.permit(false, BeatReason::alarm);
+  shots_.beam().cut();
+  shots_.end_check();
   if (job_) runner_.read_outcomes();  // whoever asks now, where to go on, shall know every shot
   runner_.halt();
   moving_ = false;
@@ -269,6 +297,15 @@ void Controller::hold(HoldReason reason) {
   moving_ = false;
   state_ = MachineState::hold;
   hold_reason_ = reason;
+}
+
+void Controller::hold_after_failed_shots() {
+  std::uint32_t point = 0;
+  if (!shots_.take_failed(point) || !job_) return;
+  hold(HoldReason::not_made);
+  TextLine text;
+  text.add("Point ").add(std::int64_t{point}).add(" not made");
+  say(text.view());
 }
 
 void Controller::resume() {
@@ -308,11 +345,33 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
     refused_value_ = settings::row(Id::axes).number;
     return Result::bad_value;
   }
-  motion::Limits limits;
   std::uint16_t setting = 0;
-  const Result r = motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting);
+  const Result r = check_settings(values, setting);
   refused_value_ = setting;
   return r;
+}
+
+Result Controller::check_settings(const settings::Values& values, std::uint16_t& setting) const {
+  motion::Limits limits;
+  const Result r = motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting);
+  if (r != Result::ok) return r;
+  setting = lamp::broken_protection(values);
+  return setting == 0 ? Result::ok : Result::bad_value;
+}
+
+lamp::ShotRules Controller::shot_rules(const settings::Values& values) const {
+  const auto count = [&values](Id id) { return static_cast<std::uint32_t>(values.whole(id)); };
+  const auto clocks = [&values](Id id) {
+    return static_cast<std::uint32_t>(std::int64_t{values.milli(id)} * clocks_per_us / 1000);
+  };
+  const std::int64_t rate = values.milli(Id::max_shot_rate);
+  lamp::ShotRules rules;
+  rules.least_beats =
+      static_cast<std::uint32_t>((values.milli(Id::lamp_frequency) + rate - 1) / rate);
+  rules.check = lamp::shot_check(values);
+  rules.answer_clocks = clocks(Id::q_switch_delay) + clocks(Id::sensor_time);
+  rules.repeats = count(Id::shot_repeats);
+  return rules;
 }
 
 Result Controller::on_begin(const wire::JobHeader& header) {
@@ -321,27 +380,26 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   if (loader_requested_) return Result::busy;
   if (door_open_) return Result::door_open;
   if (!runner_.at_rest() || state_ == MachineState::run) return Result::busy;
-  if (shots_.token_out()) return Result::busy;  // a shot of the last job may still come
+  if (shots_.undecided()) return Result::busy;  // a shot of the last job may still come
   if (static_cast<motion::JoinMode>(header.mode) == motion::JoinMode::path)
     return Result::unsupported;
   settings::Values values;
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
+  const lamp::ShotRules rules = shot_rules(values);
   RunOptions options;
   {
     const Masked masked(mask_);
     overridden_ = !(values == stored_);
     if (!(values == values_)) use_settings(values);
-    shots_.begin_job();
+    shots_.begin_job(rules);
     options.shortest_tick_q16 = runner_.shortest_tick_q16();
   }
   options.mode = static_cast<motion::JoinMode>(header.mode);
   options.dry = dry_ = header.dry;
   options.points_total = points_total_ = header.points_total;
-  const std::int64_t rate = values.milli(Id::max_shot_rate);
-  options.least_beats =
-      static_cast<std::int32_t>((values.milli(Id::lamp_frequency) + rate - 1) / rate);
+  options.least_beats = static_cast<std::int32_t>(rules.least_beats);
   runner_.begin(options, values, header.first_index);
-  decoder_.begin(header);
+  decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_channels_);
   job_ = true;
   state_ = MachineState::run;
   hold_reason_ = HoldReason::none;
@@ -459,7 +517,7 @@ void Controller::answer_system_command(std::string_view line) {
 
 bool Controller::may_be_changed() const {
   return (state_ == MachineState::idle || state_ == MachineState::alarm) && runner_.at_rest() &&
-         !shots_.token_out();
+         !shots_.undecided();
 }
 
 int Controller::change_setting(std::string_view line) {
@@ -468,10 +526,8 @@ int Controller::change_setting(std::string_view line) {
   if (!may_be_changed()) return error_not_idle;
   settings::Values values = stored_;
   values.set_milli(asked.id, asked.milli);
-  motion::Limits limits;
   std::uint16_t setting = 0;
-  if (motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting) != Result::ok)
-    return error_setting_range;
+  if (check_settings(values, setting) != Result::ok) return error_setting_range;
   if (values == stored_) return 0;
   stored_ = values;
   store_due_ = true;
@@ -552,6 +608,10 @@ void Controller::fill_status(wire::Status& status) const {
   status.beats_before = shots_.ledger().beats_before();
   status.starvations = runner_.starvations();
   status.beats_by_reason = shots_.ledger().by_reason();
+  status.beats_outside = shots_.ledger().outside();
+  status.shots_made = shots_.checks().made;
+  status.shots_not_made = shots_.checks().not_made;
+  status.repeats = shots_.checks().repeats;
 }
 
 }  // namespace lamplock::machine

@@ -20,6 +20,7 @@
 //   next_token          beat interrupt        250 us            the right to the next shot; after
 //                                                               each edge as well
 //   token_expired       beat interrupt        at its tick       the token was withdrawn
+//   photosensors        beat interrupt        250 us            which have answered
 //   outputs             anywhere              after each call   what may be on
 //
 // The main loop shares data with the beat and fill interrupts. The board masks them round
@@ -55,6 +56,8 @@ enum class Input : std::uint8_t { estop, door, limit_x, limit_y, limit_z, limit_
 struct Outputs {
   bool fire_enable = false;
   bool drives_enable = false;
+  std::uint8_t shutters = 0;     ///< bit 0 = first channel; 1 = open; never two at a time
+  std::uint16_t attenuator = 0;  ///< 65535 = full
 };
 
 /// How the board's fire stage has to work, from the settings.
@@ -80,8 +83,10 @@ inline constexpr std::uint32_t fire_decision_clocks = 269;
 class Controller {
  public:
   /// `board_axes`: as many as the board has outputs for; jobs with more are refused.
+  /// `board_channels`: a bit for each beam channel that the board has a shutter for.
   explicit Controller(const settings::Values& stored = settings::Values{},
-                      const InterruptMask& mask = {}, int board_axes = max_axes);
+                      const InterruptMask& mask = {}, int board_axes = max_axes,
+                      std::uint8_t board_channels = 0xf);
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
@@ -118,17 +123,22 @@ class Controller {
   lamp::TickSpan next_span(std::uint32_t max_ticks) { return clock_.next_span(max_ticks); }
   /// An edge longer than a runt; `token_spent` if a loaded token was taken by it.
   void lamp_edge(std::uint64_t clock, bool fired, bool token_spent) {
-    shots_.edge(clock_.edge(clock), fired, token_spent);
+    shots_.edge(clock_.edge(clock), fired, token_spent, clock);
+  }
+  /// Photosensors (bit 0 = first channel) whose line has risen since the last call, made at
+  /// `clock`, after the edges before it.
+  void photosensors(std::uint8_t answered, std::uint64_t clock) {
+    shots_.photosensors(answered, clock);
   }
   /// Exact as of the last lamp_edge(). Beat interrupt, or main loop with it masked.
   JobMark job_mark() const {
     if (!job_) return {};
-    return {link_.session(), runner_.first_unfired(), shots_.token_out()};
+    return {link_.session(), runner_.first_unfired(), shots_.undecided()};
   }
   bool next_token(lamp::FireToken& token) { return shots_.next_token(token, clock_); }
   void token_expired() { shots_.token_expired(); }
 
-  Outputs outputs() const { return {shots_.permitted(), state_ != wire::MachineState::estop}; }
+  Outputs outputs() const;
   FireTiming fire_timing() const;
   const settings::Values& values() const { return values_; }
   wire::MachineState state() const { return state_; }
@@ -158,6 +168,9 @@ class Controller {
   /// grbl 1.1: "reset while in motion".
   static constexpr std::uint8_t alarm_position_lost = 3;
 
+  lamp::ShotRules shot_rules(const settings::Values& values) const;
+  void hold_after_failed_shots();
+  Result check_settings(const settings::Values& values, std::uint16_t& setting) const;
   Result job_settings(const wire::JobHeader& header, settings::Values& values);
   void use_settings(const settings::Values& values);
   void end_overrides();
@@ -183,6 +196,7 @@ class Controller {
 
   const InterruptMask mask_;
   const int board_axes_;
+  const std::uint8_t board_channels_;
   settings::Values stored_;
   settings::Values values_;  ///< stored, with the overrides of the job
   bool overridden_ = false;

@@ -62,7 +62,7 @@ void JobRunner::clear() {
   queue_.reset(0);
   next_ = {};
   from_rest_ = astray_ = true;
-  returning_ = starving_ = braked_ = false;
+  returning_ = starving_ = braked_ = waiting_for_beam_ = false;
 }
 
 std::uint32_t JobRunner::shortest_tick_q16() const {
@@ -132,6 +132,7 @@ std::uint64_t JobRunner::start_beat() const {
 }
 
 bool JobRunner::prepare_start() {
+  if (!beam_ready()) return false;
   if (!from_rest_) return true;
   if (!clock_.settled()) return false;
   // Motion that is committed and ends at rest may still be running.
@@ -144,15 +145,44 @@ bool JobRunner::prepare_start() {
 
 bool JobRunner::window_ready() {
   request_.count = 0;
-  gone_to_ = false;
-  bool room = true;
-  for (std::uint32_t i = next_.point; room && i != queue_.end(); ++i)
+  gone_to_ = has_shot_ = false;
+  bool room = true, other_beam = false;
+  lamp::Beam last;
+  for (std::uint32_t i = next_.point; room && i != queue_.end(); ++i) {
+    other_beam = needs_another_beam(queue_.at(i), last);
+    if (other_beam) break;
     room = add_target(i, queue_.left(i) - (i == next_.point ? next_.committed : 0));
+  }
   if (request_.count == 0) return false;
-  const bool all_known = queue_.end() == options_.points_total;
+  const bool all_known = other_beam || queue_.end() == options_.points_total;
   const bool full = request_.count == motion::window_points;
-  request_.rest_at_end = !full || place_after(request_.count).point == options_.points_total;
+  request_.rest_at_end =
+      !full || other_beam || place_after(request_.count).point == options_.points_total;
   return full || all_known;
+}
+
+/// True if the machine has to stand before this target, for its beam to be made ready. `last` is
+/// the beam of the target before it with a shot.
+bool JobRunner::needs_another_beam(const motion::Target& target, lamp::Beam& last) {
+  if (target.shots == 0 || options_.dry) return false;
+  const lamp::Beam beam{target.channel, target.energy};
+  // Of the first shot: from rest the beam is made ready for it, on the way it is as it is.
+  if (has_shot_ ? shots_.beam().needs_rest(last, beam)
+                : !from_rest_ && request_.count != 0 && !shots_.beam().stands_for(beam))
+    return true;
+  if (!has_shot_) first_beam_ = beam;
+  has_shot_ = true;
+  last = {beam.channel, beam.energy != 0 ? beam.energy : last.energy};
+  return false;
+}
+
+bool JobRunner::beam_ready() {
+  if (!has_shot_ || shots_.beam().stands_for(first_beam_)) return true;
+  // Shots given out go through the beam as it stands. On the way nothing is changed: what is
+  // provisional brings the machine to rest.
+  const bool ready = from_rest_ && !shots_.point_pending() && shots_.beam().prepare(first_beam_);
+  waiting_for_beam_ = !ready;
+  return ready;
 }
 
 /// False if the window is full.
@@ -218,6 +248,7 @@ bool JobRunner::may_plan() {
 }
 
 bool JobRunner::prepare(bool go) {
+  waiting_for_beam_ = false;
   // In this order: an edge may come in between.
   if (!shots_.point_pending()) braked_ = false;
   read_outcomes();

@@ -29,6 +29,9 @@
 // its own if there are many: the same place again, no sooner than the highest shot rate permits.
 // A `Place` is where handing out goes on: a target and how many of its flashes are on their way.
 //
+// Where shutter or attenuator need time between two points, the first one is a rest: a window ends
+// there, and the next one waits until all shots are judged and the beam is ready.
+//
 // Astray: after a brake the machine does not come from the target before. Then the first way takes
 // as long as it has to, and a dwell is gone to before it is begun.
 //
@@ -109,6 +112,8 @@ class JobRunner {
   /// interrupt.
   std::uint32_t first_unfired() const;
   bool starving() const { return starving_; }
+  /// The next points wait for the shutter or the attenuator.
+  bool waiting_for_beam() const { return waiting_for_beam_; }
   std::uint32_t starvations() const { return starvations_; }
   std::uint32_t failed_point() const { return failed_point_; }
   std::uint32_t misses() const { return misses_; }
@@ -139,6 +144,8 @@ class JobRunner {
   void go_back();
   bool may_plan();
   bool window_ready();
+  bool needs_another_beam(const motion::Target& target, lamp::Beam& last);
+  bool beam_ready();
   bool add_target(std::uint32_t point, std::uint32_t flashes);
   bool add_way(std::uint32_t point, bool rest, std::uint32_t at_least);
   Place place_after(std::uint32_t count) const;
@@ -163,10 +170,13 @@ class JobRunner {
   stepper::SegmentQueue segments_;
   motion::Planner planner_;
   motion::PlanRequest request_;  ///< being planned, from prepare() to commit()
-  bool planned_ = false;         ///< the planner has found a way
-  bool gone_to_ = false;         ///< the first way of the request only leads to its dwell
-  Pace wanted_;                  ///< at prepare()
-  Pace pace_;                    ///< of limits_
+  bool has_shot_ = false;        ///< among these points, the first one through
+  lamp::Beam first_beam_;        ///< this beam
+  bool waiting_for_beam_ = false;
+  bool planned_ = false;  ///< the planner has found a way
+  bool gone_to_ = false;  ///< the first way of the request only leads to its dwell
+  Pace wanted_;           ///< at prepare()
+  Pace pace_;             ///< of limits_
   std::uint32_t job_speed_ = full_job_speed;
   std::uint32_t fastest_ = full_job_speed;  ///< job speed so far
   motion::Limits limits_, new_limits_, brake_limits_;

@@ -18,7 +18,8 @@ motion::Target to_target(const wire::Record& record, const StepPosition& before)
 
 }  // namespace
 
-void PulseDecoder::begin(const wire::JobHeader& header) {
+void PulseDecoder::begin(const wire::JobHeader& header, std::uint8_t channels) {
+  channels_ = channels;
   state_ = {};
   state_.steps = header.origin_steps;
   points_total_ = header.points_total;
@@ -31,6 +32,7 @@ Result PulseDecoder::decode(std::span<const std::uint8_t> records, motion::Point
   wire::RecordState trial = state_;
   const Result checked = wire::walk_records(records, axes_, trial, [&](const wire::Record& record) {
     if (index >= points_total_) return Result::bad_value;
+    if (record.shots != 0 && (channels_ >> record.channel & 1) == 0) return Result::unsupported;
     if (!inside(record.steps, limits, axes_)) return Result::out_of_bounds;
     ++index;
     return Result::ok;

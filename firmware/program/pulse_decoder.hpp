@@ -21,13 +21,15 @@ namespace lamplock::program {
 /// Decoder of one job's records.
 class PulseDecoder {
  public:
-  /// Starts a job: deltas count from the header's origin, indices from its first index.
-  void begin(const wire::JobHeader& header);
+  /// Starts a job: deltas count from the header's origin, indices from its first index. `channels`:
+  /// a bit for each that may fire.
+  void begin(const wire::JobHeader& header, std::uint8_t channels = all_channels);
 
   /// Decodes one payload into the queue, whose end() must be the index of the payload's first
   /// target. Results: ok; no_space (ask again later); bad_frame (malformed); bad_value (channel,
   /// shots, or more points than the header announced); out_of_bounds (outside `limits`, or beyond
-  /// 32 bits). With any but ok neither queue nor decoder has changed.
+  /// 32 bits); unsupported (a channel that may not fire). With any but ok neither queue nor decoder
+  /// has changed.
   Result decode(std::span<const std::uint8_t> records, motion::PointQueue& queue,
                 const StepLimits& limits);
 
@@ -35,10 +37,12 @@ class PulseDecoder {
   std::uint32_t refused_index() const { return refused_index_; }
 
  private:
+  static constexpr std::uint8_t all_channels = (2u << wire::highest_channel) - 1;
   wire::RecordState state_;
   std::uint32_t points_total_ = 0;
   std::uint32_t refused_index_ = 0;
   int axes_ = 0;
+  std::uint8_t channels_ = all_channels;
 };
 
 }  // namespace lamplock::program

@@ -370,10 +370,11 @@ void JobSender::steer() {
   if (wish_ != Wish::run) return;
   // A wish to go on is not kept for a later hold.
   if (status_.state == wire::MachineState::run) resume_asked_.store(false);
-  // A hold that a stray byte or silence has caused is resumed; a firm one and a door, which leaves
-  // a firm hold behind when it closes, only by the user.
+  // A hold that a stray byte or silence has caused is resumed; a firm one, one for a shot that was
+  // not made and a door, which leaves a firm hold behind when it closes, only by the user.
   const bool door = status_.state == wire::MachineState::door;
-  const bool by_accident = held && !firmly_held && status_.hold_reason != wire::HoldReason::none;
+  const bool by_accident = held && !firmly_held && status_.hold_reason != wire::HoldReason::none &&
+                           status_.hold_reason != wire::HoldReason::not_made;
   if (by_accident || ((held || door) && resume_asked_.load())) {
     resume_asked_.store(false);
     command(wire::Command::resume);

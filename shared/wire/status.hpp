@@ -20,7 +20,8 @@ enum class HoldReason : std::uint8_t {
   host,      ///< COMMAND hold, or a door that was opened and has been closed
   realtime,  ///< a real-time byte, perhaps a stray one
   dead_man,  ///< the host was silent for too long
-  reset      ///< 0x18 during a job, perhaps a stray one
+  reset,     ///< 0x18 during a job, perhaps a stray one
+  not_made   ///< the photosensor has not seen a shot, nor its repeats
 };
 
 /// What went wrong on the wire, counted since power-up.
@@ -53,11 +54,15 @@ struct Status {
   std::uint32_t beats = 0;         ///< lamp periods from the first shot on
   std::uint32_t beats_before = 0;  ///< lamp periods before the first shot
   std::uint32_t starvations = 0;
-  BeatsByReason beats_by_reason{};
-  LinkCounters link;  ///< [link]
+  BeatsByReason beats_by_reason{};  ///< their sum is `beats`
+  BeatsByReason beats_outside{};    ///< those before the first shot and after the last
+  std::uint32_t shots_made = 0;     ///< seen by their photosensor
+  std::uint32_t shots_not_made = 0;
+  std::uint32_t repeats = 0;  ///< shots at a point whose last shot was not made
+  LinkCounters link;          ///< [link]
   friend constexpr bool operator==(const Status&, const Status&) = default;
 };
-inline constexpr std::size_t status_size = 130;
+inline constexpr std::size_t status_size = 206;
 static_assert(status_size <= max_payload);
 
 inline constexpr std::uint8_t lamp_locked_flag = 1;
@@ -73,9 +78,11 @@ constexpr void write_status(ByteWriter& out, const Status& status) {
         status.first_unfired, status.shots, status.beats, status.beats_before, status.starvations})
     out.put(value);
   for (const std::uint32_t beats : status.beats_by_reason) out.put(beats);
+  for (const std::uint32_t beats : status.beats_outside) out.put(beats);
   for (const std::uint32_t value :
-       {status.link.bad_frames, status.link.duplicates, status.link.out_of_order,
-        status.link.lost_lines, status.link.transmit_overflows})
+       {status.shots_made, status.shots_not_made, status.repeats, status.link.bad_frames,
+        status.link.duplicates, status.link.out_of_order, status.link.lost_lines,
+        status.link.transmit_overflows})
     out.put(value);
 }
 
@@ -101,9 +108,11 @@ constexpr bool read_status(const FrameHeader& header, std::span<const std::uint8
         &read.first_unfired, &read.shots, &read.beats, &read.beats_before, &read.starvations})
     *value = in.take<std::uint32_t>();
   for (std::uint32_t& beats : read.beats_by_reason) beats = in.take<std::uint32_t>();
+  for (std::uint32_t& beats : read.beats_outside) beats = in.take<std::uint32_t>();
   for (std::uint32_t* value :
-       {&read.link.bad_frames, &read.link.duplicates, &read.link.out_of_order,
-        &read.link.lost_lines, &read.link.transmit_overflows})
+       {&read.shots_made, &read.shots_not_made, &read.repeats, &read.link.bad_frames,
+        &read.link.duplicates, &read.link.out_of_order, &read.link.lost_lines,
+        &read.link.transmit_overflows})
     *value = in.take<std::uint32_t>();
   if (!in.exhausted() || read.state > MachineState::estop) return false;
   status = read;

@@ -12,11 +12,12 @@ namespace lamplock::sim {
 /// One release of the Q-switch, seen from the laser's side of the wire.
 struct Shot {
   std::uint32_t index = 0;   ///< from 0, in order of firing
-  std::uint8_t channel = 0;  ///< beam channel; 0 as long as no shutters are wired
+  std::uint8_t channel = 0;  ///< beam channel, 0 if no shutter is open
   std::int64_t beat = 0;     ///< number of the lamp flash, from 1; 0 = fired before any flash
   Picoseconds at = 0;        ///< start of the pulse
   StepPosition steps{};      ///< where the drives stood at that time
   Picoseconds width = 0;     ///< 0 while the pulse lasts
+  std::uint16_t energy = 0;  ///< at the attenuator
   friend bool operator==(const Shot&, const Shot&) = default;
 };
 using Shots = std::vector<Shot>;

@@ -30,6 +30,8 @@ VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& wo
   for (const Pin pin : {Pin::lamp_sync, Pin::lamp_trigger, Pin::estop, Pin::door, Pin::limit_x,
                         Pin::limit_y, Pin::limit_z, Pin::limit_a})
     bus_.listen(pin, *this);
+  for (int channel = 0; channel < beam_channels; ++channel)
+    bus_.listen(photosensor_pin(channel), *this);
 }
 
 VirtualBoard::~VirtualBoard() = default;
@@ -64,6 +66,17 @@ void VirtualBoard::pin_changed(Pin pin, bool level, Picoseconds at) {
     case Pin::lamp_trigger:
       if (own_edges_) fire_.sync_changed(level, at);
       break;
+    case Pin::photosensor_1:
+    case Pin::photosensor_2:
+    case Pin::photosensor_3:
+    case Pin::photosensor_4: {
+      if (!level) break;
+      const int channel = static_cast<int>(pin) - static_cast<int>(Pin::photosensor_1);
+      const auto clock = static_cast<std::uint64_t>(at / ps_per_clock);
+      controller_->photosensors(0, clock);  // the sensor's time may be over
+      controller_->photosensors(static_cast<std::uint8_t>(1 << channel), clock);
+      break;
+    }
     case Pin::estop:
       if (level) stop_dead();
       controller_->input_changed(machine::Input::estop, level);
@@ -110,6 +123,7 @@ void VirtualBoard::run_until(Picoseconds until) {
 
 void VirtualBoard::service() {
   next_service_ = now_ + service_period;
+  controller_->photosensors(0, static_cast<std::uint64_t>(now_ / ps_per_clock));
   if (planned_at_ == never) {
     main_loop();
   } else if (planned_at_ <= now_) {
@@ -255,6 +269,17 @@ void VirtualBoard::report_shot(bool fired) {
 
 void VirtualBoard::take_token() {
   if (!token_held_) token_held_ = controller_->next_token(token_);
+  apply_beam();
+}
+
+void VirtualBoard::apply_beam() {
+  const machine::Outputs outputs = controller_->outputs();
+  // Closing first: no two are open together.
+  for (const bool level : {false, true})
+    for (int channel = 0; channel < beam_channels; ++channel)
+      if ((outputs.shutters >> channel & 1) == (level ? 1 : 0))
+        bus_.set(shutter_pin(channel), level, now_);
+  bus_.set_attenuator(outputs.attenuator);
 }
 
 void VirtualBoard::withdraw_token() {
@@ -266,6 +291,7 @@ void VirtualBoard::withdraw_token() {
 void VirtualBoard::check_outputs() {
   const machine::Outputs outputs = controller_->outputs();
   bus_.set(Pin::enable, outputs.drives_enable, now_);
+  apply_beam();
   if (outputs.fire_enable) return;
   withdraw_token();
 }

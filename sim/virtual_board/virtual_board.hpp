@@ -69,6 +69,7 @@ class VirtualBoard final : public Board, private PinListener {
   void take_token();
   void withdraw_token();
   void check_outputs();
+  void apply_beam();
   void stop_dead();
   StepPosition position_at_tick(std::uint64_t tick) const;
 

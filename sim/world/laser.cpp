@@ -2,7 +2,8 @@
 
 namespace lamplock::sim {
 
-Laser::Laser(PinBus& bus, const Lamp& lamp, const Drives& drives) : lamp_(lamp), drives_(drives) {
+Laser::Laser(PinBus& bus, const Lamp& lamp, const Drives& drives, const Shutters& shutters)
+    : lamp_(lamp), drives_(drives), shutters_(shutters), bus_(bus) {
   bus.listen(Pin::q_switch, *this);
 }
 
@@ -19,12 +20,14 @@ void Laser::pin_changed(Pin /*pin*/, bool level, Picoseconds at) {
     ++unlit_;
   else if (at - flash.at > latest_q_switch)
     ++late_;
+  if (!shutters_.clear(at)) ++stray_;
   shots_.push_back({.index = static_cast<std::uint32_t>(shots_.size()),
-                    .channel = 0,
+                    .channel = shutters_.channel(),
                     .beat = flash.number,
                     .at = at,
                     .steps = drives_.position_at(at),
-                    .width = 0});
+                    .width = 0,
+                    .energy = bus_.attenuator()});
 }
 
 void Laser::settle_shots(Picoseconds complete_to) {

@@ -1,6 +1,7 @@
 // The pulsed laser: records every release of its Q-switch and judges its timing.
 //
-// In:  Q-SWITCH; flashes from the lamp and positions from the drives, both asked for the time of
+// In:  Q-SWITCH; shutters and attenuator, flashes from the lamp and positions from the drives, both
+// asked for the time of
 //      the shot. The laser emits at the start of the pulse.
 // Out: one Shot per pulse, in order, and counts of pulses that its signals do not allow: Q-SWITCH
 //      has to start at most 20 us after LAMP SYNC and to be wider than 100 us ("Mechatroniczne
@@ -16,6 +17,7 @@
 #include "sim/world/drives.hpp"
 #include "sim/world/lamp.hpp"
 #include "sim/world/pins.hpp"
+#include "sim/world/shutters.hpp"
 
 namespace lamplock::sim {
 
@@ -25,7 +27,7 @@ inline constexpr Picoseconds narrowest_q_switch = 100 * ps_per_us;
 /// The laser; must live as long as the bus is driven.
 class Laser final : public PinListener {
  public:
-  Laser(PinBus& bus, const Lamp& lamp, const Drives& drives);
+  Laser(PinBus& bus, const Lamp& lamp, const Drives& drives, const Shutters& shutters);
   Laser(const Laser&) = delete;
   Laser& operator=(const Laser&) = delete;
 
@@ -37,6 +39,8 @@ class Laser final : public PinListener {
   std::uint64_t late_pulses() const { return late_; }
   /// Pulses before the first flash.
   std::uint64_t unlit_pulses() const { return unlit_; }
+  /// Pulses that found no shutter wholly open, or one of another channel not wholly closed.
+  std::uint64_t stray_pulses() const { return stray_; }
 
   /// All changes up to `complete_to` have been delivered: positions of shots before it are final.
   void settle(Picoseconds complete_to) {
@@ -50,11 +54,14 @@ class Laser final : public PinListener {
 
   const Lamp& lamp_;
   const Drives& drives_;
+  const Shutters& shutters_;
+  const PinBus& bus_;
   Shots shots_;
   std::size_t unsettled_ = 0;  ///< first shot whose position may still change
   std::uint64_t narrow_ = 0;
   std::uint64_t late_ = 0;
   std::uint64_t unlit_ = 0;
+  std::uint64_t stray_ = 0;
 };
 
 }  // namespace lamplock::sim

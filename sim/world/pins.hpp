@@ -35,6 +35,14 @@ enum class Pin : std::uint8_t {
   limit_y,
   limit_z,
   limit_a,  ///< in: high = engaged
+  shutter_1,
+  shutter_2,
+  shutter_3,
+  shutter_4,  ///< out: high = open
+  photosensor_1,
+  photosensor_2,
+  photosensor_3,
+  photosensor_4,  ///< in: a pulse when a shot has made its defect
   count
 };
 inline constexpr std::size_t pin_count = static_cast<std::size_t>(Pin::count);
@@ -43,6 +51,13 @@ constexpr Pin step_pin(int axis) { return static_cast<Pin>(2 * axis); }
 constexpr Pin dir_pin(int axis) { return static_cast<Pin>(2 * axis + 1); }
 constexpr Pin limit_pin(int axis) {
   return static_cast<Pin>(static_cast<int>(Pin::limit_x) + axis);
+}
+inline constexpr int beam_channels = 4;
+constexpr Pin shutter_pin(int channel) {
+  return static_cast<Pin>(static_cast<int>(Pin::shutter_1) + channel);
+}
+constexpr Pin photosensor_pin(int channel) {
+  return static_cast<Pin>(static_cast<int>(Pin::photosensor_1) + channel);
 }
 
 /// Somebody connected to the wires.
@@ -53,7 +68,7 @@ class PinListener {
   virtual void pin_changed(Pin pin, bool level, Picoseconds at) = 0;
 };
 
-/// Levels of all wires and who listens to which.
+/// Levels of all wires and who listens to which. One wire is analogue: the attenuator's.
 class PinBus {
  public:
   bool level(Pin pin) const { return levels_[index(pin)]; }
@@ -68,10 +83,15 @@ class PinBus {
     for (PinListener* listener : listeners_[index(pin)]) listener->pin_changed(pin, level, at);
   }
 
+  /// Value at the attenuator, 65535 = full.
+  std::uint16_t attenuator() const { return attenuator_; }
+  void set_attenuator(std::uint16_t value) { attenuator_ = value; }
+
  private:
   static constexpr std::size_t index(Pin pin) { return static_cast<std::size_t>(pin); }
   std::array<bool, pin_count> levels_{};
   std::array<std::vector<PinListener*>, pin_count> listeners_{};
+  std::uint16_t attenuator_ = 0;
 };
 
 }  // namespace lamplock::sim

@@ -6,7 +6,9 @@ World::World(const WorldConfig& config, PinBus& bus)
     : bus_(bus),
       lamp_(config.lamp, bus),
       drives_(config.drives, bus),
-      laser_(bus, lamp_, drives_) {}
+      shutters_(config.shutters, bus),
+      laser_(bus, lamp_, drives_, shutters_),
+      photosensors_(config.photosensors, bus, shutters_) {}
 
 void World::schedule(Pin pin, bool level, Picoseconds at) {
   switches_.push({std::max(at, now_), scheduled_++, pin, level});
@@ -17,6 +19,8 @@ void World::make_changes(Picoseconds to) {
   for (Picoseconds at = next_event(); at <= to; at = next_event()) {
     if (next_switch_ <= at)
       make_switch();
+    else if (photosensors_.next_event() <= at)
+      photosensors_.advance(at);
     else
       lamp_.advance(bus_, at);
   }

@@ -17,13 +17,17 @@
 #include "sim/world/drives.hpp"
 #include "sim/world/lamp.hpp"
 #include "sim/world/laser.hpp"
+#include "sim/world/photosensors.hpp"
 #include "sim/world/pins.hpp"
+#include "sim/world/shutters.hpp"
 
 namespace lamplock::sim {
 
 struct WorldConfig {
   LampConfig lamp{};
   DriveConfig drives{};
+  ShutterConfig shutters{};
+  PhotosensorConfig photosensors{};
 };
 
 /// The world on one bus; must live as long as the bus is driven.
@@ -35,7 +39,9 @@ class World {
   World& operator=(const World&) = delete;
 
   /// Time of the next change the world will make; `never` if none is known.
-  Picoseconds next_event() const { return std::min(lamp_.next_event(), next_switch_); }
+  Picoseconds next_event() const {
+    return std::min({lamp_.next_event(), next_switch_, photosensors_.next_event()});
+  }
 
   /// Makes all changes up to and including `to`, in order of time.
   void advance(Picoseconds to) {
@@ -51,6 +57,7 @@ class World {
   const Lamp& lamp() const { return lamp_; }
   const Drives& drives() const { return drives_; }
   const Laser& laser() const { return laser_; }
+  const Photosensors& photosensors() const { return photosensors_; }
 
  private:
   struct Switch {
@@ -68,7 +75,9 @@ class World {
   PinBus& bus_;
   Lamp lamp_;
   Drives drives_;
+  Shutters shutters_;
   Laser laser_;
+  Photosensors photosensors_;
   Picoseconds now_ = 0;
   Picoseconds next_switch_ = never;
   std::uint64_t scheduled_ = 0;

@@ -58,7 +58,7 @@ TEST(Determinism, ThePlanDoesNotDependOnHowTheHostTalks) {
       link::SenderOptions options;
       options.session = static_cast<std::uint32_t>(variant) + 100;
       options.window_frames = 1 + static_cast<std::size_t>(variant % 5);
-      options.status_interval = std::chrono::milliseconds(20 + 70 * (variant % 7));
+      options.status_interval = std::chrono::milliseconds(20 + 30 * (variant % 7));
       Rig rig(profile);
       // Lost bytes; a flipped one might be a hold.
       BoardCable cable(rig, {.drop = 2e-4, .delay = std::chrono::milliseconds(variant % 11)},

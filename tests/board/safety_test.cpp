@@ -122,7 +122,7 @@ TEST(Safety, SettingsBeyondTheMachineAreRefusedByNumber) {
       asked.stated.set(static_cast<std::size_t>(row));
       Rig rig(machine);
       EXPECT_THAT(refusal(rig, job::make_job(histogram_walk(20, 1), asked, {})),
-                  HasSubstr("$" + std::to_string(settings::row(row).number)));
+                  HasSubstr(std::string("$") + std::to_string(settings::row(row).number)));
       EXPECT_EQ(rig.board.controller().values(), machine.settings) << "kept what it refused";
     }
   }
@@ -133,19 +133,60 @@ TEST(Safety, ProtectionsCannotBeLoosenedByAJob) {
   machine.settings.set_milli(Id::lamp_warm_up, 5'000);
   machine.settings.set_milli(Id::max_shot_rate, 150'000);
   machine.settings.set_milli(Id::travel_y, 80'000);
+  machine.settings.set_milli(Id::lamp_energy, 8'000);
+  machine.settings.set_milli(Id::channels, 5'000);
+  for (const Id id : {Id::shutter_open, Id::shutter_close, Id::attenuator_settle})
+    machine.settings.set_milli(id, 5'000);
   const std::pair<Id, std::int32_t> loose[] = {
       {Id::soft_limits, 0},        {Id::hard_limits, 0},         {Id::dead_man, 0},
       {Id::dead_man, 2'000'001},   {Id::max_shot_rate, 160'000}, {Id::lamp_warm_up, 4'000},
-      {Id::min_corner_x, -50'001}, {Id::min_corner_y, -29'999}};
+      {Id::min_corner_x, -50'001}, {Id::min_corner_y, -29'999},  {Id::lamp_energy, 7'999},
+      {Id::lamp_energy, 0},        {Id::lamp_power, 1'000'001},  {Id::channels, 2'000},
+      {Id::channels, 15'000},      {Id::shutter_open, 4'999},    {Id::shutter_close, 0},
+      {Id::attenuator_settle, 0}};
   for (const auto& [id, value] : loose) {
     job::Profile asked = machine;
     ASSERT_TRUE(asked.settings.set_milli(id, value));
     asked.stated.set(static_cast<std::size_t>(id));
     Rig rig(machine);
     EXPECT_THAT(refusal(rig, job::make_job(histogram_walk(20, 1), asked, {})),
-                HasSubstr("$" + std::to_string(settings::row(id).number)));
+                HasSubstr(std::string("$") + std::to_string(settings::row(id).number)));
     EXPECT_TRUE(rig.monitor.nothing_happened());
   }
+}
+
+TEST(Safety, AJobThatIsTooMuchForTheLaserIsRefused) {
+  const job::Profile machine = lamp_profile();
+  job::Profile asked = machine;
+  job::state_setting(asked, Id::lamp_energy, 10.001, "test");  // at 100 Hz
+  Rig rig(machine);
+  EXPECT_THAT(refusal(rig, job::make_job(histogram_walk(20, 1), asked, {})), HasSubstr("$922"));
+  asked = machine;
+  job::state_setting(asked, Id::shot_check, 2, "test");
+  job::state_setting(asked, Id::sensor_time, 9'000, "test");
+  EXPECT_THAT(refusal(rig, job::make_job(histogram_walk(20, 1), asked, {})), HasSubstr("$929"));
+}
+
+TEST(Safety, AChannelThatMayNotFireIsRefusedByPoint) {
+  job::Profile machine = lamp_profile();
+  machine.settings.set_milli(Id::channels, 5'000);  // first and third
+  job::Job job = job::make_job(histogram_walk(200, 1), machine, {});
+  for (std::size_t i = 0; i < job.targets.size(); ++i) job.targets[i].channel = i % 2 == 0 ? 0 : 2;
+  Rig good(machine);
+  EXPECT_EQ(run_job(good, job).end, link::JobEnd::done);
+  job.targets[117].channel = 3;
+  Rig rig(machine);
+  EXPECT_THROW(
+      {
+        try {
+          run_job(rig, job);
+        } catch (const Error& error) {
+          EXPECT_THAT(error.what(), HasSubstr("point 117"));
+          throw;
+        }
+      },
+      Error);
+  for (const sim::Shot& shot : rig.shots()) EXPECT_NE(shot.channel, 3);
 }
 
 /// Counts the changes of a pin.
@@ -197,7 +238,7 @@ TEST(Safety, AJobCannotChangeWhatTheMachineIs) {
     asked.stated.set(static_cast<std::size_t>(id));
     Rig rig(machine);
     // $0 cannot be named: 0 says that a refusal is not about a setting.
-    const std::string name = "$" + std::to_string(settings::row(id).number);
+    const std::string name = std::string("$") + std::to_string(settings::row(id).number);
     EXPECT_THAT(refusal(rig, job::make_job({{1, 1, 0}, {2, 1, 0}}, asked, {})),
                 HasSubstr("machine: refuses " + (id == Id::step_pulse ? "a value" : name)));
     EXPECT_TRUE(rig.monitor.nothing_happened());

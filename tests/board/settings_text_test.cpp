@@ -63,7 +63,8 @@ TEST(SettingsText, RandomValuesAreKeptOverARestart) {
       motion::Limits limits;
       std::uint16_t refused = 0;
       const bool possible = motion::make_limits(asked, beat_ticks(asked), full_tick_q16, limits,
-                                                refused) == Result::ok;
+                                                refused) == Result::ok &&
+                            lamp::broken_protection(asked) == 0;
       EXPECT_EQ(user.answer(fmt::format("${}={}", row.number, milli_text(value))),
                 possible ? "ok\r\n" : "error:52\r\n");
       if (possible) wanted = asked;
@@ -71,6 +72,28 @@ TEST(SettingsText, RandomValuesAreKeptOverARestart) {
     }
     EXPECT_TRUE(rig.monitor.nothing_happened());
   }
+}
+
+TEST(SettingsText, WhatTheLaserDoesNotBearIsRefused) {
+  Rig rig(lamp_profile(50));
+  Terminal user(rig);
+  EXPECT_EQ(user.answer("$922=20"), "ok\r\n");  // 20 J at 50 Hz: 1000 W
+  EXPECT_EQ(user.answer("$901=50.001"), "error:52\r\n");
+  EXPECT_EQ(user.answer("$922=20.001"), "error:52\r\n");
+  EXPECT_EQ(user.answer("$923=999.999"), "error:52\r\n");
+  EXPECT_EQ(user.answer("$910=1"), "ok\r\n");
+  EXPECT_EQ(user.answer("$900=2"), "error:52\r\n");  // ours to trigger, up to 1 % faster
+  EXPECT_EQ(user.answer("$922=19.8"), "ok\r\n");
+  EXPECT_EQ(user.answer("$900=2"), "ok\r\n");
+  EXPECT_EQ(user.answer("$922=0"), "ok\r\n");  // not known
+  EXPECT_EQ(user.answer("$901=200"), "ok\r\n");
+  EXPECT_EQ(user.answer("$929=4995"), "ok\r\n");  // nobody asks the sensors
+  EXPECT_EQ(user.answer("$927=1"), "error:52\r\n");
+  EXPECT_EQ(user.answer("$929=200"), "ok\r\n");
+  EXPECT_EQ(user.answer("$927=2"), "ok\r\n");
+  EXPECT_EQ(user.answer("$901=1000"), "error:52\r\n");  // too fast to know before the next shot
+  EXPECT_EQ(user.answer("$927=1"), "ok\r\n");
+  EXPECT_EQ(user.answer("$901=1000"), "ok\r\n");
 }
 
 TEST(SettingsText, HalfALineIsNotFinishedByANewConnectionNorBehindAReset) {

@@ -107,11 +107,13 @@ TEST(Status, RoundTripAndSize) {
   for (auto* field :
        {&status.next_number, &status.echo, &status.last_command, &status.free_points,
         &status.received, &status.first_unfired, &status.shots, &status.beats, &status.beats_before,
-        &status.starvations, &status.link.bad_frames, &status.link.duplicates,
-        &status.link.out_of_order, &status.link.lost_lines, &status.link.transmit_overflows})
+        &status.starvations, &status.shots_made, &status.shots_not_made, &status.repeats,
+        &status.link.bad_frames, &status.link.duplicates, &status.link.out_of_order,
+        &status.link.lost_lines, &status.link.transmit_overflows})
     *field = value++;
   for (auto& beats : status.beats_by_reason) beats = value++;
-  std::array<std::uint8_t, 200> bytes{};
+  for (auto& beats : status.beats_outside) beats = value++;
+  std::array<std::uint8_t, 300> bytes{};
   ByteWriter out(bytes);
   write_status(out, status);
   ASSERT_EQ(out.size(), status_size);
