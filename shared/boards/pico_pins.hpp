@@ -37,7 +37,7 @@ enum class Role : std::uint8_t {
   lamp_trigger,   ///< out, lattice bit 0: the controller triggers the lamp
   laser_gate,     ///< out, energy, lattice bit 1: continuous laser permitted
   shot_enable,    ///< out, energy, lattice bit 2: in position, a shot may be fired (ARM)
-  laser_pwm,      ///< out, energy: power of a continuous laser
+  laser_pwm,      ///< out, energy: attenuator, or power of a continuous laser
   drives_enable,  ///< out, active low: an external pull-up disables undriven drives
   status_led,
   estop,      ///< in: normally closed to ground, high = pressed or wire broken
@@ -164,6 +164,10 @@ consteval std::uint8_t gpio(Role role) {
 
 /// How many axes a map has pins for.
 constexpr int axes(PinMap map) { return find_gpio(map, Role::step_a) ? 4 : 3; }
+
+/// A bit for each beam channel that a map has a shutter for; without any the one beam is always
+/// open.
+constexpr std::uint8_t channels(PinMap map) { return find_gpio(map, Role::shutter_1) ? 0xf : 1; }
 
 constexpr Role step_role(int axis) { return static_cast<Role>(2 * axis); }
 constexpr Role dir_role(int axis) { return static_cast<Role>(2 * axis + 1); }

@@ -52,13 +52,26 @@ constexpr std::array output_wires{
     Wire{Role::laser_gate, Pin::laser_gate, false},
     Wire{Role::shot_enable, Pin::arm, false},
     Wire{Role::drives_enable, Pin::enable, true},
+    Wire{Role::shutter_1, Pin::shutter_1, false},
+    Wire{Role::shutter_2, Pin::shutter_2, false},
+    Wire{Role::shutter_3, Pin::shutter_3, false},
+    Wire{Role::shutter_4, Pin::shutter_4, false},
 };
 /// Switches are closed to ground at rest, with the pull-up of the pad or of the board.
 constexpr std::array input_wires{
-    Wire{Role::lamp_sync, Pin::lamp_sync, false}, Wire{Role::estop, Pin::estop, false},
-    Wire{Role::door, Pin::door, false},           Wire{Role::limit_x, Pin::limit_x, false},
-    Wire{Role::limit_y, Pin::limit_y, false},     Wire{Role::limit_z, Pin::limit_z, false},
+    Wire{Role::lamp_sync, Pin::lamp_sync, false},
+    Wire{Role::estop, Pin::estop, false},
+    Wire{Role::door, Pin::door, false},
+    Wire{Role::limit_x, Pin::limit_x, false},
+    Wire{Role::limit_y, Pin::limit_y, false},
+    Wire{Role::limit_z, Pin::limit_z, false},
+    Wire{Role::photosensor_1, Pin::photosensor_1, false},
+    Wire{Role::photosensor_2, Pin::photosensor_2, false},
+    Wire{Role::photosensor_3, Pin::photosensor_3, false},
+    Wire{Role::photosensor_4, Pin::photosensor_4, false},
 };
+/// A pin that keeps its level longer than this is no pulse-width modulation.
+constexpr Picoseconds longest_pwm_period = 100 * ps_per_us;
 constexpr std::array chained_limits{Pin::limit_x, Pin::limit_y, Pin::limit_z, Pin::limit_a};
 
 }  // namespace
@@ -94,7 +107,7 @@ void ChipBoard::connect_pads() {
   for (const Wire& wire : input_wires) {
     if (!boards::find_gpio(map_, wire.role)) continue;
     bus_.listen(wire.pin, *this);
-    drive(wire.pin, false);
+    drive(wire.pin, bus_.level(wire.pin));
   }
   if (boards::find_gpio(map_, Role::limits)) {
     for (const Pin pin : chained_limits) bus_.listen(pin, *this);
@@ -119,11 +132,32 @@ void ChipBoard::drive(Pin pin, bool level) {
 }
 
 void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
+  const Picoseconds time = chip_.wheel().time_of(at);
+  if (gpio == boards::gpio(Role::laser_pwm)) return measure_pwm(level, time);
   if (!outputs_[gpio]) return;
   const Picoseconds before = world_->next_event();
-  bus_.set(outputs_[gpio]->pin, level != outputs_[gpio]->inverted, chip_.wheel().time_of(at));
+  if (outputs_[gpio]->pin == Pin::q_switch) bus_.set_attenuator(attenuator(time));
+  bus_.set(outputs_[gpio]->pin, level != outputs_[gpio]->inverted, time);
   // A lamp that was triggered has edges to come.
   if (world_->next_event() != before) plan();
+}
+
+void ChipBoard::measure_pwm(bool level, Picoseconds at) {
+  pwm_.level = level;
+  if (!level) {
+    pwm_.fell = at;
+    return;
+  }
+  const Picoseconds period = at - pwm_.rose;
+  if (period <= longest_pwm_period)
+    pwm_.duty = static_cast<std::uint16_t>((pwm_.fell - pwm_.rose) * 65'535 / period);
+  pwm_.rose = at;
+}
+
+std::uint16_t ChipBoard::attenuator(Picoseconds at) const {
+  const Picoseconds since = at - std::max(pwm_.rose, pwm_.fell);
+  if (since <= longest_pwm_period) return pwm_.duty;
+  return pwm_.level ? 65'535 : 0;
 }
 
 void ChipBoard::plan() {

@@ -75,6 +75,8 @@ class ChipBoard final : public Board,
   void plan();
   void connect_pads();
   void drive(Pin pin, bool level);
+  void measure_pwm(bool level, Picoseconds at);
+  std::uint16_t attenuator(Picoseconds at) const;
 
   PinBus bus_;
   std::unique_ptr<World> world_;
@@ -87,6 +89,13 @@ class ChipBoard final : public Board,
     bool inverted = false;
   };
   std::array<std::optional<Pad>, chip::gpio_count> outputs_{};
+  /// The attenuator's filter: the last whole period of LASER PWM.
+  struct Pwm {
+    bool level = false;
+    Picoseconds rose = 0, fell = 0;
+    std::uint16_t duty = 0;  ///< 65535 = all of it
+  };
+  Pwm pwm_;
   std::vector<LatticeShot> lattice_shots_;  ///< stays empty: pins do not tell lattice ticks
 };
 

@@ -1,5 +1,6 @@
 #include "firmware/boards/rp2040/fault.hpp"
 
+#include "firmware/boards/rp2040/fire/beam_output.hpp"
 #include "firmware/boards/rp2040/last_run.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 #include "firmware/boards/rp2040/registers/pio.hpp"
@@ -22,6 +23,7 @@ void make_outputs_safe() {
   force_low(boards::gpio(Role::laser_pwm));
   force_low(boards::gpio(Role::shot_enable));
   force_low(boards::gpio(Role::lamp_trigger));
+  BeamOutput::close();
   pio1().ctrl = 0;  // TICK
   pio0().ctrl = 0;
 }

@@ -53,9 +53,9 @@ void RealTime::start_pads() const {
     pads_bank0().gpio[use.gpio] =
         pad::input_enable | pad::schmitt | pad::drive_4ma | (up ? pad::pull_up : pad::pull_down);
   }
-  make_output(boards::gpio(Role::laser_pwm), false);
   make_output(boards::gpio(Role::drives_enable), true);  // active low: off
   make_output(boards::gpio(Role::status_led), false);
+  beam_.start();
 }
 
 void RealTime::start(machine::Controller& core) {
@@ -163,7 +163,11 @@ void RealTime::beat_interrupt(machine::Controller& core) {
     clear_bits(pio0().irq0_inte, pio_intr::rx_not_empty(fire_machine.number));
     return;
   }
+  // Before the results: an answer that has been caught belongs to a shot that FIRE has told of.
+  const std::uint8_t answered = beam_.answered();
   fire_.service(core, [this] { return now(); });
+  core.photosensors(answered, now());
+  apply_beam(core);
   const bool enough = feed_spans(core, most_spans);
   const std::uint64_t present = now();
   played_ = static_cast<std::uint32_t>(feed_.tick_before(present));
@@ -228,6 +232,10 @@ void RealTime::apply_outputs(const machine::Controller& core) {
     estop_.hold_pads();
 }
 
+void RealTime::apply_beam(const machine::Controller& core) {
+  beam_.apply(core.outputs(), [this] { return estop_.is_cut(); });
+}
+
 void RealTime::poll(machine::Controller& core) {
   const auto changed = [this, &core](machine::Input input, bool active) {
     input_changed(core, input, active);
@@ -244,6 +252,7 @@ void RealTime::poll(machine::Controller& core) {
   inputs_.poll(sio().gpio_in, static_cast<std::uint32_t>(microseconds()), changed);
   fire_.service(core, [this] { return now(); });
   fire_.configure(core.fire_timing());
+  apply_beam(core);
   apply_outputs(core);
 }
 

@@ -20,6 +20,7 @@
 
 #include <cstdint>
 
+#include "firmware/boards/rp2040/fire/beam_output.hpp"
 #include "firmware/boards/rp2040/fire/fire_unit.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 #include "firmware/boards/rp2040/lattice/step_expander.hpp"
@@ -42,6 +43,7 @@ class RealTime {
         stamps_(stamp_ring_),
         lattice_(rings_, tick_ring_, stamp_ring_),
         fire_(lattice_, feed_, stamps_),
+        beam_(map),
         estop_(fire_),
         inputs_(map) {}
   RealTime(const RealTime&) = delete;
@@ -70,6 +72,7 @@ class RealTime {
   void stop_dead(machine::Controller& core);
   void input_changed(machine::Controller& core, machine::Input input, bool active);
   void apply_outputs(const machine::Controller& core);
+  void apply_beam(const machine::Controller& core);
   std::uint32_t high_clocks(const machine::Controller& core) const;
   void set_alarm(std::uint64_t clock) const;
 
@@ -82,6 +85,7 @@ class RealTime {
   StampReader stamps_;
   LatticeOutput lattice_;
   FireUnit fire_;
+  BeamOutput beam_;
   Estop estop_;
   Inputs inputs_;
   std::uint64_t start_us_ = 0;

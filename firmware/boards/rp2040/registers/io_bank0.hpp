@@ -27,12 +27,14 @@ inline IoBank0Registers& io_bank0() { return *reinterpret_cast<IoBank0Registers*
 namespace io_ctrl {
 enum class Function : std::uint8_t {
   uart = 2,
+  pwm = 4,
   sio = 5,
   pio0 = 6,
   pio1 = 7,
   usb_debug = 8,
 };
 constexpr std::uint32_t function(Function f) { return static_cast<std::uint32_t>(f); }
+inline constexpr std::uint32_t function_mask = 0x1f;
 /// OUTOVER = 2: the output is low whatever the peripheral says. One bit away from normal, so that
 /// the set and clear aliases switch it.
 inline constexpr std::uint32_t output_low = 2u << 8;

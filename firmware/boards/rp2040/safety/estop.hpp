@@ -1,11 +1,11 @@
 // The e-stop: everything off within a fraction of a microsecond, whatever the rest is doing.
 //
 // In:  rising edge of the e-stop pin (normally closed contact: high = pressed or wire broken).
-// Out: FIRE and TICK stand still; Q-switch, trigger, gate, ARM and PWM low at their pads; a flag
+// Out: FIRE and TICK stand still; Q-switch, trigger, gate, ARM, PWM and shutters low; a flag
 //      for the main loop, which tells the core and starts the lattice again without motion; when
 //      that was, since lamp edges go on while the main loop is still away.
 // Who: interrupt() from IO_IRQ_BANK0, alone at priority 0, nothing masks it longer than 1 us.
-//      Budget: 1.25 us with entry and return. The first 7 of its 13 stores switch everything off,
+//      Budget: 1.25 us with entry and return. The first 8 of its 14 stores switch everything off,
 //      the last of them 64 cycles (0.5 us) after the handler's first instruction.
 //
 // The pads stay low until release_pads(), when the core has left the e-stop state; the trigger's
@@ -14,6 +14,7 @@
 
 #include <cstdint>
 
+#include "firmware/boards/rp2040/fire/beam_output.hpp"
 #include "firmware/boards/rp2040/fire/fire_unit.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
@@ -39,6 +40,7 @@ class Estop {
     force_low(boards::gpio(boards::Role::laser_gate));
     force_low(boards::gpio(boards::Role::shot_enable));
     force_low(boards::gpio(boards::Role::laser_pwm));
+    BeamOutput::close();
     if (!cut_) cut_us_ = timer().timerawl;
     cut_ = true;
   }
@@ -61,10 +63,12 @@ class Estop {
   void release_pads() const {
     release(boards::gpio(boards::Role::q_switch));
     release(boards::gpio(boards::Role::laser_gate));
+    release(boards::gpio(boards::Role::laser_pwm));
   }
   void hold_pads() const {
     force_low(boards::gpio(boards::Role::q_switch));
     force_low(boards::gpio(boards::Role::laser_gate));
+    force_low(boards::gpio(boards::Role::laser_pwm));
   }
 
  private:

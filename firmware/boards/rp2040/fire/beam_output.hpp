@@ -1,0 +1,106 @@
+// The beam's pins: shutters and attenuator out, photosensors in.
+//
+// In:  what the core wants open (outputs()), edges that the pins have caught.
+// Out: SHUTTER 1..4, LASER PWM (30 kHz); photosensors() of the core.
+// Who: apply(): beat interrupt (priority 1), and the main loop with it masked, after anything that
+//      may have changed outputs(). answered(): beat interrupt, before the results of FIRE are read.
+//      close(): any level.
+//
+// A photosensor's pulse of 10 us need not be seen while it lasts: the edge register of the pin
+// keeps it, interrupt or not, until it is read here 100 us later at most. So an answer may come up
+// to 100 us too late, or belong to something up to 100 us before the shot.
+// In a map without these pins there is one channel, always open, and no photosensor.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
+#include "firmware/boards/rp2040/registers/io_bank0.hpp"
+#include "firmware/boards/rp2040/registers/pwm.hpp"
+#include "firmware/boards/rp2040/registers/sio.hpp"
+#include "firmware/machine/controller.hpp"
+#include "shared/boards/pico_pins.hpp"
+
+namespace lamplock::rp2040 {
+
+class BeamOutput {
+ public:
+  explicit BeamOutput(boards::PinMap map) : has_shutters_(boards::channels(map) != 1) {}
+
+  /// Shutters closed, attenuator 0: pads that were inputs so far.
+  void start() const {
+    force_low(pwm_gpio);
+    PwmSliceRegisters& slice = pwm().slice[pwm_slice(pwm_gpio)];
+    slice.top = period_counts - 1;
+    slice.cc = 0;
+    slice.csr = pwm_csr::enable;
+    set_function(pwm_gpio, io_ctrl::Function::pwm);
+    close();
+    if (!has_shutters_) return;
+    sio().gpio_oe_set = all_shutters;
+    for (unsigned gpio = first_shutter; gpio < first_shutter + channels; ++gpio)
+      set_function(gpio, io_ctrl::Function::sio);
+  }
+  /// One store (e-stop, priority 0). Where the map has no shutters nothing listens.
+  [[gnu::always_inline]] static void close() { sio().gpio_out_clr = all_shutters; }
+
+  /// `is_cut()`: an e-stop has closed everything and is not in order yet.
+  template <class IsCut>
+  void apply(const machine::Outputs& outputs, IsCut&& is_cut) {
+    const AllMasked masked;  // an e-stop in between would be undone
+    if (is_cut()) return;
+    if (has_shutters_) {
+      const std::uint32_t open = std::uint32_t{outputs.shutters} << first_shutter & all_shutters;
+      sio().gpio_out_clr = all_shutters & ~open;
+      sio().gpio_out_set = open;
+    }
+    pwm().slice[pwm_slice(pwm_gpio)].cc = duty(outputs.attenuator) << pwm_shift(pwm_gpio);
+  }
+
+  /// Photosensors that have answered since the last call.
+  std::uint8_t answered() const {
+    if (!has_shutters_) return 0;
+    std::uint8_t bits = 0;
+    for (unsigned i = 0; i < channels; ++i) {
+      const std::uint32_t edge = io_interrupt::edge_high(sensors[i]);
+      Register& caught = io_bank0().intr[io_interrupt::word(sensors[i])];
+      if ((caught & edge) == 0) continue;
+      caught = edge;
+      bits = static_cast<std::uint8_t>(bits | 1u << i);
+    }
+    return bits;
+  }
+
+  /// Counts high of a period for a value of the attenuator: 65535 is always high.
+  static constexpr std::uint32_t duty(std::uint16_t attenuator) {
+    return (std::uint32_t{attenuator} + period_counts / 512) / (65536 / period_counts);
+  }
+
+ private:
+  static constexpr std::uint32_t period_counts = 4096;  ///< 30.5 kHz
+  static constexpr unsigned channels = 4;
+  static constexpr unsigned pwm_gpio = boards::gpio(boards::Role::laser_pwm);
+  static constexpr unsigned first_shutter =
+      *boards::find_gpio(boards::PinMap::glass, boards::Role::shutter_1);
+  static_assert(*boards::find_gpio(boards::PinMap::glass, boards::Role::shutter_4) ==
+                first_shutter + channels - 1);
+  static constexpr std::uint32_t all_shutters = ((1u << channels) - 1) << first_shutter;
+  static constexpr std::array<unsigned, channels> sensors{
+      *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_1),
+      *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_2),
+      *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_3),
+      *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_4)};
+
+  /// Keeps the pad's overrides.
+  static void set_function(unsigned gpio, io_ctrl::Function function) {
+    Register& ctrl = io_bank0().gpio[gpio].ctrl;
+    ctrl = (ctrl & ~io_ctrl::function_mask) | io_ctrl::function(function);
+  }
+
+  const bool has_shutters_;
+};
+static_assert(BeamOutput::duty(65535) == 4096 && BeamOutput::duty(0) == 0 &&
+              BeamOutput::duty(32768) == 2048);
+
+}  // namespace lamplock::rp2040
