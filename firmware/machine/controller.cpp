@@ -1,7 +1,6 @@
 #include "firmware/machine/controller.hpp"
 
 #include "firmware/machine/settings_text.hpp"
-#include "firmware/machine/text.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -591,8 +590,18 @@ void Controller::send_status_line() {
     if (a != 0) line.add(",");
     line.add_milli(steps * 1'000'000 / values_.milli(Id::steps_per_mm_x, a));
   }
-  line.add("|Bf:").add(std::int64_t{runner_.queue().free()}).add(",1024|FS:0,0>\r\n");
+  line.add("|Bf:").add(std::int64_t{runner_.queue().free()}).add(",1024|FS:0,0");
+  add_beats(line);
+  line.add(">\r\n");
   link_.send_text(line.view());
+}
+
+void Controller::add_beats(TextLine& line) const {
+  line.add(clock_.locked() ? "|Lamp:1," : "|Lamp:0,").add(std::int64_t{clock_.edges()});
+  const BeatsByReason inside = shots_.ledger().by_reason();
+  const BeatsByReason outside = shots_.ledger().outside();
+  for (std::size_t i = 0; i < beat_reason_count; ++i)
+    line.add(i == 0 ? "|Beats:" : ",").add(std::int64_t{inside[i]} + outside[i]);
 }
 
 void Controller::fill_status(wire::Status& status) const {

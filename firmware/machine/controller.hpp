@@ -42,6 +42,7 @@
 #include "firmware/link/link.hpp"
 #include "firmware/machine/interrupt_mask.hpp"
 #include "firmware/machine/job_runner.hpp"
+#include "firmware/machine/text.hpp"
 #include "firmware/program/pulse_decoder.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/status.hpp"
@@ -193,6 +194,7 @@ class Controller {
   void send_banner();
   StepPosition present_steps();
   void send_status_line();
+  void add_beats(TextLine& line) const;
 
   const InterruptMask mask_;
   const int board_axes_;

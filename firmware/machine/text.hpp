@@ -44,7 +44,7 @@ class TextLine {
     return *this;
   }
 
-  std::array<char, 160> buffer_{};
+  std::array<char, 320> buffer_{};
   std::size_t size_ = 0;
 };
 

@@ -70,6 +70,9 @@ report::Report parse(const std::string& text) {
   read_optional(json, "missed", report.missed);
   read_optional(json, "doubled", report.doubled);
   json.at("beats_by_reason").get_to(report.beats_by_reason);
+  json.at("beats_outside").get_to(report.beats_outside);
+  const auto& checks = json.at("photosensors");
+  report.checks = {checks.at("made"), checks.at("not_made"), checks.at("repeats")};
   const auto& link = json.at("link");
   report.link = {link.at("resent"), link.at("bad"), link.at("reconnects")};
   read_settings(json.at("settings"), report.settings);

@@ -85,8 +85,12 @@ report::JobRun run_of(const Work& work, const BoardOptions& options,
   run.beats = result.status.beats;
   run.beats_before = result.status.beats_before;
   run.time_s = static_cast<double>(run.beats) / lamp_hz(run.settings);
-  for (std::size_t i = 0; i < beat_reason_count; ++i)
-    run.beats_by_reason[std::string(beat_reason_names[i])] = result.status.beats_by_reason[i];
+  for (std::size_t i = 0; i < beat_reason_count; ++i) {
+    const std::string reason(beat_reason_names[i]);
+    run.beats_by_reason[reason] = result.status.beats_by_reason[i];
+    run.beats_outside[reason] = result.status.beats_outside[i];
+  }
+  run.checks = {result.status.shots_made, result.status.shots_not_made, result.status.repeats};
   run.link = {result.resent, result.bad_frames + result.status.link.bad_frames, result.reconnects};
   return run;
 }

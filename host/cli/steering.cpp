@@ -55,6 +55,10 @@ void Steering::look() {
     ask_to_go_on("door open, laser off: close it");
   else if (state == wire::MachineState::hold && holding_ && !asking_)
     ask_to_go_on("held, laser off");
+  const bool not_made = state == wire::MachineState::hold &&
+                        sender_.status().hold_reason == wire::HoldReason::not_made;
+  if (not_made && !shot_asked_ && !asking_) ask_to_go_on("shot not made, held, laser off");
+  shot_asked_ = not_made;
   if (!asking_ && !holding_) {
     if (Clock::now() - looked_at_ < look_interval) return;
     looked_at_ = Clock::now();

@@ -45,8 +45,9 @@ class Steering {
   Progress& progress_;
   Clocking clocking_;
   Interrupt interrupt_;
-  bool holding_ = false;  ///< the user wants a hold
-  bool asking_ = false;   ///< the machine is at rest until the user says
+  bool holding_ = false;     ///< the user wants a hold
+  bool asking_ = false;      ///< the machine is at rest until the user says
+  bool shot_asked_ = false;  ///< about the shot that was not made
   bool stopping_ = false;
   bool input_ended_ = false;
   std::string typed_{};  ///< a line that has not ended

@@ -43,7 +43,7 @@ std::optional<double> largest_error(const JobRun& run, const Matching& matching,
 void judge_shots(const JobRun& run, Report& report) {
   const Matching matching = match_shots(run);
   report.missed = matching.missed;
-  report.doubled = matching.doubled;
+  report.doubled = matching.doubled - std::min(matching.doubled, run.checks.repeats);
   report.largest_jitter_error_steps =
       largest_error(run, matching, [&run](std::size_t i) { return run.shots[i].steps; });
   if (!run.lattice_steps.empty())
@@ -92,6 +92,8 @@ Report evaluate(const JobRun& run) {
   report.utilisation = ratio(static_cast<double>(report.shots), beats);
   report.points_per_s = ratio(points, report.time_s);
   report.beats_by_reason = run.beats_by_reason;
+  report.beats_outside = run.beats_outside;
+  report.checks = run.checks;
   report.link = run.link;
   report.settings = run.settings;
   if (run.shots_known) judge_shots(run, report);
@@ -118,6 +120,11 @@ std::string to_json(const Report& report) {
       {"missed", or_null(report.missed)},
       {"doubled", or_null(report.doubled)},
       {"beats_by_reason", report.beats_by_reason},
+      {"beats_outside", report.beats_outside},
+      {"photosensors",
+       {{"made", report.checks.made},
+        {"not_made", report.checks.not_made},
+        {"repeats", report.checks.repeats}}},
       {"link",
        {{"resent", report.link.resent},
         {"bad", report.link.bad},

@@ -35,6 +35,13 @@ struct LinkCounts {
   std::uint64_t reconnects = 0;
 };
 
+/// What the photosensors said.
+struct ShotChecks {
+  std::uint64_t made = 0;
+  std::uint64_t not_made = 0;
+  std::uint64_t repeats = 0;  ///< shots at a point whose last shot was not made
+};
+
 /// Everything known about one run of a job.
 struct JobRun {
   std::string input;  ///< file that was engraved
@@ -58,6 +65,9 @@ struct JobRun {
   double time_s = 0;               ///< machine time of `beats`
   std::map<std::string, std::uint64_t>
       beats_by_reason;  ///< every beat by its reason; their sum is `beats`
+  /// The same of the beats before the first shot and after the last.
+  std::map<std::string, std::uint64_t> beats_outside;
+  ShotChecks checks;
   LinkCounts link;
   settings::Values settings;
 };
@@ -79,8 +89,9 @@ struct Report {
   /// The same with the position at the real shot: lamp jitter included.
   std::optional<double> largest_jitter_error_steps;
   std::optional<std::uint64_t> missed;   ///< points fired less often than ordered
-  std::optional<std::uint64_t> doubled;  ///< shots beyond those ordered
-  std::map<std::string, std::uint64_t> beats_by_reason;
+  std::optional<std::uint64_t> doubled;  ///< shots beyond those ordered and their repeats
+  std::map<std::string, std::uint64_t> beats_by_reason, beats_outside;
+  ShotChecks checks;
   LinkCounts link;
   settings::Values settings;
 };

@@ -98,6 +98,10 @@ std::string summary(const Report& report) {
   rows.push_back({"beats before the first shot", grouped(report.beats_before)});
   for (const auto& [reason, beats] : report.beats_by_reason)
     if (beats > 0) rows.push_back({"beats: " + reason, grouped(beats)});
+  if (report.checks.made + report.checks.not_made > 0) {
+    rows.push_back({"photosensors: not made", grouped(report.checks.not_made)});
+    rows.push_back({"photosensors: repeats", grouped(report.checks.repeats)});
+  }
   rows.push_back({"link: frames resent", grouped(report.link.resent)});
   rows.push_back({"link: bad frames", grouped(report.link.bad)});
   rows.push_back({"link: reconnects", grouped(report.link.reconnects)});

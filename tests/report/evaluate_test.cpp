@@ -163,6 +163,19 @@ TEST(Evaluate, FewerShotsThanOrderedAreMissed) {
   EXPECT_EQ(evaluate(run).doubled, 0u);
 }
 
+TEST(Evaluate, RepeatsOfShotsNotMadeAreNotDoubled) {
+  JobRun run = job(50, 3);
+  for (std::size_t i = 0; i < run.points.size(); ++i) {
+    add_shot_at_point(run, i);
+    if (i % 10 == 0) add_shot_at_point(run, i);
+  }
+  run.checks.repeats = 4;
+  EXPECT_EQ(evaluate(run).doubled, 1u);
+  run.checks.repeats = 5;
+  EXPECT_EQ(evaluate(run).doubled, 0u);
+  EXPECT_EQ(evaluate(run).missed, 0u);
+}
+
 TEST(Evaluate, NothingFiredOrNothingToFire) {
   JobRun run = job(100, 1);
   EXPECT_EQ(evaluate(run).missed, 100u);

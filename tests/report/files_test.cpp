@@ -36,6 +36,8 @@ class ReportFiles : public ::testing::Test {
 TEST_F(ReportFiles, JsonHasExactlyTheKeysPromised) {
   JobRun run = perfect_run(50, 1);
   run.beats_by_reason = {{"dropout", 3}, {"travel", 12}};
+  run.beats_outside = {{"warm_up", 7}};
+  run.checks = {48, 2, 1};
   run.link = {.resent = 1, .bad = 2, .reconnects = 3};
   run.settings.set_milli(settings::Id::acceleration_x, 2'000'500);
   const auto json = nlohmann::json::parse(to_json(evaluate(run)));
@@ -59,6 +61,8 @@ TEST_F(ReportFiles, JsonHasExactlyTheKeysPromised) {
                                        "missed",
                                        "doubled",
                                        "beats_by_reason",
+                                       "beats_outside",
+                                       "photosensors",
                                        "link",
                                        "settings"};
   EXPECT_EQ(keys, promised);
@@ -66,6 +70,9 @@ TEST_F(ReportFiles, JsonHasExactlyTheKeysPromised) {
   EXPECT_EQ(json["beats_before"], 10);
   EXPECT_EQ(json["utilisation"], 1.0);
   EXPECT_EQ(json["beats_by_reason"]["travel"], 12);
+  EXPECT_EQ(json["beats_outside"]["warm_up"], 7);
+  EXPECT_EQ(json["photosensors"]["not_made"], 2);
+  EXPECT_EQ(json["photosensors"]["repeats"], 1);
   EXPECT_EQ(json["link"]["resent"], 1);
   EXPECT_EQ(json["link"]["bad"], 2);
   EXPECT_EQ(json["link"]["reconnects"], 3);
