@@ -70,6 +70,7 @@ class BeamRig : public testing::Test {
     cable_ = std::make_unique<BoardCable>(*rig_);
     link::SenderOptions options;
     options.session = 1;
+    options.on_text = [this](const std::string& text) { said_ += text; };
     sender_ = std::make_unique<link::JobSender>(*cable_, job_, options);
   }
   link::JobResult run() {
@@ -113,6 +114,7 @@ class BeamRig : public testing::Test {
     return static_cast<std::uint32_t>(std::count(made.begin(), made.end(), false));
   }
 
+  std::string said_;  ///< by the machine
   std::mt19937_64 random_;
   job::Profile profile_;
   sim::WorldConfig world_;
@@ -325,6 +327,7 @@ TEST_F(BeamRig, ASensorThatSeesNothingHoldsTheJob) {
     }
     EXPECT_EQ(rig_->state(), MachineState::hold);
     EXPECT_EQ(rig_->status().hold_reason, wire::HoldReason::not_made);
+    EXPECT_THAT(said_, HasSubstr("[MSG:Point 0 not made]"));
     EXPECT_EQ(rig_->shots().size(), 4u);
     EXPECT_EQ(rig_->status().first_unfired, 0u);
     expect_closed();
