@@ -79,12 +79,9 @@ TEST(JobSpeed, HalfTheSpeedIsTwiceTheBeats) {
 /// A way too long for the slowest speeds is run, not refused.
 TEST(JobSpeed, TheSlowestSpeedStillArrives) {
   const job::Profile profile = lamp_profile(4000);
-  points::PointCloud cloud{{-50, 0, 0}};
-  for (int i = 0; i < 40; ++i) {
-    // Far ways among short ones.
-    const double x = i % 13 == 12 ? -cloud.back().x : cloud.back().x;
-    cloud.push_back({x, i * 0.05, -i * 0.1});
-  }
+  points::PointCloud cloud;
+  for (int i = 0; i < 120; ++i)  // far ways among short ones
+    cloud.push_back({i / 50 % 2 == 0 ? 0.0 : 50.0, i * 0.005, i * -0.01});
   const job::Job job = job::make_job(cloud, profile, {});
   Rig rig(profile);
   link::SenderOptions options = session(1);
@@ -151,7 +148,32 @@ TEST(JobSpeed, TakesEffectBehindWhatIsCommitted) {
   }
 }
 
-/// Holds, doors, drop-outs and other speeds at any moment.
+/// In a straight row no state fits slower limits: the row is broken off once.
+TEST(JobSpeed, SlowsDownWhereTheMachineNeverSlowsByItself) {
+  job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);
+  job::set_speed(profile, 0.06);
+  points::PointCloud row;
+  for (int i = 0; i < 390; ++i) row.push_back({-49 + 0.25 * i, 0, 0});
+  const job::Job job = job::make_job(row, profile, {});
+  Rig rig(profile);
+  BoardCable cable(rig);
+  link::JobSender sender(cable, job, session(1));
+  while (sender.step() && rig.shots().size() < 60) {
+  }
+  sender.set_job_speed(50);
+  ASSERT_EQ(sender.run().end, link::JobEnd::done);
+  ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
+  expect_sound(rig, profile.settings);
+  const auto beats = [&rig](std::size_t from, std::size_t to) {
+    return rig.shots()[to].beat - rig.shots()[from].beat;
+  };
+  EXPECT_EQ(beats(30, 60), 30);
+  const std::size_t slow = 60 + stepper::SegmentQueue::capacity + 2 * motion::window_points;
+  EXPECT_GE(beats(slow, 389), static_cast<std::int64_t>(389 - slow) * 8 / 5);
+  EXPECT_EQ(rig.monitor.violation(slowed(profile, 50), 0, rig.shots()[60].at).empty(), false);
+}
+
+/// Holds, drop-outs and other speeds at any moment.
 TEST(HoldAndResume, EveryPointAsOrderedAndNoShotInBetween) {
   int holds = 0;
   for (int seed = 0; seed < scaled(150); ++seed) {

@@ -147,6 +147,25 @@ TEST(FixedBeats, TooFewNameThePoint) {
   }
 }
 
+/// A job that is gone on with does not come from the target before.
+TEST(FixedBeats, HoldNotFromAnywhereElse) {
+  const job::Profile profile = lamp_profile();
+  points::PointCloud cloud;
+  for (int i = 0; i < 30; ++i) cloud.push_back({30 + 0.1 * i, 30, -30});
+  job::JobOptions options;
+  options.mode = JoinMode::start_stop;
+  job::Job job = job::make_job(cloud, profile, options);
+  for (motion::Target& target : job.targets) target.beats = 2;
+  Rig rig(profile);
+  link::SenderOptions sending;
+  sending.first_index = 10;
+  ASSERT_EQ(run_job(rig, job, sending).end, link::JobEnd::done);
+  ASSERT_EQ(rig.shots().size(), 20u);
+  for (std::size_t i = 1; i < 20; ++i)
+    ASSERT_EQ(rig.shots()[i].beat, rig.shots()[i - 1].beat + 2) << i;
+  expect_sound(rig, profile.settings);
+}
+
 /// After a hold the machine does not come from the target before: fixed beats do not bind it.
 TEST(FixedBeats, HoldOnlyOnTheWayFromTheTargetBefore) {
   for (int seed = 0; seed < scaled(30); ++seed) {
