@@ -151,6 +151,16 @@ class BeatsLeft {
   std::vector<Point> points_;
 };
 
+/// A hull that rounding has not made too narrow where there is but one way.
+SpeedBox widened(SpeedBox box) {
+  constexpr double rounding = 1e-9;
+  for (SpeedRange& side : box) {
+    side.lo -= rounding * (1 + std::fabs(side.lo));
+    side.hi += rounding * (1 + std::fabs(side.hi));
+  }
+  return box;
+}
+
 bool BeatsLeft::hull(const ReferenceProblem& problem, std::size_t i, int beats,
                      SpeedBox& out) const {
   const Point& next = points_[i + 1];
@@ -174,6 +184,8 @@ bool BeatsLeft::hull(const ReferenceProblem& problem, std::size_t i, int beats,
 BeatsLeft::BeatsLeft(const ReferenceProblem& problem, long most, const std::vector<int>& earliest)
     : axes_(problem.axes), points_(problem.way.size() + 1) {
   const std::size_t n = problem.way.size();
+  for (Point& point : points_) point.least = static_cast<int>(most) + 1;
+  points_[n].least = 0;
   points_[n].hull.resize(1);
   for (std::size_t i = n; i-- > 0;) {
     Point& point = points_[i];
@@ -189,7 +201,7 @@ BeatsLeft::BeatsLeft(const ReferenceProblem& problem, long most, const std::vect
           box[a] = {std::min(box[a].lo, point.hull.back()[a].lo),
                     std::max(box[a].hi, point.hull.back()[a].hi)};
       }
-      point.hull.push_back(box);
+      point.hull.push_back(widened(box));
     }
     if (point.hull.empty()) return;  // not within `most`: the rest stays as it is, empty
   }
