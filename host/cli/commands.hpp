@@ -25,5 +25,6 @@ void add_frame(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
 void add_sim(CLI::App& program, Action& action);
 void add_chip(CLI::App& program, Action& action);
+void add_bench(CLI::App& program, Action& action);
 
 }  // namespace lamplock::cli

@@ -53,6 +53,7 @@ Exit run(int argc, char** argv) {
   lamplock::cli::add_compare(program, action);
   lamplock::cli::add_sim(program, action);
   lamplock::cli::add_chip(program, action);
+  lamplock::cli::add_bench(program, action);
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -21,14 +21,14 @@ TEST_P(CommandHelp, explains_itself_with_an_example) {
 
 INSTANTIATE_TEST_SUITE_P(all, CommandHelp,
                          testing::Values("example", "points", "order", "job", "send", "engrave",
-                                         "frame", "compare", "sim", "chip"),
+                                         "frame", "compare", "sim", "chip", "bench"),
                          [](const auto& test) { return test.param; });
 
 TEST(Usage, help_lists_every_command) {
   const Finished help = run({"--help"});
   EXPECT_EQ(help.status, 0);
   for (const char* command : {"example", "points", "order", "job", "send", "engrave", "frame",
-                              "compare", "sim", "chip", "--version"})
+                              "compare", "sim", "chip", "bench", "--version"})
     EXPECT_THAT(help.out, HasSubstr(command));
 }
 
@@ -53,16 +53,17 @@ TEST_P(WrongUsage, is_one_line_with_status_2) {
   EXPECT_THAT(wrong.err, HasSubstr(GetParam().names));
 }
 
-INSTANTIATE_TEST_SUITE_P(all, WrongUsage,
-                         testing::Values(Wrong{{}, "command"}, Wrong{{"carve"}, "carve"},
-                                         Wrong{{"engrave"}, "INPUT"},
-                                         Wrong{{"engrave", "a.stl", "--colour", "red"}, "--colour"},
-                                         Wrong{{"engrave", "a.stl", "--spacing", "wide"}, "wide"},
-                                         Wrong{{"engrave", "a.stl", "--mode", "fast"}, "--mode"},
-                                         Wrong{{"engrave", "a.stl", "--from", "-1"}, "--from"},
-                                         Wrong{{"order", "a.xyz"}, "--output"},
-                                         Wrong{{"compare", "a"}, "SECOND"},
-                                         Wrong{{"job"}, "--show"}));
+INSTANTIATE_TEST_SUITE_P(
+    all, WrongUsage,
+    testing::Values(Wrong{{}, "command"}, Wrong{{"carve"}, "carve"}, Wrong{{"engrave"}, "INPUT"},
+                    Wrong{{"engrave", "a.stl", "--colour", "red"}, "--colour"},
+                    Wrong{{"engrave", "a.stl", "--spacing", "wide"}, "wide"},
+                    Wrong{{"engrave", "a.stl", "--mode", "fast"}, "--mode"},
+                    Wrong{{"engrave", "a.stl", "--from", "-1"}, "--from"},
+                    Wrong{{"order", "a.xyz"}, "--output"}, Wrong{{"compare", "a"}, "SECOND"},
+                    Wrong{{"job"}, "--show"}, Wrong{{"bench", "--rows", "glass"}, "--rows"},
+                    Wrong{{"bench", "--points", "0"}, "--points"},
+                    Wrong{{"bench", "--seed", "-3"}, "--seed"}));
 
 }  // namespace
 }  // namespace lamplock::cli::test

@@ -1,0 +1,73 @@
+#include "host/bench/report.hpp"
+
+#include <fmt/format.h>
+
+namespace lamplock::bench {
+namespace {
+
+std::string path_text(const Figures& f) {
+  return f.path ? fmt::format("{:.3f}", *f.path) : std::string("-");
+}
+
+/// The columns of one stream.
+std::string columns(const Figures& f) {
+  return fmt::format("{:>10.3f} {:>6} {:>7.4f} {:>8.4f} {:>+7.3f} {:>6.1f}", f.start_stop,
+                     path_text(f), f.free, f.optimum, f.gap_percent(), f.saved_percent());
+}
+
+constexpr const char* column_heads = "start-stop   path    free  optimum   gap %  saved %";
+
+std::string measured_table(const BenchReport& report) {
+  std::string text = fmt::format(
+      "Beats per point, {} measured start-stop times of one object of {} points\n"
+      "  measured    lamp periods that passed, per point, on the machine of the source\n"
+      "  ours        start-stop of this planner, the object's step lengths along one axis\n"
+      "  on a walk   {} of the same step lengths in random directions in a plane, seed {}: each\n"
+      "              axis has its own limits, so that start-stop is less than along one axis\n"
+      "  optimum     exact: no plan needs fewer; gap: what free takes more than that\n"
+      "  saved       time of free less than start-stop on the same walk\n\n"
+      "lamp  speed  accel                           | on a walk\n"
+      "  Hz    m/s   m/s2  measured   ours   off %  | {}\n",
+      report.measured.size(), glass_points, report.measured_points, report.seed, column_heads);
+  for (const MeasuredFigures& m : report.measured)
+    text += fmt::format("{:>4g} {:>6.2f} {:>6.1f} {:>9.3f} {:>6.3f} {:>+7.2f}  | {}\n",
+                        m.row.lamp_hz, m.row.speed_m_s, m.row.accel_m_s2, measured_beats(m.row),
+                        m.start_stop, m.off_percent(), columns(m.walk));
+  return text + "\n";
+}
+
+std::string walk_table(const BenchReport& report) {
+  std::string text = fmt::format(
+      "Beats per point on walks of {} points in a plane, seed {}\n\n"
+      "lamp  speed  accel\n"
+      "  Hz    m/s   m/s2  {}  labels a point\n",
+      report.walk_points, report.seed, column_heads);
+  for (const WalkFigures& w : report.walks)
+    text += fmt::format("{:>4g} {:>6.2f} {:>6.1f}  {} {:>15.1f}\n", w.machine.lamp_hz,
+                        w.machine.speed_m_s, w.machine.accel_m_s2, columns(w.walk), w.walk.labels);
+  return text + "\n";
+}
+
+std::string course_table(const BenchReport& report) {
+  std::string text = fmt::format(
+      "Beats per point on {} points 100-150 um apart, lamp {:g} Hz, {:g} m/s2, {:g} mm/s, seed "
+      "{}\n\n"
+      "{:<47} {}\n",
+      pulse_points, pulse_machine.lamp_hz, pulse_machine.accel_m_s2, pulse_machine.speed_m_s * 1e3,
+      report.seed, "course", column_heads);
+  for (const CourseFigures& c : report.courses)
+    text += fmt::format("{:<47} {}\n", c.name, columns(c.course));
+  return text;
+}
+
+}  // namespace
+
+std::string tables(const BenchReport& report) {
+  std::string text;
+  if (!report.measured.empty()) text += measured_table(report);
+  if (!report.walks.empty()) text += walk_table(report);
+  if (!report.courses.empty()) text += course_table(report);
+  return text;
+}
+
+}  // namespace lamplock::bench

@@ -1,0 +1,166 @@
+// `lamplock bench`: what planning gains, measured against the source documents and the optimum.
+#include <algorithm>
+#include <memory>
+
+#include "host/bench/report.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/options.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/staged_file.hpp"
+#include "host/file.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+struct Options {
+  std::vector<std::string> rows{};
+  std::optional<int> points{};
+  std::uint64_t seed = 1;
+  std::string chart{};
+  bool json = false;
+
+  bool wants(const std::string& part) const {
+    return rows.empty() || std::find(rows.begin(), rows.end(), part) != rows.end();
+  }
+};
+
+/// Points of everything that is to be planned.
+std::size_t work(const Options& options, const bench::BenchReport& report) {
+  std::size_t points = 0;
+  const auto add = [&](const char* part, std::size_t rows, int each) {
+    if (options.wants(part)) points += rows * static_cast<std::size_t>(each);
+  };
+  add("measured", bench::glass_start_stop_times.size(), report.measured_points);
+  add("walks", bench::graded_walks.size(), report.walk_points);
+  add("example", bench::pulse_courses.size(), bench::pulse_points);
+  return points;
+}
+
+bench::BenchReport measure(const Options& options) {
+  bench::BenchReport report;
+  report.seed = options.seed;
+  report.measured_points = options.points.value_or(bench::glass_points);
+  report.walk_points = options.points.value_or(bench::graded_points);
+  Progress progress("points planned", work(options, report));
+  std::size_t done = 0;
+  const auto planned = [&](std::size_t points) { progress.update(done += points); };
+  if (options.wants("measured")) {
+    for (const bench::StartStopTime& row : bench::glass_start_stop_times) {
+      bench::MeasuredFigures figures{row, bench::start_stop_on_one_axis(row), {}};
+      figures.walk = walk_figures(figures.machine(), report.measured_points, options.seed, planned);
+      report.measured.push_back(figures);
+    }
+  }
+  if (options.wants("walks"))
+    for (const bench::Machine& machine : bench::graded_walks)
+      report.walks.push_back(
+          {machine, walk_figures(machine, report.walk_points, options.seed, planned)});
+  if (options.wants("example"))
+    for (const bench::PulseCourse& row : bench::pulse_courses)
+      report.courses.push_back({row.name, course_figures(row, options.seed, planned)});
+  return report;
+}
+
+void add_figures(Json& row, const bench::Figures& f) {
+  row["start_stop"] = f.start_stop;
+  row["path"] = f.path ? Json(*f.path) : Json(nullptr);
+  row["free"] = f.free;
+  row["optimum"] = f.optimum;
+  row["gap_percent"] = f.gap_percent();
+  row["saved_percent"] = f.saved_percent();
+  row["labels"] = f.labels;
+}
+
+Json machine_json(const bench::Machine& machine) {
+  return {{"lamp_hz", machine.lamp_hz},
+          {"speed_m_s", machine.speed_m_s},
+          {"accel_m_s2", machine.accel_m_s2}};
+}
+
+Json document(const bench::BenchReport& report) {
+  Json json{{"version", LAMPLOCK_VERSION}, {"seed", report.seed}};
+  if (!report.measured.empty()) {
+    Json rows = Json::array();
+    for (const bench::MeasuredFigures& m : report.measured) {
+      Json row = machine_json(m.machine());
+      row["measured"] = measured_beats(m.row);
+      row["start_stop_one_axis"] = m.start_stop;
+      row["off_percent"] = m.off_percent();
+      add_figures(row["walk"], m.walk);
+      rows.push_back(row);
+    }
+    json["measured"] = {{"points", report.measured_points}, {"rows", rows}};
+  }
+  if (!report.walks.empty()) {
+    Json rows = Json::array();
+    for (const bench::WalkFigures& w : report.walks) {
+      Json row = machine_json(w.machine);
+      add_figures(row, w.walk);
+      rows.push_back(row);
+    }
+    json["walks"] = {{"points", report.walk_points}, {"rows", rows}};
+  }
+  if (!report.courses.empty()) {
+    Json rows = Json::array();
+    for (const bench::CourseFigures& c : report.courses) {
+      Json row{{"course", c.name}};
+      add_figures(row, c.course);
+      rows.push_back(row);
+    }
+    json["example"] = {{"points", bench::pulse_points}, {"rows", rows}};
+  }
+  return json;
+}
+
+Exit run_bench(const Options& options) {
+  Console console(options.json);
+  if (!options.chart.empty()) {
+    check_target(options.chart);
+    if (lower_extension(options.chart) != ".svg")
+      throw Error(Exit::bad_input, options.chart, "charts are written as SVG",
+                  "name it something.svg");
+    if (!options.wants("measured"))
+      throw Error(Exit::bad_input, "--chart", "the chart shows the measured rows",
+                  "add measured to --rows");
+  }
+  const bench::BenchReport report = measure(options);
+  console.text(tables(report));
+  console.document(document(report));
+  if (!options.chart.empty())
+    write_whole(options.chart,
+                [&](const std::filesystem::path& file) { write_file(file, chart_svg(report)); });
+  return Exit::done;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand(
+      "bench", "Plans the measured rows and walks of the sources, beside the exact optimum");
+  app->footer(
+      "Example:\n  lamplock bench --chart beats.svg\n"
+      "  lamplock bench --rows walks --points 2000 --seed 7 --json\n\n"
+      "Nothing is simulated: the planner of the firmware plans each stream of points as the\n"
+      "machine does, and a search finds the fewest beats that any plan needs.");
+  const auto options = std::make_shared<Options>();
+  app->add_option("--rows", options->rows,
+                  "Only these tables: measured, walks, example (default: all)")
+      ->check(one_of({"measured", "walks", "example"}))
+      ->delimiter(',')
+      ->type_name("TABLE,...");
+  app->add_option("--points", options->points,
+                  "Points of each walk (default: as many as the source has)")
+      ->check(CLI::Range(10, 10'000'000))
+      ->type_name("N");
+  app->add_option("--seed", options->seed, "Seed of the walks: same seed, same points")
+      ->check(number_from(0, true))
+      ->capture_default_str()
+      ->type_name("S");
+  app->add_option("--chart", options->chart, "Write a chart of beats per point against a/f^2 (SVG)")
+      ->type_name("FILE");
+  app->add_flag("--json", options->json, "Print the figures as JSON on stdout");
+  app->callback([options, &action] { action = [options] { return run_bench(*options); }; });
+}
+
+}  // namespace lamplock::cli
