@@ -11,6 +11,8 @@ namespace {
 constexpr std::size_t longest_sequence = 40;
 /// Labels kept by the search for an upper bound.
 constexpr std::size_t beam_width = 8;
+/// Hulls over a whole sequence for a first lower bound.
+constexpr int coarse_hulls = 64;
 /// Points between two reports.
 constexpr std::size_t report_every = 64;
 
@@ -122,19 +124,22 @@ class Loops {
 /// Per point and beats left: the hull of speeds from which they can be enough.
 class BeatsLeft {
  public:
-  /// For totals up to `most`; `earliest` is a lower bound of the beats to each point.
-  BeatsLeft(const ReferenceProblem& problem, long most, const std::vector<int>& earliest);
+  /// For totals up to `most`; `earliest` is a lower bound of the beats to each point. Hulls are
+  /// made for every `spacing`th number of beats; the next one serves those before it, which it
+  /// holds.
+  BeatsLeft(const ReferenceProblem& problem, int most, const std::vector<int>& earliest,
+            int spacing);
 
-  /// Least beats from point i to the end, whatever the speed; more than `most` if too many.
+  /// No fewer beats from point i to the end, whatever the speed; more than `most` if too many.
   int least(std::size_t i) const { return points_[i].least; }
 
   /// Cuts a box at point i to what can be enough with `left` beats; false if nothing remains.
   bool cut(std::size_t i, int left, SpeedBox& box) const {
     const Point& point = points_[i];
     if (left < point.least) return false;
-    const auto n = std::min(static_cast<std::size_t>(left - point.least), point.hull.size() - 1);
+    const SpeedBox& hull = point.at(left, spacing_);
     for (std::size_t a = 0; a < axes_; ++a) {
-      box[a] = {std::max(box[a].lo, point.hull[n][a].lo), std::min(box[a].hi, point.hull[n][a].hi)};
+      box[a] = {std::max(box[a].lo, hull[a].lo), std::min(box[a].hi, hull[a].hi)};
       if (box[a].lo > box[a].hi) return false;
     }
     return true;
@@ -142,14 +147,26 @@ class BeatsLeft {
 
  private:
   struct Point {
-    int least = 0;
-    std::vector<SpeedBox> hull;  ///< for `least` beats and more; one of more beats holds the others
+    int least = 0, first = 0;    ///< lower bound; beats of the first hull
+    std::vector<SpeedBox> hull;  ///< each holds those before it; none if not within `most`
+
+    const SpeedBox& at(int left, int spacing) const {
+      const int later = left <= first ? 0 : (left - first + spacing - 1) / spacing;
+      return hull[std::min(static_cast<std::size_t>(later), hull.size() - 1)];
+    }
   };
+  void fill(const ReferenceProblem& problem, std::size_t i, int last);
   bool hull(const ReferenceProblem& problem, std::size_t i, int beats, SpeedBox& out) const;
 
   std::size_t axes_;
+  int spacing_;
   std::vector<Point> points_;
 };
+
+void include(std::size_t axes, const SpeedBox& more, SpeedBox& box) {
+  for (std::size_t a = 0; a < axes; ++a)
+    box[a] = {std::min(box[a].lo, more[a].lo), std::max(box[a].hi, more[a].hi)};
+}
 
 /// A hull that rounding has not made too narrow where there is but one way.
 SpeedBox widened(SpeedBox box) {
@@ -165,46 +182,58 @@ bool BeatsLeft::hull(const ReferenceProblem& problem, std::size_t i, int beats,
                      SpeedBox& out) const {
   const Point& next = points_[i + 1];
   bool any = false;
-  const int first = std::max(least_beats(problem, i),
-                             beats - next.least - static_cast<int>(next.hull.size()) + 1);
-  for (int k = first; k <= beats - next.least; ++k) {
+  for (int k = least_beats(problem, i); k <= beats - next.least; ++k) {
     SpeedBox from;
-    if (!extend(problem, i, next.hull[static_cast<std::size_t>(beats - k - next.least)], k, from))
-      continue;
-    if (any) {
-      for (std::size_t a = 0; a < axes_; ++a)
-        from[a] = {std::min(out[a].lo, from[a].lo), std::max(out[a].hi, from[a].hi)};
-    }
+    if (!extend(problem, i, next.at(beats - k, spacing_), k, from)) continue;
+    if (any) include(axes_, out, from);
     out = from;
     any = true;
   }
   return any;
 }
 
-BeatsLeft::BeatsLeft(const ReferenceProblem& problem, long most, const std::vector<int>& earliest)
-    : axes_(problem.axes), points_(problem.way.size() + 1) {
+void BeatsLeft::fill(const ReferenceProblem& problem, std::size_t i, int last) {
+  Point& point = points_[i];
+  const int start = points_[i + 1].least + least_beats(problem, i);
+  for (int beats = start; beats < last + spacing_; beats += spacing_) {
+    SpeedBox box;
+    if (!hull(problem, i, beats, box)) continue;
+    if (point.hull.empty()) {
+      point.first = beats;
+      point.least = std::max(start, beats - spacing_ + 1);
+    } else {
+      include(axes_, point.hull.back(), box);
+    }
+    point.hull.push_back(widened(box));
+  }
+}
+
+BeatsLeft::BeatsLeft(const ReferenceProblem& problem, int most, const std::vector<int>& earliest,
+                     int spacing)
+    : axes_(problem.axes), spacing_(spacing), points_(problem.way.size() + 1) {
   const std::size_t n = problem.way.size();
-  for (Point& point : points_) point.least = static_cast<int>(most) + 1;
+  for (Point& point : points_) point.least = most + 1;
   points_[n].least = 0;
   points_[n].hull.resize(1);
   for (std::size_t i = n; i-- > 0;) {
-    Point& point = points_[i];
-    const int last = static_cast<int>(most) - earliest[i];
-    point.least = last + 1;
-    for (int beats = points_[i + 1].least + 1; beats <= last; ++beats) {
-      SpeedBox box;
-      if (!hull(problem, i, beats, box)) continue;
-      if (point.hull.empty()) {
-        point.least = beats;
-      } else {
-        for (std::size_t a = 0; a < axes_; ++a)
-          box[a] = {std::min(box[a].lo, point.hull.back()[a].lo),
-                    std::max(box[a].hi, point.hull.back()[a].hi)};
-      }
-      point.hull.push_back(widened(box));
-    }
-    if (point.hull.empty()) return;  // not within `most`: the rest stays as it is, empty
+    fill(problem, i, most - earliest[i]);
+    if (points_[i].hull.empty()) return;  // not within `most`
   }
+}
+
+/// Lower bounds of the beats to each point: at full speed, then by coarse hulls of the same way
+/// backwards, since time can be reversed.
+std::vector<int> earliest_beats(const ReferenceProblem& problem, int most) {
+  const std::size_t n = problem.way.size();
+  ReferenceProblem back = problem;
+  std::reverse(back.way.begin(), back.way.end());
+  std::vector<int> at_full_speed(n + 1, 0), earliest(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    at_full_speed[i + 1] = at_full_speed[i] + least_beats(back, i);
+  const int spacing = 1 + most / coarse_hulls;
+  const BeatsLeft coarse(back, most, at_full_speed, spacing);
+  for (std::size_t i = 0; i <= n; ++i) earliest[i] = std::min(coarse.least(n - i), most);
+  return earliest;
 }
 
 void count(ReferenceResult& result, const std::vector<Label>& labels) {
@@ -313,11 +342,8 @@ long start_stop_beats(const ReferenceProblem& problem) {
 
 ReferenceResult fewest_beats_of_sequence(const ReferenceProblem& problem) {
   ReferenceResult result;
-  const long most = beam_search(problem);
-  std::vector<int> earliest(problem.way.size() + 1, 0);
-  for (std::size_t i = 0; i < problem.way.size(); ++i)
-    earliest[i + 1] = earliest[i] + least_beats(problem, i);
-  const BeatsLeft left(problem, most, earliest);
+  const auto most = static_cast<int>(beam_search(problem));
+  const BeatsLeft left(problem, most, earliest_beats(problem, most), 1);
   result.beats = most;
   for (int total = left.least(0); total < most; ++total) {
     if (!plan_exists(problem, left, total, result)) continue;
