@@ -42,7 +42,7 @@ void board(benchmark::State& state, motion::JoinMode mode, Trace trace) {
   job::JobOptions options;
   options.mode = mode;
   const job::Job job = job::make_job(
-      test::histogram_walk(static_cast<std::size_t>(test::glass_points), 1), profile, options);
+      test::histogram_walk(static_cast<std::size_t>(bench::glass_points), 1), profile, options);
   double simulated_s = 0, beats = 0, vcd_bytes = 0;
   for (auto _ : state) {
     sim::WorldConfig world;
