@@ -116,7 +116,7 @@ TEST(Golden, FreePlanningStaysAtTheOptimumOnLongWalks) {
                 << " points, seed " << seed << ": start-stop " << f.start_stop << ", free "
                 << f.free << ", optimum " << f.optimum << " (+" << f.gap_percent() << " %)\n";
       EXPECT_GE(f.free, f.optimum);
-      EXPECT_LE(f.gap_percent(), 0.6);
+      EXPECT_LE(f.gap_percent(), 0.1);
       EXPECT_LT(f.free, f.start_stop);
     }
   }
