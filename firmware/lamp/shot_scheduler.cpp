@@ -33,7 +33,7 @@ BeatsByReason BeatLedger::outside() const {
 
 void ShotScheduler::begin_job(const ShotRules& rules) {
   rules_ = rules;
-  check_.pending = failed_ = false;
+  check_.pending = failed_ = to_repeat_ = false;
   checks_ = {};
   failures_ = 0;
   beam_.begin_job();
@@ -114,7 +114,7 @@ void ShotScheduler::shot_fired(const Plan& plan) {
   last_shot_beat_ = plan.last_beat;
   if (rules_.check != ShotCheck::ignore) {
     if (check_.pending) judge_shot(false);
-    if (failures_ != 0 && plan.point == failed_point_) ++checks_.repeats;
+    if (to_repeat_ && plan.point == failed_point_) ++checks_.repeats;
     check_ = {true, plan.channel, plan.point, edge_clock_ + rules_.answer_clocks};
   }
   if (rules_.check != ShotCheck::repeat) report(plan.point, Outcome::fired);
@@ -126,7 +126,11 @@ void ShotScheduler::judge_shot(bool made) {
   if (rules_.check != ShotCheck::repeat) return;
   if (made || failed_point_ != check_.point) failures_ = 0;
   failed_point_ = check_.point;
-  if (!made && ++failures_ % (rules_.repeats + 1) == 0) failed_ = true;
+  to_repeat_ = !made;
+  if (!made && ++failures_ > rules_.repeats) {
+    failed_ = true;
+    failures_ = 0;
+  }
   report(check_.point, made ? Outcome::fired : Outcome::missed);
 }
 

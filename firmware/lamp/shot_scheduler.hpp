@@ -191,7 +191,8 @@ class ShotScheduler {
   CheckCounts checks_;
   std::uint32_t failures_ = 0;  ///< of failed_point_, one after the other
   std::uint32_t failed_point_ = 0;
-  bool failed_ = false;  ///< too often, and the main loop was not told
+  bool to_repeat_ = false;  ///< its last shot was not made
+  bool failed_ = false;     ///< too often, and the main loop was not told
 };
 
 }  // namespace lamplock::lamp

@@ -171,7 +171,7 @@ TEST(Link, RefusalsNameFrameResultAndValue) {
 
 TEST(Link, OtherVersionAndSessionZeroAreRefused) {
   Bench bench;
-  bench.frame(FrameType::begin, 0, {2, 0});
+  bench.frame(FrameType::begin, 0, {wire::protocol_version + 1, 0});
   EXPECT_EQ(std::get<RefusedFrame>(bench.messages().at(0)).refused.result, Result::bad_version);
   bench.begin(10, 0);
   EXPECT_EQ(std::get<RefusedFrame>(bench.messages().at(0)).refused.result, Result::bad_value);

@@ -84,7 +84,7 @@ TEST(JobHeader, BadOnesAreRefusedAndChangeNothing) {
   for (std::size_t size = 0; size < good.size(); ++size)
     EXPECT_EQ(read_job_header(std::span(good).first(size), header), Result::bad_frame);
   auto other_version = good;
-  other_version[0] = 2;
+  other_version[0] = protocol_version + 1;
   EXPECT_EQ(read_job_header(other_version, header), Result::bad_version);
   for (const auto& [offset, value] :
        {std::pair{2, 0}, {2, 5}, {3, 3}, {4, 2}, {13, 0x10}}) {  // axes, mode, flags, first > total

@@ -20,6 +20,7 @@ Controller* construct(void* memory) { return new (memory) Controller; }
     &Controller::lamp_edge,
     &Controller::next_token,
     &Controller::token_expired,
+    &Controller::photosensors,
     &Controller::outputs,
     &Controller::plan,
     &Controller::commit,
