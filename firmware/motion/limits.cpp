@@ -66,6 +66,25 @@ std::int64_t normalised_speed_q32(const AxisLimits& axis, std::uint32_t beat) {
   return v < largest ? v : largest;
 }
 
+/// Speed jump that is set, mm/s times step/mm, both in thousandths: / 10^6 / 10^6.
+std::int64_t jump_per_tick_q62(std::int32_t jump_milli, std::int32_t steps_milli) {
+  // 10^12 = 2^12 * 244140625
+  const Int128 jump =
+      (Int128::product(jump_milli, steps_milli) << (62 - 12)).divided_by(244140625u);
+  return jump > Int128(max_speed_q62) ? max_speed_q62 : jump.to_int64();
+}
+
+/// Steps/mm of the coarsest axis over those of this one: makes steps of all axes comparable.
+std::uint32_t weight_q31(const settings::Values& values, int axes, int a) {
+  std::int32_t coarsest = values.milli(Id::steps_per_mm_x);
+  for (int other = 1; other < axes; ++other) {
+    const std::int32_t steps_milli = values.milli(Id::steps_per_mm_x, other);
+    if (steps_milli < coarsest) coarsest = steps_milli;
+  }
+  const auto own = static_cast<std::uint64_t>(values.milli(Id::steps_per_mm_x, a));
+  return static_cast<std::uint32_t>((static_cast<std::uint64_t>(coarsest) << 31) / own);
+}
+
 /// How far from its point the axis may be at a shot, steps.
 std::int64_t shot_tolerance_q32(const settings::Values& values, int a) {
   const std::int32_t set = values.milli(Id::shot_tolerance);
@@ -122,6 +141,9 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
     }
     set_reciprocal(axis, beat);
     axis.speed_q32 = normalised_speed_q32(axis, beat);
+    axis.jump_q62 =
+        mul_div(jump_per_tick_q62(values.milli(Id::speed_jump_x, a), steps_milli), q16, 65536);
+    axis.weight_q31 = weight_q31(values, out.axes, a);
     axis.shot_tolerance_q32 = shot_tolerance_q32(values, a);
     axis.shot_way_q32 = axis.displacement_q32(axis.shot_tolerance_q32);
   }

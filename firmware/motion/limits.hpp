@@ -19,7 +19,10 @@ namespace lamplock::motion {
 struct AxisLimits {
   std::int64_t speed_q62 = 0;  ///< steps per tick, never exceeded at any tick
   std::int64_t accel_q62 = 0;  ///< steps per tick squared, never exceeded at any tick
-  std::int32_t min_steps = 0;  ///< work space, inclusive
+  std::int64_t jump_q62 = 0;   ///< steps per tick that the speed may jump by at a corner of a path
+  std::uint32_t weight_q31 = std::uint32_t{1}
+                             << 31;  ///< steps/mm of the coarsest axis over its own
+  std::int32_t min_steps = 0;        ///< work space, inclusive
   std::int32_t max_steps = 0;
   // What the planner works with: a little less, so that rounding to whole ticks stays inside.
   std::int64_t plan_speed_q62 = 0;

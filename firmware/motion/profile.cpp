@@ -164,6 +164,13 @@ AxisProfile make_profile(Int128 distance, std::int64_t v0, std::int64_t v1, std:
   return p;
 }
 
+AxisProfile make_phases(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t lead,
+                        std::uint32_t cruise, std::uint32_t tail) {
+  AxisProfile p = solve(distance, v0, v1, lead, cruise, tail);
+  set_turns(p);
+  return p;
+}
+
 std::uint32_t braking_ticks(std::int64_t v0, std::int64_t accel) {
   return static_cast<std::uint32_t>((abs64(v0) + accel - 1) / accel);
 }

@@ -35,6 +35,12 @@ AxisProfile make_steady_profile(Int128 distance_q62, std::int64_t v0_q62, std::i
                                 std::uint32_t ticks, std::uint32_t lead_ticks,
                                 std::uint32_t tail_ticks, std::int64_t accel_q62);
 
+/// Profile with the lengths of the phases given, all at least one tick but for the cruise; the
+/// speed of the cruise follows from the distance. Does not judge limits.
+AxisProfile make_phases(Int128 distance_q62, std::int64_t v0_q62, std::int64_t v1_q62,
+                        std::uint32_t lead_ticks, std::uint32_t cruise_ticks,
+                        std::uint32_t tail_ticks);
+
 /// Profile that brakes from `v0_q62` to rest at `accel_q62` and then stands, `ticks` in all.
 /// `ticks` >= braking_ticks(v0_q62, accel_q62).
 AxisProfile make_brake(std::int64_t v0_q62, std::int64_t accel_q62, std::uint32_t ticks);
