@@ -1,0 +1,126 @@
+// The path planner: straight lines from target to target, one speed along them, whole beats.
+//
+// In:  a window of targets (up to `window_points`) and the state the machine starts from.
+// Out: the beats of every line and segments that end exactly on the targets, the last one at rest.
+// Called from the main loop by the job runner; nothing here runs in an interrupt.
+//
+// "Abstract of a master's thesis on the flexibility of CNC systems for laser processing" gives the
+// task: look ahead backwards for the highest speed at the end of every block, then correct speeds
+// so that the time of each block is a whole multiple of the lamp period. Corrected block by block,
+// one block in seven has no solution, even on a straight line. Here times and speeds are found
+// together:
+//
+// 1. Backwards: the highest speed at every corner (path_geometry.hpp), from which the rest of the
+//    window can still be run in whole beats and stopped at its end.
+// 2. Forwards: a label is a number of beats and the interval of speeds the machine can have at the
+//    point. Speed along a line without going back is reach.hpp seen from half the speed limit: v
+//    -> v - V/2, V -> V/2, d -> d - V t/2. Along one line more beats only move the interval down,
+//    so a label is extended from the fewest beats up to the first that can rest. Of all labels of a
+//    point those dominated are dropped (no fewer beats, interval inside another), and of the rest
+//    `path_labels` kept.
+// 3. Backwards: speeds, as near to the mean of both lines as the intervals allow.
+//
+// A segment has the same phases on all axes, with speeds and accelerations in proportion, so the
+// machine is on the line at every tick, to within the step it is rounded to. Every axis ends
+// exactly on its step: its cruise speed follows from its own distance.
+//
+// Limits hold at every tick of a segment: along the line by reach.hpp with the least of limit over
+// direction, after rounding by looking at every profile again. At a corner the speed of an axis
+// jumps, by no more than path_geometry.hpp says. Between two ends of a line the machine never goes
+// back, so it stays inside the work space; a brake from any state stays inside as well, because a
+// corner from which an axis could not stop inside is made a full stop.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/motion/path_geometry.hpp"
+#include "firmware/motion/path_reach.hpp"
+#include "firmware/motion/planner.hpp"
+
+namespace lamplock::motion {
+
+/// Labels kept per point.
+inline constexpr std::size_t path_labels = 4;
+
+/// Plans windows. Holds only scratch memory; a plan depends on the request alone.
+class PathPlanner {
+ public:
+  /// Plans the request, which must stay as it is while segments are asked for. Error: unreachable,
+  /// with the position in the window in `failed`; then nothing may be used.
+  Result plan(const PlanRequest& request, std::uint32_t& failed);
+
+  /// The way to points[i], made anew at every call.
+  Segment segment(std::uint32_t i) const;
+  std::int32_t beats(std::uint32_t i) const { return stages_[i].chosen.beats; }
+
+ private:
+  struct Label {
+    SpeedInterval speeds;      ///< at the point, in units of the line before it
+    std::uint32_t total : 24;  ///< beats from the start of the window
+    std::uint32_t parent : 8;
+    std::uint16_t beats;  ///< of the last line
+    std::uint16_t next;   ///< least beats of the line behind
+  };
+  struct Beam {
+    std::array<Label, path_labels> labels;
+    std::uint32_t count;
+  };
+  struct Chosen {
+    SpeedInterval speeds;           ///< of the label
+    std::int64_t speed_q32;         ///< at the point, in units of the line before it
+    PerAxis<std::int64_t> off_q64;  ///< exact position there, from the middle of the step
+    std::uint32_t total;
+    std::int32_t beats;
+  };
+  /// A line and the point at its end.
+  struct Stage {
+    std::int64_t displacement_q32 = 0;  ///< normalised; 0 = stands
+    std::int64_t speed_q32 = 0;         ///< limit on the line, normalised
+    std::int64_t corner_q32 = 0;        ///< limit at the point, normalised
+    std::int64_t end_q32 = 0;           ///< the same after looking ahead
+    Real from_previous;                 ///< factor for speeds at the start of the line
+    union {
+      Beam beam;      ///< while beats are searched
+      Chosen chosen;  ///< afterwards
+    };
+    constexpr Stage() : beam{} {}
+  };
+
+  Result set_up(std::uint32_t& failed);
+  PathLine line(std::uint32_t i) const;
+  bool set_start(const PathLine& first);
+  Result find_way(std::uint32_t& failed);
+  void look_ahead();
+  bool search(bool careful, std::uint32_t& failed);
+  bool extend(std::uint32_t i, bool careful);
+  void extend(std::uint32_t i, std::uint32_t parent, bool careful);
+  bool step(std::uint32_t i, const SpeedInterval& from, std::int32_t beats,
+            SpeedInterval& to) const;
+  void keep(std::uint32_t i, Label label, bool careful);
+  std::int32_t first_beats(std::uint32_t i, const SpeedInterval& from) const;
+  void choose_beats();
+  void choose_speeds();
+  std::int64_t wanted_speed_q32(std::uint32_t i) const;
+  bool make_all(bool& again);
+  bool inside(const Segment& s, const MotionState& from) const;
+  bool can_stop(const Segment& s) const;
+  Segment make_segment(std::uint32_t i, const MotionState& from) const;
+  MotionState state_before(std::uint32_t i) const;
+  std::uint32_t shot_window_ticks(std::uint32_t i, const PerAxis<std::int64_t>& speeds_q62) const;
+
+  const Target& target(std::uint32_t i) const { return request_->queue->at(request_->points[i]); }
+  std::int32_t least_beats(std::uint32_t i) const;
+  bool beats_allowed(std::uint32_t i) const;
+  std::int64_t start_speed_q32(std::uint32_t i) const;
+  SpeedInterval start_speeds(std::uint32_t i, const SpeedInterval& end_of_previous) const;
+
+  const PlanRequest* request_ = nullptr;
+  const Limits* limits_ = nullptr;
+  std::int32_t most_beats_ = 1;
+  SpeedInterval start_;         ///< at the start of the window, in units of the first line
+  std::int64_t start_q32_ = 0;  ///< the speed in it
+  std::array<Stage, window_points> stages_{};
+};
+
+}  // namespace lamplock::motion
