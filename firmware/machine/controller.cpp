@@ -50,6 +50,10 @@ bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
       return own != 0 && (asked == 0 || asked > own);
     case Id::max_shot_rate:
     case Id::lamp_power:
+    case Id::speed_jump_x:
+    case Id::speed_jump_y:
+    case Id::speed_jump_z:
+    case Id::speed_jump_a:
       return asked > own;
     case Id::lamp_energy:
     case Id::shutter_open:
@@ -380,8 +384,6 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   if (door_open_) return Result::door_open;
   if (!runner_.at_rest() || state_ == MachineState::run) return Result::busy;
   if (shots_.undecided()) return Result::busy;  // a shot of the last job may still come
-  if (static_cast<motion::JoinMode>(header.mode) == motion::JoinMode::path)
-    return Result::unsupported;
   settings::Values values;
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
   const lamp::ShotRules rules = shot_rules(values);

@@ -85,7 +85,7 @@ Result PathPlanner::set_up(std::uint32_t& failed) {
       const Real corner = corner_speed(before, now, *limits_);
       previous.corner_q32 = least_of(normalised_speed_q32(before, corner), previous.speed_q32);
       const std::int64_t next = scaled(stage.speed_q32, Real(1u) / stage.from_previous);
-      previous.corner_q32 = least_of(previous.corner_q32, next);
+      previous.corner_q32 = request_->rest[i - 1] ? 0 : least_of(previous.corner_q32, next);
     }
     before = now;
   }
@@ -132,7 +132,7 @@ void PathPlanner::look_ahead() {
     // Run backwards: the fewest beats allow the highest speed.
     const PathWay way{stage.displacement_q32, stage.speed_q32};
     const SpeedInterval end{0, stage.end_q32};
-    const std::int32_t fixed = target(i).beats;
+    const std::int32_t fixed = fixed_beats(i);
     const std::int32_t beats =
         fixed != 0 ? fixed : fewest_beats(way, end, way.speed_q32, least_beats(i), most_beats_);
     SpeedInterval start;
@@ -160,13 +160,18 @@ bool PathPlanner::extend(std::uint32_t i, bool careful) {
 }
 
 bool PathPlanner::beats_allowed(std::uint32_t i) const {
-  const std::int32_t fixed = target(i).beats;
+  const std::int32_t fixed = fixed_beats(i);
   if (fixed == 0) return true;
   return fixed <= most_beats_ && (target(i).shots == 0 || fixed >= request_->least_beats);
 }
 
+std::int32_t PathPlanner::fixed_beats(std::uint32_t i) const {
+  return request_->at_least[i] != 0 ? 0 : target(i).beats;
+}
+
 std::int32_t PathPlanner::least_beats(std::uint32_t i) const {
-  return target(i).shots == 0 ? 1 : larger(1, request_->least_beats);
+  const std::int32_t least = larger(1, request_->at_least[i]);
+  return target(i).shots == 0 ? least : larger(least, request_->least_beats);
 }
 
 SpeedInterval PathPlanner::start_speeds(std::uint32_t i, const SpeedInterval& end) const {
@@ -187,7 +192,7 @@ bool PathPlanner::step(std::uint32_t i, const SpeedInterval& from, std::int32_t 
 /// Fewest beats from speeds at the start of line i to its end; 0 = there is no way.
 std::int32_t PathPlanner::first_beats(std::uint32_t i, const SpeedInterval& from) const {
   const Stage& stage = stages_[i];
-  const std::int32_t fixed = target(i).beats;
+  const std::int32_t fixed = fixed_beats(i);
   SpeedInterval to;
   if (fixed != 0) return step(i, from, fixed, to) ? fixed : 0;
   if (stage.displacement_q32 == 0) return from.lo_q32 == 0 ? least_beats(i) : 0;
@@ -208,7 +213,7 @@ void PathPlanner::extend(std::uint32_t i, std::uint32_t parent, bool careful) {
     label.beats = static_cast<std::uint16_t>(beats);
     keep(i, label, careful);
     // With more beats the interval only moves down, and can no further.
-    if (target(i).beats != 0 || label.speeds.lo_q32 == 0) return;
+    if (fixed_beats(i) != 0 || label.speeds.lo_q32 == 0) return;
   }
 }
 

@@ -36,7 +36,7 @@
 
 #include "firmware/motion/path_geometry.hpp"
 #include "firmware/motion/path_reach.hpp"
-#include "firmware/motion/planner.hpp"
+#include "firmware/motion/plan_request.hpp"
 
 namespace lamplock::motion {
 
@@ -110,6 +110,7 @@ class PathPlanner {
   std::uint32_t shot_window_ticks(std::uint32_t i, const PerAxis<std::int64_t>& speeds_q62) const;
 
   const Target& target(std::uint32_t i) const { return request_->queue->at(request_->points[i]); }
+  std::int32_t fixed_beats(std::uint32_t i) const;
   std::int32_t least_beats(std::uint32_t i) const;
   bool beats_allowed(std::uint32_t i) const;
   std::int64_t start_speed_q32(std::uint32_t i) const;

@@ -61,6 +61,10 @@ void Planner::begin(const PlanRequest& request) {
   request_ = &request;
   limits_ = request.limits;
   result_ = Result::unreachable;
+  if (request.mode == JoinMode::path) {
+    phase_ = Phase::path;
+    return;
+  }
   window_.limits = limits_;
   window_.count = request.count;
   const std::uint32_t most = longest_segment_ticks / limits_->beat_ticks;
@@ -166,6 +170,9 @@ bool Planner::advance() {
     case Phase::segments:
       make_segments();
       break;
+    case Phase::path:
+      plan_path();
+      break;
     case Phase::over:
       break;
   }
@@ -185,6 +192,16 @@ void Planner::improve() {
   choose_quiet_speeds(window_, improver_, beats_, start_q32_, speed_q32_);
   at_ = 0;
   phase_ = Phase::segments;
+}
+
+void Planner::plan_path() {
+  result_ = path_.plan(*request_, failed_);
+  phase_ = Phase::over;
+  if (result_ != Result::ok) return;
+  for (std::uint32_t i = 0; i < request_->commits(); ++i) {
+    segments_[i] = path_.segment(i);
+    beats_[i] = path_.beats(i);
+  }
 }
 
 void Planner::make_segments() {

@@ -8,7 +8,8 @@
 //   targets -> window (way.hpp) -> beats (beam.hpp, improve.hpp) -> speeds (quiet.hpp)
 //           -> profiles (profile.hpp), checked against the limits and the work space
 //
-// start-stop mode is the same search with every speed zero.
+// start-stop mode is the same search with every speed zero; path mode has a planner of its own
+// (path_planner.hpp), whose segments are handed out here.
 //
 // Limits hold by construction: profiles are made for planning limits that leave room for rounding
 // and are then checked against the true ones, work space included. Where the quiet profile of an
@@ -27,7 +28,8 @@
 #include "firmware/motion/beam.hpp"
 #include "firmware/motion/improve.hpp"
 #include "firmware/motion/limits.hpp"
-#include "firmware/motion/point_queue.hpp"
+#include "firmware/motion/path_planner.hpp"
+#include "firmware/motion/plan_request.hpp"
 #include "firmware/motion/quiet.hpp"
 #include "firmware/motion/way.hpp"
 #include "firmware/stepper/segment.hpp"
@@ -38,30 +40,6 @@ using stepper::AxisProfile;
 using stepper::AxisState;
 using stepper::MotionState;
 using stepper::Segment;
-
-/// Segments made of a window, at most; the points behind them are what the plan looks ahead. Eight
-/// are enough: with more of them the plans are no shorter.
-inline constexpr std::uint32_t commit_points = window_points - 8;
-
-/// What a window is planned for.
-struct PlanRequest {
-  const PointQueue* queue = nullptr;
-  /// Indices into the queue, in order; one several times for as many flashes.
-  std::array<std::uint32_t, window_points> points{};
-  std::uint32_t count = 0;  ///< 1..window_points
-  JoinMode mode = JoinMode::free;
-  bool rest_at_end = true;       ///< no point is known behind the last one
-  std::int32_t least_beats = 1;  ///< between points, for a highest shot rate
-  /// At rest at points[i], whatever the mode.
-  std::array<bool, window_points> rest{};
-  /// 0: the beats of the target hold. Else the planner chooses, but no fewer than these.
-  std::array<std::uint16_t, window_points> at_least{};
-  const Limits* limits = nullptr;
-  MotionState start;  ///< on a lattice tick
-
-  /// Points of the window that become segments.
-  std::uint32_t commits() const { return count < commit_points ? count : commit_points; }
-};
 
 /// Plans windows. Holds only scratch memory; a plan depends on the request alone.
 class Planner {
@@ -83,7 +61,7 @@ class Planner {
   std::int32_t beats(std::uint32_t i) const { return beats_[i]; }
 
  private:
-  enum class Phase : std::uint8_t { search, improve, segments, over };
+  enum class Phase : std::uint8_t { search, improve, segments, path, over };
 
   bool set_up();
   bool set_up_way(std::uint32_t i);
@@ -93,6 +71,7 @@ class Planner {
   void search();
   void improve();
   void make_segments();
+  void plan_path();
   void make_segment(std::uint32_t i, const MotionState& from);
   void make_steady(std::uint32_t i, int a, const MotionState& from);
   bool axis_inside(std::uint32_t i, int a, const MotionState& from) const;
@@ -108,6 +87,7 @@ class Planner {
   std::uint32_t at_ = 0;  ///< point to go on with
   Window window_;
   PerAxis<std::int64_t> start_q32_{};  ///< speeds at the start, normalised
+  PathPlanner path_;
   Beam beam_;
   Improver improver_;
   std::array<std::int32_t, window_points> beats_{};

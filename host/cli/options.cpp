@@ -155,14 +155,16 @@ order::Ordering OrderOption::ordering(model::InputKind kind) const {
 
 void ModeOption::add(CLI::App& app) {
   app.add_option("--mode", name,
-                 "free: pass every point in motion; start-stop: rest at every point")
-      ->check(one_of({"free", "start-stop"}))
-      ->type_name("free|start-stop")
+                 "free: pass every point in motion; path: the same on straight lines; start-stop: "
+                 "rest at every point")
+      ->check(one_of({"free", "path", "start-stop"}))
+      ->type_name("free|path|start-stop")
       ->capture_default_str()
       ->group(machine_group);
 }
 
 motion::JoinMode ModeOption::mode() const {
+  if (name == "path") return motion::JoinMode::path;
   return name == "free" ? motion::JoinMode::free : motion::JoinMode::start_stop;
 }
 

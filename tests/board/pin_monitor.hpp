@@ -91,6 +91,9 @@ class PinMonitor final : public sim::PinListener {
         [from, to](const Fire& fire) { return from < fire.rise && fire.rise <= to; }));
   }
 
+  /// From now on corners are judged by the speed jumps that are set: jobs in path mode.
+  void allow_speed_jumps() { speed_jumps_ = true; }
+
   /// Speed, acceleration and work space between two times: the first violation, or an empty text.
   /// The machine stands at `from`; what happens after `to` is not judged.
   std::string violation(const settings::Values& values, sim::Picoseconds from = 0,
@@ -105,7 +108,7 @@ class PinMonitor final : public sim::PinListener {
       if (axis >= values.whole(settings::Id::axes))
         return fmt::format("axis {} moves and does not exist", axis);
       const std::int32_t before = first == all.begin() ? 0 : std::prev(first)->position;
-      std::string text = judge(values, axis, before, {first, last}, to);
+      std::string text = judge(rules_of(values, axis), values, axis, before, {first, last}, to);
       if (!text.empty()) return text;
     }
     return {};
@@ -117,18 +120,30 @@ class PinMonitor final : public sim::PinListener {
 
   struct Rules {
     double speed, accel, tick_s, slew;
+    double jump = 0;       ///< of the speed at a corner
+    double corners_s = 0;  ///< corners in a second at most
   };
 
-  static std::string judge(const settings::Values& values, int axis, std::int32_t before,
-                           const std::vector<Step>& steps, sim::Picoseconds to) {
+  Rules rules_of(const settings::Values& values, int axis) const {
     using settings::Id;
-    const StepLimits space = work_space(values);
     const double per_mm = values.milli(Id::steps_per_mm_x, axis) / 1000.0;
     const double slew = values.whole(Id::lamp_mode) == 1 ? values.milli(Id::slew_limit) / 1e5 : 0;
     // A tick lasts 1 us of the nominal beat; the lamp may be off by the lock range.
     const double tick_s = 1e-6 * (1 + values.milli(Id::lock_range) / 1e5 + slew);
-    const Rules rules{values.milli(Id::max_rate_x, axis) / 6e4 * per_mm,
-                      values.milli(Id::acceleration_x, axis) / 1e3 * per_mm, tick_s, slew};
+    Rules rules{values.milli(Id::max_rate_x, axis) / 6e4 * per_mm,
+                values.milli(Id::acceleration_x, axis) / 1e3 * per_mm, tick_s, slew};
+    if (speed_jumps_) {
+      // Rounding of points to steps adds two steps a beat (firmware/motion/path_geometry.hpp).
+      rules.corners_s = values.milli(Id::lamp_frequency) / 1e3 * 1.05;
+      rules.jump = values.milli(Id::speed_jump_x, axis) / 1e3 * per_mm + 2 * rules.corners_s;
+    }
+    return rules;
+  }
+
+  static std::string judge(const Rules& rules, const settings::Values& values, int axis,
+                           std::int32_t before, const std::vector<Step>& steps,
+                           sim::Picoseconds to) {
+    const StepLimits space = work_space(values);
     std::int32_t last = before;
     for (std::size_t i = 0; i < steps.size(); ++i) {
       const Step& s = steps[i];
@@ -172,8 +187,9 @@ class PinMonitor final : public sim::PinListener {
         return fmt::format("axis {} too fast at {} s: {} steps in {} s", axis, seconds(t), way, h);
       const double bend = std::abs(later - 2 * x + earlier);
       const double fastest = std::min(rules.speed, (way + 1) / h + rules.accel * h);
-      const double most =
-          rules.accel * h * h + 2 + fastest * (2 * rules.tick_s + 2 * rules.slew * h);
+      const double most = rules.accel * h * h + 2 +
+                          fastest * (2 * rules.tick_s + 2 * rules.slew * h) +
+                          rules.jump * h * std::ceil(2 * h * rules.corners_s);
       if (bend > most)
         return fmt::format("axis {} accelerates too hard at {} s: {} > {} steps over +-{} s", axis,
                            seconds(t), bend, most, h);
@@ -183,6 +199,7 @@ class PinMonitor final : public sim::PinListener {
 
   sim::PinBus& bus_;
   const sim::Lamp& lamp_;
+  bool speed_jumps_ = false;
   StepPosition position_{};
   std::array<std::vector<Step>, max_axes> steps_;
   std::vector<Fire> fires_;

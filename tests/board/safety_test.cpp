@@ -284,10 +284,11 @@ TEST(Safety, JobsForAnotherMachineAreRefused) {
     EXPECT_THAT(refusal(rig, job), HasSubstr("other settings"));
   }
   {
-    job::JobOptions options;
-    options.mode = JoinMode::path;
+    // A corner may not be taken faster than the machine's own setting allows.
+    job::Profile faster = machine;
+    job::state_setting(faster, Id::speed_jump_y, 0.5, "test");
     Rig rig(machine);
-    EXPECT_NE(refusal(rig, job::make_job(points, machine, options)), "taken");
+    EXPECT_THAT(refusal(rig, job::make_job(points, faster, {})), HasSubstr("$962"));
   }
   {
     job::Job job = job::make_job(points, machine, {});

@@ -85,7 +85,7 @@ TEST(Engrave, point_list_exactly_as_given) {
   std::vector<points::Point> points = walk(300, 7);
   points[100] = points[99];  // not welded either
   const std::string list = folder.write("p.xyz", xyz(points));
-  for (const char* mode : {"free", "start-stop"}) {
+  for (const char* mode : {"free", "path", "start-stop"}) {
     expect_each_once(run_json(
         {"engrave", list, "--order", "given", "--mode", mode, "--shots", folder / "shots.csv"}));
     expect_exactly(read_shots(folder / "shots.csv"), points);
