@@ -53,9 +53,11 @@ void measure(const PerAxis<std::int64_t>& vector, int unit, const Limits& limits
   }
   const std::uint32_t root = isqrt(squares);
   line.length = Real(root, line.shift - 31 - again);
-  for (int a = 0; a < limits.axes; ++a)
-    line.cosine_q30[index(a)] =
-        static_cast<std::int32_t>(weighted[index(a)] * (std::int64_t{1} << 30) / root);
+  for (int a = 0; a < limits.axes; ++a) {
+    const std::int64_t part_q30 = weighted[index(a)] * (std::int64_t{1} << 30);
+    // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): the longest has 31 bits by now
+    line.cosine_q30[index(a)] = static_cast<std::int32_t>(part_q30 / root);
+  }
 }
 
 /// Highest speed along the line, normalised: the axis with the least limit over displacement.

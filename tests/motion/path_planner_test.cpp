@@ -305,6 +305,52 @@ TEST(PathPlanner, DependsOnThePointsAlone) {
   }
 }
 
+/// Brakes every axis after some ticks of a segment, its first and its last among them.
+void expect_brakes_inside(const Chain& chain, const MotionState& from, const Segment& s) {
+  for (int a = 0; a < chain.limits.axes; ++a) {
+    const AxisLimits& axis = chain.limits.axis[index(a)];
+    const AxisProfile& p = s.axis[index(a)];
+    const std::uint32_t every = 1 + s.ticks / 50;
+    std::uint32_t tick = 0;
+    const auto expect_inside = [&](Int128 way_q62, std::int64_t speed_q62) {
+      const AxisProfile brake =
+          make_brake(speed_q62, axis.plan_accel_q62, braking_ticks(speed_q62, axis.plan_accel_q62));
+      const Int128 stop =
+          from.axis[index(a)].position_q64 + ((way_q62 + stepper::displacement_q62(brake)) << 2);
+      ASSERT_GE(stop.hi(), axis.min_steps) << "axis " << a << " after " << tick << " ticks";
+      ASSERT_LE(stop.hi(), axis.max_steps) << "axis " << a << " after " << tick << " ticks";
+    };
+    ASSERT_NO_FATAL_FAILURE(expect_inside(0, p.speed_q62));
+    test::for_each_tick(p, [&](test::Native way, std::int64_t speed) {
+      ++tick;
+      if (tick % every == 0 || tick == s.ticks) expect_inside(test::to_int128(way), speed);
+    });
+  }
+}
+
+TEST(PathPlanner, BrakingFromAnyTickStaysInsideTheWorkSpace) {
+  PathPlanner planner;
+  for (int i = 0; i < test::scaled(200); ++i) {
+    SCOPED_TRACE(testing::Message() << "chain " << i);
+    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 6500);
+    const Chain chain = random_path(random, 40);
+    if (chain.limits.beat_ticks > 50'000) continue;
+    long ticks = 300'000;
+    test::plan_path(chain, planner, [&](const PathPlanner& p, const PlanRequest& request) {
+      MotionState from = request.start;
+      for (std::uint32_t k = 0; k < request.count; ++k) {
+        const Segment s = p.segment(k);
+        if (ticks > 0) {
+          ASSERT_NO_FATAL_FAILURE(expect_brakes_inside(chain, from, s));
+        }
+        ticks -= s.ticks;
+        from = s.end;
+      }
+    });
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
 /// A row of points, `way` steps from each to the next.
 Chain row_of(std::size_t points, std::int32_t way) {
   Chain chain;
