@@ -347,7 +347,7 @@ void JobRunner::commit_plan() {
 }
 
 void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {
-  stepper::Segment segment = planned_segment(i);
+  stepper::Segment segment = planner_.segment(i);
   segment.start_tick += late_ticks;
   segment.end.tick += late_ticks;
   segment.reason = returning_ && i == 0 ? BeatReason::returning

@@ -14,6 +14,11 @@
 
 namespace lamplock::motion {
 
+using stepper::AxisProfile;
+using stepper::AxisState;
+using stepper::MotionState;
+using stepper::Segment;
+
 /// Segments made of a window, at most; the points behind them are what the plan looks ahead. Eight
 /// are enough: with more of them the plans are no shorter.
 inline constexpr std::uint32_t commit_points = window_points - 8;
@@ -32,7 +37,7 @@ struct PlanRequest {
   /// 0: the beats of the target hold. Else the planner chooses, but no fewer than these.
   std::array<std::uint16_t, window_points> at_least{};
   const Limits* limits = nullptr;
-  stepper::MotionState start;  ///< on a lattice tick
+  MotionState start;  ///< on a lattice tick
 
   /// Points of the window that become segments.
   std::uint32_t commits() const { return count < commit_points ? count : commit_points; }

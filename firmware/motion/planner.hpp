@@ -36,11 +36,6 @@
 
 namespace lamplock::motion {
 
-using stepper::AxisProfile;
-using stepper::AxisState;
-using stepper::MotionState;
-using stepper::Segment;
-
 /// Plans windows. Holds only scratch memory; a plan depends on the request alone.
 class Planner {
  public:
