@@ -22,6 +22,13 @@
 // rule slows nothing but the entry from a long line into a much shorter one; it bounds what a jump
 // can be at all. With J = 0 a corner of more than rounding is a full stop and everything less is
 // none.
+//
+// What follows for the user: the setting holds for corners of the path itself; what a motor feels
+// is up to 2 steps/beat more. A bend of points a step or two apart cannot be told from rounding and
+// is passed at those 2 steps/beat. Curves are limited by J and rounding at each point, not by the
+// acceleration across several: with a point in every beat a radius of R is passed at v if
+// J >= v^2 beat / R. A path that goes back the way it came, to within rounding, stops whatever J
+// is.
 #pragma once
 
 #include <cstdint>
