@@ -1,5 +1,8 @@
 #include "firmware/lamp/beat_clock.hpp"
 
+#include <array>
+#include <cstddef>
+
 #include "shared/beat.hpp"
 #include "shared/fixed_point.hpp"
 
@@ -12,11 +15,53 @@ using settings::LampMode;
 constexpr std::int64_t nominal_tick_q32 = std::int64_t{clocks_per_tick} << 32;
 /// How far a tick may be stretched while nothing moves: a quarter.
 constexpr std::int64_t rest_slew_q32 = one_q32 / 4;
-/// Edges in a row that fit no beat, or beats without an edge, until the lock counts as lost.
+/// Edges that fit no beat since the last good beat, or beats without an edge, until the lock counts
+/// as lost.
 constexpr std::uint32_t strays_to_loss = 6;
 constexpr std::uint32_t missed_to_loss = 32;
-/// The lattice has settled when it is within this of the lamp.
-constexpr std::int64_t settled_q16 = std::int64_t{4 * clocks_per_us} << 16;
+/// Strays a period apart that are the lamp after a jump.
+constexpr std::uint32_t strays_to_jump = 3;
+/// Beats in a row with none or several edges that make another frequency.
+constexpr std::uint32_t odd_beats_to_loss = 8;
+/// Edges in a row off to the same side, by more than jitter and drift explain, that make a jump.
+constexpr std::int32_t far_off_to_jump = 3;
+/// Tracking index: below the first one the gains round to nothing, above the second the tracker
+/// follows the last two edges anyway.
+constexpr std::int64_t least_index_q16 = 16;
+constexpr std::int64_t most_index_q16 = 16 * 65536;
+/// What is left out of account in the distance of an edge from its prediction.
+constexpr std::int64_t gate_slack_q16 = std::int64_t{2 * clocks_per_us} << 16;
+/// The planner looks this many beats ahead when it asks for the shortest tick.
+constexpr std::int64_t planned_beats = 32;
+/// The lattice has settled when it is within this and half a jitter of the lamp.
+constexpr std::int64_t settled_q16 = std::int64_t{clocks_per_us} << 16;
+
+/// A quotient, rounded, Q16.
+constexpr std::int32_t ratio_q16(int numerator, int denominator) {
+  return (numerator * 65536 + denominator / 2) / denominator;
+}
+
+/// Gains of the least squares line through n edges: 2 (2n - 1) / (n (n + 1)) for the phase,
+/// 6 / (n (n + 1)) for the period. The index is n; the first entry in use is the second edge.
+struct LineGains {
+  std::int32_t phase_q16, period_q16;
+};
+constexpr std::uint32_t line_table_size = 18;
+constexpr std::array<LineGains, line_table_size> line_table = [] {
+  std::array<LineGains, line_table_size> table{};
+  for (int n = 2; n < static_cast<int>(line_table_size); ++n)
+    table[static_cast<std::size_t>(n)] = {ratio_q16(2 * (2 * n - 1), n * (n + 1)),
+                                          ratio_q16(6, n * (n + 1))};
+  return table;
+}();
+
+/// 1/n, so that an interrupt need not divide.
+constexpr std::array<std::int32_t, missed_to_loss + 2> inverse_q16 = [] {
+  std::array<std::int32_t, missed_to_loss + 2> table{};
+  for (int n = 1; n < static_cast<int>(table.size()); ++n)
+    table[static_cast<std::size_t>(n)] = ratio_q16(1, n);
+  return table;
+}();
 
 /// Signed difference of two times that may have wrapped.
 std::int64_t difference(std::uint64_t later_q16, std::uint64_t earlier_q16) {
@@ -46,8 +91,8 @@ void BeatClock::configure(const settings::Values& values) {
   per_beat_q48_ = (std::int64_t{1} << 48) / beat_ticks_;
   slew_q32_ = mul_div(values.milli(Id::slew_limit), one_q32, 100'000);
   lock_edges_ = static_cast<std::uint32_t>(values.whole(Id::lock_edges));
-  per_lock_q32_ = one_q32 / lock_edges_;
   set_gains(values);
+  set_gates(values);
   tick_q32_ = nominal_tick_q32;
   period_q16_ = nominal_q16_;
   // Ticks go on without a gap; a new beat starts here.
@@ -56,7 +101,27 @@ void BeatClock::configure(const settings::Values& values) {
   origin_tick_ = tick_;
   tick_in_beat_ = 0;
   locked_ = mode_ != LampMode::slave;
-  good_edges_ = 0;
+  good_edges_ = line_edges_ = 0;
+}
+
+void BeatClock::drop_passed_least() {
+  while (least_count_ > 1 && least_[1].from_tick <= tick_) {
+    for (std::uint32_t i = 1; i < least_count_; ++i) least_[i - 1] = least_[i];
+    --least_count_;
+  }
+}
+
+void BeatClock::set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16) {
+  drop_passed_least();
+  const LeastTick least{from_tick, std::int64_t{tick_q16} * (nominal_tick_q32 >> 16)};
+  // Motion that was to begin here is replaced.
+  while (least_count_ > 1 && least_[least_count_ - 1].from_tick >= from_tick) --least_count_;
+  LeastTick& last = least_[least_count_ - 1];
+  if (last.q32 == least.q32) return;
+  if (least_count_ < least_.size())
+    least_[least_count_++] = least;
+  else if (least.q32 > last.q32)
+    last.q32 = least.q32;  // too many changes: the stricter one
 }
 
 void BeatClock::set_gains(const settings::Values& values) {
@@ -67,13 +132,24 @@ void BeatClock::set_gains(const settings::Values& values) {
   // drift is in 1e-5 per second, the period in 1e-6 s: 1e11 below one us; sqrt 3 = 1.732.
   std::int64_t index_q16 =
       mul_div(drift_us_e11, 1732 * 65536 / 1000, 1000) / (jitter_milli_us * 100'000);
-  index_q16 = index_q16 < 16 ? 16 : index_q16 > 65536 ? 65536 : index_q16;
+  index_q16 = clamped(index_q16, least_index_q16, most_index_q16);
   const std::int64_t root =
       isqrt(static_cast<std::uint64_t>(8 * index_q16 * 65536 + index_q16 * index_q16));
   const std::int64_t r_q16 = (4 * 65536 + index_q16 - root) / 4;
   const std::int64_t rest = 65536 - r_q16;
-  phase_gain_q16_ = 65536 - ((r_q16 * r_q16) >> 16);
-  period_gain_q16_ = (2 * rest * rest) >> 16;
+  steady_ = {65536 - ((r_q16 * r_q16) >> 16), (2 * rest * rest) >> 16};
+}
+
+void BeatClock::set_gates(const settings::Values& values) {
+  // Drift per beat as a share of the period: %/s over Hz, in thousandths of both.
+  drift_q32_ = mul_div(values.milli(Id::lamp_drift), one_q32,
+                       100 * static_cast<std::uint32_t>(values.milli(Id::lamp_frequency)));
+  // The period grows by c a beat; the tracker follows when it corrects as much: gain * error = c.
+  // A line through two edges is off by c, and again when the drift turns.
+  const std::int64_t change_q16 = mul_q32(nominal_q16_, drift_q32_);
+  const std::int64_t steady_error_q16 =
+      mul_div(change_q16, 65536, static_cast<std::uint32_t>(steady_.period_q16));
+  innovation_q16_ = steady_error_q16 > 2 * change_q16 ? steady_error_q16 : 2 * change_q16;
 }
 
 EdgeInfo BeatClock::edge(std::uint64_t clock) {
@@ -107,71 +183,196 @@ EdgeInfo BeatClock::nearest_beat(ClockQ16 clock_q16) {
   return info;
 }
 
-EdgeInfo BeatClock::acquire(ClockQ16 now_q16) {
-  const std::int64_t interval = difference(now_q16, last_edge_q16_);
+BeatClock::Gains BeatClock::gains() const {
+  return {line_.phase_q16 > steady_.phase_q16 ? line_.phase_q16 : steady_.phase_q16,
+          line_.period_q16 > steady_.period_q16 ? line_.period_q16 : steady_.period_q16};
+}
+
+void BeatClock::next_gains() {
+  if (++line_edges_ < line_table_size) {
+    line_ = {line_table[line_edges_].phase_q16, line_table[line_edges_].period_q16};
+    return;
+  }
+  // With g = 4/n the next one is 4/(n+1) = g - g^2/4 + ..., and 6/n^2 = 3 g^2 / 8.
+  const std::int64_t square_q16 = (line_.phase_q16 * line_.phase_q16) >> 16;
+  line_ = {line_.phase_q16 - (square_q16 >> 2), (3 * square_q16) >> 3};
+}
+
+/// How far from its prediction an edge may be. The weights of the past edges in a prediction add
+/// up to at most 3 (the line through two), those of the period per beat to less than 1/2 from the
+/// fifth edge on; the edge itself adds its own jitter.
+std::int64_t BeatClock::gate_q16(std::uint32_t missed) const {
+  const std::int64_t beats = std::int64_t{missed} + 1;
+  return 4 * jitter_q16_ + beats * jitter_q16_ / 2 + beats * beats * innovation_q16_ +
+         gate_slack_q16;
+}
+
+bool BeatClock::near_nominal(std::int64_t interval_q16, std::int64_t slack_q16) const {
+  return abs64(interval_q16 - nominal_q16_) <= range_q16_ + slack_q16;
+}
+
+/// The estimate of the period is as uncertain as its gain lets jitter in.
+bool BeatClock::outside_range() const {
+  const Gains g = gains();
+  const std::int64_t most_q16 = g.phase_q16 > g.period_q16 ? g.phase_q16 : g.period_q16;
+  return !near_nominal(period_q16_, (jitter_q16_ * most_q16) >> 16);
+}
+
+void BeatClock::start_line(ClockQ16 now) {
+  last_edge_q16_ = now;
+  good_edges_ = line_edges_ = 1;
+  crowded_ = false;
+}
+
+void BeatClock::draw_line(ClockQ16 now, std::int64_t period_q16, std::uint32_t edges) {
+  period_q16_ = period_q16;
+  predicted_q16_ = now + static_cast<ClockQ16>(period_q16);
+  edge_before_q16_ = now - static_cast<ClockQ16>(period_q16);
+  last_edge_q16_ = now;
+  good_edges_ = edges;
+  line_edges_ = edges - 1;
+  next_gains();
+}
+
+EdgeInfo BeatClock::acquire(ClockQ16 now) {
   const EdgeInfo flash{.unlocked = true};
-  const std::int64_t off = abs64(interval - nominal_q16_);
-  if (good_edges_ == 0 || off > range_q16_ + 2 * jitter_q16_) {
-    // A doubled edge shortens an interval: keep the older edge, start again only on a long one.
-    if (good_edges_ != 0 && interval < nominal_q16_ / 2) {
+  const std::int64_t interval = difference(now, last_edge_q16_);
+  if (good_edges_ > 1) {
+    const std::int64_t error = difference(now, predicted_q16_);
+    const std::int64_t gate = gate_q16(0), quarter = period_q16_ / 4;
+    if (abs64(error) <= (gate < quarter ? gate : quarter)) {
+      next_gains();
+      follow(error, 0);
+      edge_before_q16_ = last_edge_q16_;
+      last_edge_q16_ = now;
+      if (outside_range())
+        start_line(now);
+      else if (++good_edges_ > lock_edges_)
+        lock();
+      return flash;
+    }
+    // Once an edge in the middle of a beat is a fault, twice it is another rhythm.
+    if (error < 0 && (interval < quarter || !crowded_)) {
+      crowded_ = crowded_ || interval >= quarter;
       ++spurious_;
       return {};
     }
-    first_edge_q16_ = last_edge_q16_ = now_q16;
-    good_edges_ = 1;
+  }
+  if (good_edges_ != 0 && near_nominal(interval, 2 * jitter_q16_)) {
+    draw_line(now, interval, 2);
     return flash;
   }
-  last_edge_q16_ = now_q16;
-  if (++good_edges_ > lock_edges_) lock(now_q16);
+  // A doubled edge shortens an interval: keep the older edge, start again only on a long one.
+  if (good_edges_ == 1 && interval < nominal_q16_ / 2) {
+    ++spurious_;
+    return {};
+  }
+  start_line(now);
   return flash;
 }
 
-void BeatClock::lock(ClockQ16 clock_q16) {
-  period_q16_ = mul_q32(difference(clock_q16, first_edge_q16_), per_lock_q32_);
+void BeatClock::lock() {
   tick_q32_ = (Int128::product(period_q16_, per_beat_q48_) >> 32).to_int64();
-  predicted_q16_ = clock_q16 + static_cast<ClockQ16>(period_q16_);
   predicted_beat_ = beat_;
   // Number the beats such that the lattice has the shortest way to go.
   while (lattice_error_q16() > period_q16_ / 2) ++predicted_beat_;
   while (lattice_error_q16() < -period_q16_ / 2 && predicted_beat_ > 0) --predicted_beat_;
   locked_ = true;
-  strays_in_a_row_ = 0;
+  on_lamp_ = false;
+  strays_in_a_row_ = stray_rhythm_ = odd_beats_ = 0;
+  far_off_ = 0;
+  crowded_ = false;
 }
 
 void BeatClock::lose() {
   locked_ = false;
   ++losses_;
-  good_edges_ = 0;
+  good_edges_ = line_edges_ = 0;
+  crowded_ = false;
 }
 
-EdgeInfo BeatClock::track(ClockQ16 clock_q16) {
+EdgeInfo BeatClock::track(ClockQ16 now) {
   EdgeInfo info;
-  std::int64_t error = difference(clock_q16, predicted_q16_);
-  std::int64_t passed = 0;
+  std::int64_t error = difference(now, predicted_q16_);
   while (error > period_q16_ / 2 && info.missed < missed_to_loss) {
-    passed += period_q16_;
     error -= period_q16_;
     ++info.missed;
   }
-  // Room for the period's uncertainty over the gap, never more than a quarter beat.
-  if (abs64(error) > period_q16_ / 4) {
-    ++spurious_;
-    if (++strays_in_a_row_ >= strays_to_loss) lose();
-    return {};
-  }
-  strays_in_a_row_ = 0;
+  // Never more than a quarter beat, and a lamp a little worse than its settings is forgiven.
+  std::int64_t gate = gate_q16(info.missed);
+  if (gate < period_q16_ / 32) gate = period_q16_ / 32;
+  if (gate > period_q16_ / 4) gate = period_q16_ / 4;
+  if (abs64(error) > gate) return stray(now, error);
   info.valid = true;
   info.beat = predicted_beat_ + info.missed;
-  period_q16_ += (error * period_gain_q16_) >> 16;
-  if (abs64(period_q16_ - nominal_q16_) > range_q16_) {
+  predicted_beat_ = info.beat + 1;
+  stray_rhythm_ = 0;
+  ++odd_beats_;
+  // One edge in one beat, as it should be.
+  if (!crowded_ && info.missed == 0) strays_in_a_row_ = odd_beats_ = 0;
+  crowded_ = false;
+  follow_jump(now, error, info.missed);
+  if (outside_range() || odd_beats_ >= odd_beats_to_loss) {
     lose();
     return info;
   }
   tick_q32_ = (Int128::product(period_q16_, per_beat_q48_) >> 32).to_int64();
-  const std::int64_t step = passed + ((error * phase_gain_q16_) >> 16) + period_q16_;
-  predicted_q16_ += static_cast<ClockQ16>(step);
-  predicted_beat_ = info.beat + 1;
   return info;
+}
+
+EdgeInfo BeatClock::stray(ClockQ16 now, std::int64_t error) {
+  ++spurious_;
+  if (abs64(error) > period_q16_ / 4) crowded_ = true;
+  const std::int64_t interval = difference(now, last_stray_q16_);
+  if (stray_rhythm_ != 0 && near_nominal(interval, 2 * jitter_q16_)) {
+    ++stray_rhythm_;
+    last_stray_q16_ = now;
+  } else if (stray_rhythm_ == 0 || interval > nominal_q16_ / 2) {
+    stray_rhythm_ = 1;
+    first_stray_q16_ = last_stray_q16_ = now;
+  }
+  if (stray_rhythm_ >= strays_to_jump) {
+    lose();
+    draw_line(now, difference(now, first_stray_q16_) / 2, strays_to_jump);
+    return {.missed = strays_to_jump - 1, .unlocked = true};
+  }
+  if (++strays_in_a_row_ >= strays_to_loss) lose();
+  return {};
+}
+
+/// Edges that stay off to one side are a jump inside the gate: a new line through the last three.
+void BeatClock::follow_jump(ClockQ16 now, std::int64_t error, std::uint32_t missed) {
+  const std::int64_t gate = gate_q16(0);
+  if (missed != 0 || abs64(error) <= gate)
+    far_off_ = 0;
+  else if (error > 0)
+    far_off_ = far_off_ > 0 ? far_off_ + 1 : 1;
+  else
+    far_off_ = far_off_ < 0 ? far_off_ - 1 : -1;
+  const std::int64_t period = difference(now, edge_before_q16_) / 2;
+  if ((far_off_ >= far_off_to_jump || far_off_ <= -far_off_to_jump) &&
+      near_nominal(period, jitter_q16_)) {
+    draw_line(now, period, far_off_to_jump);
+    far_off_ = 0;
+    return;
+  }
+  // An outlier, say a second edge just before the next first one, must not throw the tracker off.
+  const std::int64_t most = gate_q16(missed);
+  next_gains();
+  follow(clamped(error, -most, most), missed);
+  edge_before_q16_ = last_edge_q16_;
+  last_edge_q16_ = now;
+}
+
+void BeatClock::follow(std::int64_t error, std::uint32_t missed) {
+  // Over a gap of several beats an error of the period adds up, one of the phase does not.
+  const Gains g = gains();
+  const std::int64_t beats = std::int64_t{missed} + 1;
+  std::int64_t phase_q16 = g.phase_q16 * beats;
+  if (phase_q16 > 65536) phase_q16 = 65536;
+  const std::int64_t passed = period_q16_ * missed;
+  period_q16_ += (((error * g.period_q16) >> 16) * inverse_q16[missed + 1]) >> 16;
+  predicted_q16_ += static_cast<ClockQ16>(passed + ((error * phase_q16) >> 16) + period_q16_);
 }
 
 std::int64_t BeatClock::lattice_error_q16() const {
@@ -183,7 +384,27 @@ std::int64_t BeatClock::lattice_error_q16() const {
 
 bool BeatClock::settled() const {
   if (mode_ != LampMode::slave) return true;
-  return locked_ && abs64(lattice_error_q16()) < settled_q16 + jitter_q16_;
+  return locked_ && abs64(lattice_error_q16()) < settled_q16 + jitter_q16_ / 2;
+}
+
+std::int64_t BeatClock::steered(std::int64_t length, std::uint32_t ticks) {
+  const bool moving = tick_ < motion_end_tick_;
+  if (mode_ == LampMode::slave && locked_) {
+    const std::int64_t error = lattice_error_q16();
+    // A lattice that could not follow shows the beat before or after that of the lamp some day.
+    if (beat_ > predicted_beat_ + missed_to_loss || (on_lamp_ && abs64(error) > period_q16_ / 4))
+      lose();
+    if (abs64(error) < settled_q16) on_lamp_ = true;
+    const std::int64_t most = mul_q32(length, moving ? slew_q32_ : rest_slew_q32);
+    // Never more than a quarter off nominal, however far the lamp is: boards rely on that.
+    const std::int64_t nominal = (nominal_tick_q32 * ticks) >> 16, quarter = nominal >> 2;
+    length = clamped(length + clamped(error, -most, most), nominal - quarter, nominal + quarter);
+  }
+  if (!moving) return length;
+  // Rather a lattice that lags than motion above its limits.
+  drop_passed_least();
+  const std::int64_t least = (least_[0].q32 * ticks) >> 16;
+  return length < least ? least : length;
 }
 
 TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
@@ -191,16 +412,7 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
   const std::uint32_t left = beat_ticks_ - tick_in_beat_;
   span.first_tick = tick_;
   span.ticks = max_ticks < left ? max_ticks : left;
-  std::int64_t length = (tick_q32_ * span.ticks) >> 16;
-  if (mode_ == LampMode::slave && locked_) {
-    if (beat_ > predicted_beat_ + missed_to_loss) lose();
-    const std::int64_t slew = tick_ < motion_end_tick_ ? slew_q32_ : rest_slew_q32;
-    const std::int64_t most = mul_q32(length, slew);
-    const std::int64_t error = lattice_error_q16();
-    // Never more than a quarter off nominal, however far the lamp is: boards rely on that.
-    const std::int64_t nominal = (nominal_tick_q32 * span.ticks) >> 16, quarter = nominal >> 2;
-    length = clamped(length + clamped(error, -most, most), nominal - quarter, nominal + quarter);
-  }
+  const std::int64_t length = steered((tick_q32_ * span.ticks) >> 16, span.ticks);
   span.first_clock = clock_;
   span.clocks =
       static_cast<std::uint32_t>((static_cast<ClockQ16>(length) + (clock_q16_ & 0xffff)) >> 16);
@@ -218,8 +430,16 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
 std::uint32_t BeatClock::shortest_tick_q16() const {
   if (mode_ != LampMode::slave) return full_tick_q16;
   const std::int64_t tick = tick_q32_ < nominal_tick_q32 ? tick_q32_ : nominal_tick_q32;
-  const std::int64_t shortest = tick - mul_q32(tick, 2 * slew_q32_);
-  return static_cast<std::uint32_t>((shortest >> 16) / clocks_per_tick);
+  // What the lamp may gain until the plan has been run, at least another slew; but the period
+  // stays inside its range.
+  const std::int64_t drift = planned_beats * drift_q32_;
+  const std::int64_t shortest =
+      tick - mul_q32(tick, slew_q32_ + (drift > slew_q32_ ? drift : slew_q32_));
+  const std::int64_t range_end =
+      (Int128::product(nominal_q16_ - range_q16_, per_beat_q48_) >> 32).to_int64();
+  const std::int64_t floor = range_end - mul_q32(range_end, slew_q32_);
+  return static_cast<std::uint32_t>(((shortest > floor ? shortest : floor) >> 16) /
+                                    clocks_per_tick);
 }
 
 }  // namespace lamplock::lamp

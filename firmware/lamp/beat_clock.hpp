@@ -10,13 +10,24 @@
 //      |<delay>|         |<delay>|           |<delay>|
 //           tick (k-1)N       tick kN             tick (k+1)N
 //
-// As slave a tracker with two states (phase, period) predicts the next edge. Its gains are those
-// of the steady-state Kalman filter for the drift and jitter that the settings expect (Kalata,
-// "The tracking index", 1984). The lattice follows the line through the predicted edges; a tick is
-// stretched or shrunk by at most the slew limit while the machine moves, by more while it stands.
+// As slave a tracker with two states (phase, period) predicts the next edge. It begins as a least
+// squares line through the edges seen so far, whose gains fall with their number, and ends with
+// those of the steady-state Kalman filter for the drift and jitter that the settings expect
+// (Kalata, "The tracking index", 1984). The lattice follows the line through the predicted edges; a
+// tick is stretched or shrunk by at most the slew limit while the machine moves, by more while it
+// stands, and while it moves it is never shorter than what its limits were made for.
+//
+// Which edges belong to a beat. One that is further from its prediction than jitter and drift can
+// carry it (and more than 1/32 of a period) is a stray. Strays that have a rhythm of their own
+// inside the lock range are the lamp after a jump: the lock is lost and found again in a few
+// edges. Beats with none or several edges are a fault of a moment; when every beat is such, the
+// lamp runs at another frequency. Outside the lock range there is no lock, and without a lock no
+// shot and no motion.
+//
 // As master, and on a free beat, a tick is exactly nominal and the lamp follows us.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "shared/settings_table.hpp"
@@ -41,7 +52,9 @@ struct EdgeInfo {
   bool valid = false;        ///< belongs to a beat (otherwise spurious or not locked)
   std::uint64_t beat = 0;    ///< its number: lattice tick tick_of_beat(beat)
   std::uint32_t missed = 0;  ///< beats without an edge before it
-  bool unlocked = false;     ///< a flash while the clock still looks for the rhythm of the lamp
+  /// A flash while the clock still looks for the rhythm of the lamp; `missed` is then the number of
+  /// edges before it that were taken for strays and were flashes too.
+  bool unlocked = false;
 };
 
 /// One per controller.
@@ -57,6 +70,9 @@ class BeatClock {
 
   /// Motion is planned up to this tick: the slew limit holds before it.
   void set_motion_end(std::uint64_t tick) { motion_end_tick_ = tick; }
+  /// Motion from this tick on has limits made for ticks no shorter than that (shortest_tick_q16()
+  /// as it was); up to there holds what was said before. `from_tick` begins a beat.
+  void set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16);
 
   std::uint32_t beat_ticks() const { return beat_ticks_; }
   /// Lattice tick of a beat, and the first beat at or after a tick (main loop: divides).
@@ -79,15 +95,34 @@ class BeatClock {
   std::uint32_t lock_losses() const { return losses_; }
 
  private:
-  void set_gains(const settings::Values& values);
   /// A time in clocks, Q16. Wraps after 26 days: only differences mean anything.
   using ClockQ16 = std::uint64_t;
+  /// Shares of the error of an edge, Q16, that go into phase and period.
+  struct Gains {
+    std::int64_t phase_q16 = 0;
+    std::int64_t period_q16 = 0;
+  };
 
-  EdgeInfo acquire(ClockQ16 now_q16);
-  EdgeInfo track(ClockQ16 clock_q16);
-  void lock(ClockQ16 clock_q16);
+  void set_gains(const settings::Values& values);
+  void set_gates(const settings::Values& values);
+  Gains gains() const;
+  void next_gains();
+  std::int64_t gate_q16(std::uint32_t missed) const;
+  bool near_nominal(std::int64_t interval_q16, std::int64_t slack_q16) const;
+
+  EdgeInfo acquire(ClockQ16 now);
+  EdgeInfo track(ClockQ16 now);
+  EdgeInfo stray(ClockQ16 now, std::int64_t error);
+  void follow(std::int64_t error, std::uint32_t missed);
+  void follow_jump(ClockQ16 now, std::int64_t error, std::uint32_t missed);
+  void start_line(ClockQ16 now);
+  void draw_line(ClockQ16 now, std::int64_t period_q16, std::uint32_t edges);
+  void lock();
   void lose();
+  bool outside_range() const;
   std::int64_t lattice_error_q16() const;
+  std::int64_t steered(std::int64_t length_q16, std::uint32_t ticks);
+  void drop_passed_least();
   EdgeInfo nearest_beat(ClockQ16 clock_q16);
 
   settings::LampMode mode_ = settings::LampMode::free_beat;
@@ -98,19 +133,28 @@ class BeatClock {
   std::int64_t delay_q16_ = 0;     ///< edge to shot, clocks
   std::int64_t per_beat_q48_ = 0;  ///< 1 / N
   std::int64_t slew_q32_ = 0;      ///< share of a tick
-  std::int64_t phase_gain_q16_ = 0;
-  std::int64_t period_gain_q16_ = 0;
+  std::int64_t drift_q32_ = 0;     ///< share of the period, per beat
+  Gains steady_;
+  std::int64_t innovation_q16_ = 0;  ///< error that steady drift alone leaves
   std::uint32_t lock_edges_ = 0;
-  std::int64_t per_lock_q32_ = 0;  ///< 1 / lock_edges
 
   // The lamp.
   bool locked_ = false;
-  std::uint32_t good_edges_ = 0;
-  ClockQ16 first_edge_q16_ = 0, last_edge_q16_ = 0;
-  std::int64_t period_q16_ = 0;       ///< tracked
-  ClockQ16 predicted_q16_ = 0;        ///< next edge
-  std::uint64_t predicted_beat_ = 0;  ///< its number
-  std::uint32_t strays_in_a_row_ = 0;
+  std::uint32_t good_edges_ = 0;  ///< in the present line, while looking for the lock
+  std::uint32_t line_edges_ = 0;  ///< the same for the gains, which stop falling some day
+  Gains line_;                    ///< of a least squares line through these
+  ClockQ16 last_edge_q16_ = 0;    ///< that belonged to the rhythm
+  ClockQ16 edge_before_q16_ = 0;
+  std::int64_t period_q16_ = 0;        ///< tracked
+  ClockQ16 predicted_q16_ = 0;         ///< next edge
+  std::uint64_t predicted_beat_ = 0;   ///< its number
+  std::uint32_t strays_in_a_row_ = 0;  ///< since the last beat with one edge
+  std::uint32_t stray_rhythm_ = 0;     ///< how many of these are a period apart
+  ClockQ16 first_stray_q16_ = 0, last_stray_q16_ = 0;
+  bool on_lamp_ = false;         ///< the lattice has caught up with the lamp since the lock
+  bool crowded_ = false;         ///< an edge in the middle of this beat
+  std::uint32_t odd_beats_ = 0;  ///< beats in a row with none or several edges
+  std::int32_t far_off_ = 0;     ///< edges in a row too early (negative) or too late
   std::uint32_t edges_ = 0;
   std::uint32_t spurious_ = 0;
   std::uint32_t losses_ = 0;
@@ -125,6 +169,13 @@ class BeatClock {
   ClockQ16 clock_q16_ = 0;     ///< the same with its fraction
   std::int64_t tick_q32_ = 0;  ///< tracked length of a tick, clocks
   std::uint64_t motion_end_tick_ = 0;
+  /// Shortest ticks of motion, clocks: the first one holds now, the others from their tick on.
+  struct LeastTick {
+    std::uint64_t from_tick = 0;
+    std::int64_t q32 = 0;
+  };
+  std::array<LeastTick, 4> least_{};
+  std::uint32_t least_count_ = 1;
 };
 
 }  // namespace lamplock::lamp

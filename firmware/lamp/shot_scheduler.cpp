@@ -231,8 +231,13 @@ BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
 
 void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent, std::uint64_t clock) {
   edge_clock_ = clock;
-  // Flashes count while the clock looks for the rhythm; no beat numbers them yet.
-  if (info.unlocked && !fired) ledger_.count(permitted_ ? BeatReason::not_locked : idle_reason_, 1);
+  // Flashes count while the clock looks for the rhythm; no beat numbers them yet. So do those that
+  // it took for strays, unless they were counted when one of them fired.
+  if (info.unlocked && !fired) {
+    const std::uint32_t before = info.missed > stray_beats_ ? info.missed - stray_beats_ : 0;
+    ledger_.count(permitted_ ? BeatReason::not_locked : idle_reason_, before + 1);
+  }
+  if (info.unlocked || info.valid) stray_beats_ = 0;
   if (info.valid) {
     if (!fired && info.beat < counted_end_) return;  // counted when a stray edge fired on it
     const std::uint64_t open = info.beat > counted_end_ ? info.beat - counted_end_ : 0;
@@ -240,9 +245,13 @@ void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent, std
     count(info.beat, fired);
   } else if (fired) {
     // The lattice was right and the beat clock was not: the shot is a fact.
-    if (counted_end_ != 0 && token_beat_ > counted_end_)
-      count_missed(static_cast<std::uint32_t>(token_beat_ - counted_end_));
+    if (counted_end_ != 0 && token_beat_ > counted_end_) {
+      const auto open = static_cast<std::uint32_t>(token_beat_ - counted_end_);
+      count_missed(open);
+      stray_beats_ += open;
+    }
     count(token_beat_, true);
+    ++stray_beats_;
   } else if (token_spent && token_out_) {
     token_out_ = false;
     for (std::uint32_t i = begin_; i != end_; ++i)

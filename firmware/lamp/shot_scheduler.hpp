@@ -89,6 +89,8 @@ class ShotScheduler {
   static constexpr std::uint32_t capacity = 128;
 
   // Main loop.
+  /// Other rules in the middle of a job, at rest and with nothing undecided: another beat.
+  void change_rules(const ShotRules& rules) { rules_ = rules, has_shot_ = false; }
   /// Forgets everything planned and counted; no shot of an earlier job can follow.
   void begin_job(const ShotRules& rules = {});
   /// A segment was committed that covers beats first..last (the last one may carry its shot).
@@ -179,6 +181,7 @@ class ShotScheduler {
   std::uint64_t token_beat_ = 0;
   std::uint64_t expired_beat_ = ~std::uint64_t{0};
   std::uint64_t counted_end_ = 0;  ///< beats before this one have been counted; 0 = none yet
+  std::uint32_t stray_beats_ = 0;  ///< counted because a stray edge fired, since the last good one
   BeatReason idle_reason_ = BeatReason::no_point_due;
   std::uint32_t stray_shots_ = 0;
   BeatLedger ledger_;

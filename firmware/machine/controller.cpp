@@ -148,8 +148,48 @@ void Controller::set_trigger() {
     trigger.width_ticks = trigger_ticks;
     const std::uint64_t head = runner_.generator().state().tick + trigger_lead;
     trigger.first_tick = clock_.tick_of_beat(clock_.beat_at_or_after(head)) - trigger_lead;
+    // No flash sooner after the last one of the old beat than the new beat allows.
+    const std::uint64_t last = runner_.generator().last_trigger();
+    while (last != 0 && trigger.first_tick < last + trigger.period_ticks)
+      trigger.first_tick += trigger.period_ticks;
   }
   runner_.generator().set_trigger(trigger);
+}
+
+Result Controller::change_beat(std::uint32_t milli_hz) {
+  if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  if (!job_) return Result::no_job;
+  settings::Values values = values_;
+  refused_value_ = settings::row(Id::lamp_frequency).number;
+  const std::int32_t most = settings::row(Id::lamp_frequency).max_milli;
+  if (milli_hz > static_cast<std::uint32_t>(most)) return Result::bad_value;
+  const auto milli = static_cast<std::int32_t>(milli_hz);
+  if (!values.set_milli(Id::lamp_frequency, milli)) return Result::bad_value;
+  std::uint16_t setting = 0;
+  const Result r = check_settings(values, setting);
+  refused_value_ = setting;
+  if (r != Result::ok) return r;
+  const Masked masked(mask_);
+  next_beat_milli_hz_ = milli;
+  shots_.permit(false, idle_reason());
+  runner_.read_outcomes();
+  if (moving_) runner_.brake();
+  moving_ = false;
+  return Result::ok;
+}
+
+// Called with beat and fill interrupts masked, as all of prepare() is.
+void Controller::follow_new_beat() {
+  if (next_beat_milli_hz_ == 0 || !runner_.at_rest() || shots_.undecided()) return;
+  runner_.read_outcomes();
+  settings::Values values = values_;
+  values.set_milli(Id::lamp_frequency, next_beat_milli_hz_);
+  next_beat_milli_hz_ = 0;
+  overridden_ = true;
+  use_settings(values);
+  const lamp::ShotRules rules = shot_rules(values);
+  shots_.change_rules(rules);
+  runner_.change_beat(values, stored_, static_cast<std::int32_t>(rules.least_beats));
 }
 
 void Controller::receive(std::span<const std::uint8_t> bytes) {
@@ -164,6 +204,7 @@ bool Controller::prepare(std::uint64_t clock) {
     last_byte_ = clock;
   }
   check_dead_man();
+  follow_new_beat();
   if (runner_.underrun()) raise_alarm(alarm_position_lost);
   hold_after_failed_shots();
   const bool go = ready_to_move();
@@ -198,7 +239,7 @@ void Controller::commit() {
 }
 
 bool Controller::ready_to_move() const {
-  if (state_ != MachineState::run || !job_) return false;
+  if (state_ != MachineState::run || !job_ || next_beat_milli_hz_ != 0) return false;
   if (clock_.edges() < static_cast<std::uint32_t>(values_.whole(Id::lamp_warm_up))) return false;
   return moving_ ? clock_.locked() : clock_.settled();
 }
@@ -215,7 +256,7 @@ BeatReason Controller::idle_reason() const {
     default:
       break;
   }
-  if (!clock_.locked()) return BeatReason::not_locked;
+  if (!clock_.locked() || next_beat_milli_hz_ != 0) return BeatReason::not_locked;
   if (clock_.edges() < static_cast<std::uint32_t>(values_.whole(Id::lamp_warm_up)))
     return BeatReason::warm_up;
   if (dry_) return BeatReason::dry;
@@ -272,6 +313,7 @@ void Controller::raise_alarm(std::uint8_t number) {
   if (job_) runner_.read_outcomes();  // whoever asks now, where to go on, shall know every shot
   runner_.halt();
   moving_ = false;
+  next_beat_milli_hz_ = 0;
   // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.
   state_ = estop_ ? MachineState::estop : MachineState::alarm;
   alarm_ = estop_ ? alarm_estop : number;
@@ -325,6 +367,7 @@ void Controller::stop() {
   if (moving_) runner_.brake();
   moving_ = false;
   job_ = false;
+  next_beat_milli_hz_ = 0;
   hold_reason_ = HoldReason::none;
 }
 
@@ -420,11 +463,10 @@ Result Controller::on_end(std::uint32_t total) {
   return total == points_total_ && runner_.queue().end() == total ? Result::ok : Result::bad_value;
 }
 
-Result Controller::change_beat(std::uint32_t) { return Result::unsupported; }
-
 Result Controller::on_command(const wire::CommandRequest& request) {
   refused_value_ = request.value;
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  if (request.command == wire::Command::lamp_frequency) return change_beat(request.value);
   const Masked masked(mask_);
   switch (request.command) {
     case wire::Command::hold:
@@ -438,7 +480,7 @@ Result Controller::on_command(const wire::CommandRequest& request) {
       stop();
       break;
     case wire::Command::lamp_frequency:
-      return change_beat(request.value);
+      break;
     case wire::Command::job_speed:
       if (request.value == 0 || request.value > highest_job_speed) return Result::bad_value;
       runner_.set_job_speed(request.value);

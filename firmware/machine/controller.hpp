@@ -114,6 +114,12 @@ class Controller {
   /// The user has changed settings: true once, with what has to be stored before the answer is
   /// transmitted. Until the next prepare() the machine is at rest, even if a job has just begun.
   bool take_settings(settings::Values& values);
+  /// The lamp runs at another frequency from now on, in the middle of a job: the machine brakes to
+  /// rest, follows the new beat and goes on with the first point not fired; the frequency is
+  /// forgotten at the end of the job. Errors: no_job; locked; bad_value, with the number of the
+  /// setting that does not go with it in refused_value(): nothing is changed then.
+  Result change_beat(std::uint32_t milli_hz);
+
   /// The user wants the boot loader of the board; the machine is at rest and stays so.
   bool loader_requested() const { return loader_requested_; }
   /// Tells whoever listens: "[MSG:text]".
@@ -176,7 +182,7 @@ class Controller {
   void use_settings(const settings::Values& values);
   void end_overrides();
   void set_trigger();
-  Result change_beat(std::uint32_t milli_hz);
+  void follow_new_beat();
   void hold(wire::HoldReason reason);
   void resume();
   void stop();
@@ -214,7 +220,8 @@ class Controller {
   std::uint8_t alarm_ = 0;
   bool job_ = false;  ///< a job has begun and was not ended
   bool dry_ = false;
-  bool moving_ = false;  ///< motion was permitted at the last prepare()
+  bool moving_ = false;                  ///< motion was permitted at the last prepare()
+  std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be taken at rest; 0 = none
   bool store_due_ = false;
   bool loader_requested_ = false;
   bool planning_ = false;  ///< between prepare() and commit() there is a plan to hand out

@@ -65,6 +65,18 @@ void JobRunner::clear() {
   returning_ = starving_ = braked_ = waiting_for_beam_ = false;
 }
 
+void JobRunner::change_beat(const settings::Values& values, const settings::Values& own,
+                            std::int32_t least_beats) {
+  options_.least_beats = least_beats;
+  pace_ = {shortest_tick_q16(), full_job_speed};
+  make_limits(values, own, pace_, limits_);
+  make_limits(values, own, {pace_.tick_q16, fastest_}, brake_limits_);
+  shots_.cancel_after(0);  // beats have other numbers now
+  next_ = {queue_.begin(), 0};
+  from_rest_ = astray_ = true;
+  returning_ = braked_ = false;
+}
+
 std::uint32_t JobRunner::shortest_tick_q16() const {
   // Rounded down to a coarse grid, so that a steady lamp gives the same plan every time.
   const std::uint32_t shortest = clock_.shortest_tick_q16();
@@ -333,6 +345,7 @@ void JobRunner::commit_plan() {
   const std::uint32_t count = request_.commits();
   take_back_provisional();
   start_later();
+  clock_.set_least_tick(plan_state_.tick, pace_.tick_q16);
   const std::uint64_t late_ticks = plan_state_.tick - request_.start.tick;
   for (std::uint32_t i = 0; i < count; ++i) push(i, late_ticks, plan_beat_);
   plan_state_ = planner_.segment(count - 1).end;

@@ -88,6 +88,10 @@ class JobRunner {
   std::uint32_t job_speed() const { return job_speed_; }
   /// Forgets the job. The machine must be at rest.
   void clear();
+  /// Goes on under another beat, which the clock has already; the machine is at rest and the board
+  /// holds no token. What was planned and not fired is planned anew.
+  void change_beat(const settings::Values& values, const settings::Values& own,
+                   std::int32_t least_beats);
   motion::PointQueue& queue() { return queue_; }
   const motion::PointQueue& queue() const { return queue_; }
 

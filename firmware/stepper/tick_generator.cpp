@@ -131,8 +131,9 @@ void TickGenerator::advance(std::uint32_t ticks) {
     }
     if (r.left != forever) r.left -= ticks;
   }
-  if (trigger_.period_ticks != 0)
-    while (trigger_on_ + trigger_.width_ticks <= tick_) trigger_on_ += trigger_.period_ticks;
+  if (trigger_.period_ticks == 0) return;
+  if (trigger_on_ < tick_) last_trigger_ = trigger_on_;
+  while (trigger_on_ + trigger_.width_ticks <= tick_) trigger_on_ += trigger_.period_ticks;
 }
 
 void TickGenerator::fill(SegmentQueue& queue, TickBlock& block, std::uint32_t max_ticks) {

@@ -36,6 +36,9 @@ class TickGenerator {
     trigger_on_ = pattern.first_tick;
   }
 
+  /// Where the last pulse of the lamp trigger that was filled has started; 0 if there was none.
+  std::uint64_t last_trigger() const { return last_trigger_; }
+
   /// Next block, at most `max_ticks` long.
   void fill(SegmentQueue& queue, TickBlock& block, std::uint32_t max_ticks);
 
@@ -82,7 +85,8 @@ class TickGenerator {
   Window window_, old_window_;
   std::uint32_t arm_lead_ticks_ = 0;
   TriggerPattern trigger_;
-  std::uint64_t trigger_on_ = 0;  ///< tick of the next or present trigger pulse
+  std::uint64_t trigger_on_ = 0;    ///< tick of the next or present trigger pulse
+  std::uint64_t last_trigger_ = 0;  ///< and of the last that has begun
 };
 
 }  // namespace lamplock::stepper

@@ -90,6 +90,58 @@ TEST_F(ScriptedLamp, JumpsInFrequency) {
   }
 }
 
+TEST_F(ScriptedLamp, JumpsAtAnyMomentAndIsFollowedWithinSixteenFlashes) {
+  // Inside the lock range, from one end of it to the other.
+  std::mt19937_64 random(61);
+  const auto any = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (int seed = 0; seed < scaled(12); ++seed) {
+    const auto first =
+        static_cast<sim::Picoseconds>(static_cast<double>(period) * any(0.975, 1.025));
+    const auto second =
+        static_cast<sim::Picoseconds>(static_cast<double>(period) * any(0.975, 1.025));
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << first << " then " << second);
+    LampScript script;
+    const auto jump = static_cast<sim::Picoseconds>(any(0.5, 4) * 1e12);
+    script.flash(first, jump).flash(second, 30 * ps_per_s);
+    ASSERT_NO_FATAL_FAILURE(run(script, seed, both_modes[seed % 2]));
+    EXPECT_EQ(result_.status.beats, edges_between_shots());
+    const auto& fires = rig_->monitor.fires();
+    const auto at = std::find_if(fires.begin(), fires.end(), [&](const PinMonitor::Fire& fire) {
+      return fire.edge > jump + 20 * period;
+    });
+    // Back at work when it has locked, come to rest and gone on.
+    ASSERT_NE(at, fires.end());
+    EXPECT_LT(at->edge, jump + 36 * period);
+  }
+}
+
+TEST_F(ScriptedLamp, RunsAtAFrequencyOutsideTheRangeForAWhile) {
+  // No shot and no motion there, whatever the frequency; the job goes on when the lamp is back.
+  const double ratios[] = {0.9, 0.95, 1.05, 1.1, 0.5, 2, 1.5, 3, 1.0 / 3};
+  for (int seed = 0; seed < scaled(9); ++seed) {
+    const double ratio = ratios[seed % 9];
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", period x " << ratio);
+    const sim::Picoseconds leaves = ps_per_s + seed * 7 * ps_per_ms;
+    const sim::Picoseconds away = 2 * ps_per_s;
+    LampScript script;
+    script.flash(period, leaves)
+        .flash(static_cast<sim::Picoseconds>(static_cast<double>(period) * ratio), away)
+        .flash(period, 20 * ps_per_s);
+    ASSERT_NO_FATAL_FAILURE(run(script, seed, both_modes[seed % 2]));
+    // Some flashes pass until the clock has seen that it is no fault of a moment.
+    const sim::Picoseconds noticed =
+        leaves +
+        25 * std::max(period, static_cast<sim::Picoseconds>(static_cast<double>(period) * ratio));
+    EXPECT_EQ(rig_->monitor.fired(noticed, leaves + away), 0u);
+    EXPECT_FALSE(rig_->monitor.stepped(noticed, leaves + away));
+    EXPECT_GT(beats_of(result_.status, BeatReason::not_locked), 10u);
+    EXPECT_GE(rig_->board.controller().clock().lock_losses(), 1u);
+    EXPECT_GT(rig_->monitor.fired(leaves + away, leaves + away + 40 * period), 0u);
+  }
+}
+
 /// A cable to a host that falls asleep.
 class SleepyTransport final : public link::Transport {
  public:
