@@ -118,7 +118,8 @@ void Controller::end_overrides() {
 
 FireTiming Controller::fire_timing() const {
   const auto clocks = [this](Id id) {
-    return static_cast<std::uint32_t>(std::int64_t{values_.milli(id)} * clocks_per_us / 1000);
+    return static_cast<std::uint32_t>((std::int64_t{values_.milli(id)} * clocks_per_us + 500) /
+                                      1000);
   };
   return {clocks(Id::q_switch_delay), clocks(Id::q_switch_width),
           clock_.mode() == settings::LampMode::free_beat};

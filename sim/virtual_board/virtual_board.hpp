@@ -51,6 +51,7 @@ class VirtualBoard final : public Board, private PinListener {
   /// What the board would start with after power-up.
   const settings::Values& stored_settings() const { return stored_; }
   const machine::Controller& controller() const { return *controller_; }
+  machine::Controller& controller() { return *controller_; }
 
  private:
   void pin_changed(Pin pin, bool level, Picoseconds at) override;

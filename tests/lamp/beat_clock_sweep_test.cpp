@@ -311,7 +311,7 @@ TEST(BeatClockSweep, LocksAndSettlesWithinSixteenEdgesAndStaysOnTheLamp) {
   std::mt19937_64 random(1201);
   double worst = 0;
   long slowest = 0;
-  for (int i = 0; i < test::scaled(300); ++i) {
+  for (int i = 0; i < test::scaled(150); ++i) {
     const Lamp lamp = any_lamp(random);
     SCOPED_TRACE(describe(lamp, i));
     Chase run(lamp, flashes_of(lamp, 200), 0, random);
@@ -331,7 +331,7 @@ TEST(BeatClockSweep, SurvivesDropOutsAndDoubledEdges) {
   std::mt19937_64 random(1202);
   long missed = 0, doubles = 0;
   double worst = 0;
-  for (int i = 0; i < test::scaled(120); ++i) {
+  for (int i = 0; i < test::scaled(60); ++i) {
     Lamp lamp = any_lamp(random);
     lamp.drop = uniform(0, 0.05, random);
     lamp.longest_burst = i % 2 == 0 ? 1 : 10;
@@ -348,8 +348,8 @@ TEST(BeatClockSweep, SurvivesDropOutsAndDoubledEdges) {
     doubles += run.doubles;
     worst = std::max(worst, run.worst_share);
   }
-  EXPECT_GT(missed, 10 * test::scaled(120));
-  EXPECT_GT(doubles, 5 * test::scaled(120));
+  EXPECT_GT(missed, 10 * test::scaled(60));
+  EXPECT_GT(doubles, 5 * test::scaled(60));
   std::cout << missed << " flashes missed, " << doubles << " doubled; lattice error at most "
             << worst << " of its bound\n";
 }
@@ -407,7 +407,7 @@ TEST(BeatClockSweep, LocksAnewWithinSixteenEdgesAfterAJumpInsideTheRange) {
 TEST(BeatClockSweep, HasNoLockOutsideTheRange) {
   // Other frequencies, whole multiples and fractions too: those fit every edge or every beat.
   std::mt19937_64 random(1204);
-  for (int i = 0; i < test::scaled(300); ++i) {
+  for (int i = 0; i < test::scaled(150); ++i) {
     Lamp lamp = any_lamp(random);
     lamp.drift = 0.003;
     lamp.jitter_us = std::min(lamp.jitter_us, 0.001e6 * lamp.period_s());

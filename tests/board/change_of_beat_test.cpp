@@ -1,0 +1,192 @@
+// The operator turns the lamp to another frequency in the middle of a job.
+#include <functional>
+
+#include "tests/board/scripted_lamp.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using settings::LampMode;
+
+/// A cable that does something at a time.
+class TimedTransport final : public link::Transport {
+ public:
+  TimedTransport(sim::VirtualBoard& board, sim::Picoseconds at, std::function<void()> action)
+      : board_(board), inner_(board), at_(at), action_(std::move(action)) {}
+  std::size_t write(std::span<const std::uint8_t> bytes) override { return inner_.write(bytes); }
+  std::size_t read(std::span<std::uint8_t> bytes) override { return inner_.read(bytes); }
+  void wait(std::chrono::microseconds time) override {
+    if (action_ && board_.now() + time.count() * ps_per_us >= at_) {
+      board_.run_until(std::max(board_.now(), at_));
+      action_();
+      action_ = nullptr;
+    }
+    inner_.wait(time);
+  }
+  std::chrono::microseconds now() const override { return inner_.now(); }
+  bool reconnect() override { return true; }
+
+ private:
+  sim::VirtualBoard& board_;
+  link::SimulatedTransport inner_;
+  sim::Picoseconds at_;
+  std::function<void()> action_;
+};
+
+link::JobResult run_with(Rig& rig, const job::Job& job, sim::Picoseconds at,
+                         std::function<void()> action) {
+  TimedTransport transport(rig.board, at, std::move(action));
+  link::SenderOptions sending;
+  sending.session = 1;
+  return link::JobSender(transport, job, sending).run();
+}
+
+/// Of a lamp that we trigger: whole ticks.
+sim::Picoseconds period_of(double hz) { return std::llround(1e6 / hz) * ps_per_us; }
+
+TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheLampIsTurned) {
+  std::mt19937_64 random(91);
+  for (int seed = 0; seed < scaled(16); ++seed) {
+    const double other = std::array{50.0, 200.0, 80.0, 1000.0}[static_cast<std::size_t>(seed % 4)];
+    const job::Profile profile = lamp_profile(100);
+    job::JobOptions options;
+    options.mode = both_modes[seed / 4 % 2];
+    const job::Job job =
+        job::make_job(histogram_walk(400, static_cast<std::uint64_t>(seed)), profile, options);
+    // The machine may be told before or after the lamp turns.
+    const auto told = static_cast<sim::Picoseconds>(random() % 3'000) * ps_per_ms + ps_per_ms * 200;
+    const auto turned = told + (static_cast<sim::Picoseconds>(random() % 600) - 200) * ps_per_ms;
+    SCOPED_TRACE(testing::Message()
+                 << "seed " << seed << ", to " << other << " Hz, told at " << told / ps_per_ms
+                 << " ms, turned at " << turned / ps_per_ms << " ms");
+    LampScript script;
+    script.flash(period_of(100), turned).flash(period_of(other), 30 * ps_per_s);
+    Rig rig(profile.settings, dark_world());
+    script.connect(rig.board);
+    Result answer = Result::busy;
+    const link::JobResult result = run_with(rig, job, told, [&] {
+      answer = rig.board.controller().change_beat(static_cast<std::int32_t>(other * 1000));
+    });
+    ASSERT_EQ(answer, Result::ok);
+    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, true));
+    EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+    EXPECT_FALSE(rig.board.controller().runner().underrun());
+    EXPECT_EQ(rig.board.controller().shots().stray_shots(), 0u);
+    const auto& reasons = result.status.beats_by_reason;
+    EXPECT_EQ(std::accumulate(reasons.begin(), reasons.end(), 0u), result.status.beats);
+    // Back at work when the lamp has been recognised.
+    const sim::Picoseconds both = std::max(told, turned);
+    const sim::Picoseconds slower = period_of(std::min(100.0, other));
+    EXPECT_GT(rig.monitor.fired(both, both + 40 * slower), 0u);
+    // The frequency was the job's.
+    rig.run(200 * ps_per_ms);
+    EXPECT_EQ(rig.board.controller().values().milli(Id::lamp_frequency), 100'000);
+    EXPECT_EQ(rig.board.controller().clock().beat_ticks(), 10'000u);
+  }
+}
+
+TEST(ChangeOfBeat, WeTriggerTheLampAtTheNewFrequency) {
+  for (int seed = 0; seed < scaled(8); ++seed) {
+    const double other = std::array{50.0, 200.0, 90.0, 500.0}[static_cast<std::size_t>(seed % 4)];
+    const LampMode mode = seed % 8 < 4 ? LampMode::master : LampMode::free_beat;
+    const job::Profile profile = lamp_profile(100, mode);
+    const job::Job job =
+        job::make_job(histogram_walk(300, static_cast<std::uint64_t>(seed)), profile, {});
+    Rig rig(profile);
+    const sim::Picoseconds told = (300 + 137 * seed) * ps_per_ms;
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", to " << other << " Hz");
+    const link::JobResult result = run_with(rig, job, told, [&] {
+      ASSERT_EQ(rig.board.controller().change_beat(static_cast<std::int32_t>(other * 1000)),
+                Result::ok);
+    });
+    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+    expect_sound(rig, profile.settings);
+    // The old period up to the change, the new one after it, and never less than that between.
+    bool changed = false;
+    const auto& edges = rig.monitor.edges();
+    for (std::size_t i = 1; i < edges.size() && edges[i] <= rig.monitor.fires().back().edge; ++i) {
+      const sim::Picoseconds gap = edges[i] - edges[i - 1];
+      if (!changed && gap == period_of(100)) continue;
+      ASSERT_GE(gap, changed ? period_of(other) : std::min(period_of(100), period_of(other)));
+      if (changed) {
+        ASSERT_EQ(gap, period_of(other));
+      }
+      changed = true;
+    }
+    EXPECT_TRUE(changed);
+  }
+}
+
+TEST(ChangeOfBeat, InAHoldAndTwiceInARow) {
+  const job::Profile profile = lamp_profile(100, LampMode::master);
+  const job::Job job = job::make_job(histogram_walk(300, 5), profile, {});
+  Rig rig(profile);
+  const link::JobResult result = run_with(rig, job, 700 * ps_per_ms, [&] {
+    machine::Controller& core = rig.board.controller();
+    ASSERT_EQ(core.on_command(wire::Command::hold), Result::ok);
+    ASSERT_EQ(core.change_beat(50'000), Result::ok);
+    rig.run(300 * ps_per_ms);
+    EXPECT_EQ(core.clock().beat_ticks(), 20'000u);
+    EXPECT_EQ(rig.state(), MachineState::hold);
+    ASSERT_EQ(core.on_command(wire::Command::resume), Result::ok);
+    rig.run(200 * ps_per_ms);
+    ASSERT_EQ(core.change_beat(100'000), Result::ok);
+    ASSERT_EQ(core.change_beat(200'000), Result::ok);
+  });
+  ASSERT_EQ(result.end, link::JobEnd::done);
+  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+  expect_sound(rig, profile.settings);
+}
+
+TEST(ChangeOfBeat, WhatDoesNotGoIsRefusedWithItsSetting) {
+  job::Profile profile = lamp_profile(100);
+  job::state_setting(profile, Id::q_switch_width, 400, "test");
+  const job::Job job = job::make_job(histogram_walk(200, 5), profile, {});
+  Rig rig(profile);
+  EXPECT_EQ(rig.board.controller().change_beat(50'000), Result::no_job);
+  const link::JobResult result = run_with(rig, job, 700 * ps_per_ms, [&] {
+    machine::Controller& core = rig.board.controller();
+    EXPECT_EQ(core.change_beat(0), Result::bad_value);
+    EXPECT_EQ(core.refused_value(), 901u);
+    EXPECT_EQ(core.change_beat(5'000'001), Result::bad_value);
+    EXPECT_EQ(core.refused_value(), 901u);
+    // The shot would outlast the beat.
+    EXPECT_EQ(core.change_beat(2'500'000), Result::bad_value);
+    EXPECT_EQ(core.refused_value(), 903u);
+  });
+  ASSERT_EQ(result.end, link::JobEnd::done);
+  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+  expect_sound(rig, profile.settings);
+  expect_ledger(rig, result.status);
+  EXPECT_EQ(rig.board.controller().runner().misses(), 0u);
+}
+
+/// LAMP SYNC to Q-switch is the setting, to the clock, whatever the setting.
+TEST(QSwitchDelay, ComesOutAsItIsSetInTenthsOfAMicrosecond) {
+  std::mt19937_64 random(92);
+  for (int i = 0; i < scaled(24); ++i) {
+    const double fixed[] = {2.2, 7.3, 20, 2.3, 499.9, 500};
+    const double delay_us = i < 6 ? fixed[i] : static_cast<double>(22 + random() % 4979) / 10;
+    job::Profile profile = lamp_profile(100, i % 2 == 0 ? LampMode::slave : LampMode::master);
+    job::state_setting(profile, Id::q_switch_delay, delay_us, "test");
+    const job::Job job =
+        job::make_job(histogram_walk(40, static_cast<std::uint64_t>(i)), profile, {});
+    Rig rig(profile, {.phase_us = 1234.567 * i});
+    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    SCOPED_TRACE(testing::Message() << delay_us << " us");
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+    for (const PinMonitor::Fire& fire : rig.monitor.fires()) {
+      // The board sees the edge at its next clock at the latest; tenths of a microsecond are 12.5
+      // clocks.
+      const sim::Picoseconds seen = fire.edge / sim::ps_per_clock * sim::ps_per_clock;
+      const sim::Picoseconds off =
+          fire.rise - seen - static_cast<sim::Picoseconds>(std::llround(delay_us * 1e6));
+      ASSERT_LE(std::abs(off), sim::ps_per_clock / 2);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test
