@@ -31,6 +31,8 @@ constexpr std::int64_t least_index_q16 = 16;
 constexpr std::int64_t most_index_q16 = 16 * 65536;
 /// What is left out of account in the distance of an edge from its prediction.
 constexpr std::int64_t gate_slack_q16 = std::int64_t{2 * clocks_per_us} << 16;
+/// How far the shot may be from the lattice tick because ticks of the delay are longer: 1 us.
+constexpr std::int64_t most_delay_error_q16 = std::int64_t{clocks_per_us} << 16;
 /// The planner looks this many beats ahead when it asks for the shortest tick.
 constexpr std::int64_t planned_beats = 32;
 /// The lattice has settled when it is within this and half a jitter of the lamp.
@@ -93,6 +95,8 @@ void BeatClock::configure(const settings::Values& values) {
   lock_edges_ = static_cast<std::uint32_t>(values.whole(Id::lock_edges));
   set_gains(values);
   set_gates(values);
+  set_longest_tick(values);
+  length_.reset(nominal_tick_q32);
   tick_q32_ = nominal_tick_q32;
   period_q16_ = nominal_q16_;
   // Ticks go on without a gap; a new beat starts here.
@@ -104,24 +108,24 @@ void BeatClock::configure(const settings::Values& values) {
   good_edges_ = line_edges_ = 0;
 }
 
-void BeatClock::drop_passed_least() {
-  while (least_count_ > 1 && least_[1].from_tick <= tick_) {
-    for (std::uint32_t i = 1; i < least_count_; ++i) least_[i - 1] = least_[i];
-    --least_count_;
-  }
+void BeatClock::set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16) {
+  least_.set(tick_, from_tick, std::int64_t{tick_q16} * (nominal_tick_q32 >> 16));
 }
 
-void BeatClock::set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16) {
-  drop_passed_least();
-  const LeastTick least{from_tick, std::int64_t{tick_q16} * (nominal_tick_q32 >> 16)};
-  // Motion that was to begin here is replaced.
-  while (least_count_ > 1 && least_[least_count_ - 1].from_tick >= from_tick) --least_count_;
-  LeastTick& last = least_[least_count_ - 1];
-  if (last.q32 == least.q32) return;
-  if (least_count_ < least_.size())
-    least_[least_count_++] = least;
-  else if (least.q32 > last.q32)
-    last.q32 = least.q32;  // too many changes: the stricter one
+void BeatClock::set_tick_length(std::uint64_t from_tick, std::uint32_t tick_q16) {
+  if (mode_ != LampMode::master) return;
+  const std::int64_t spread = longest_tick_q16_ - full_tick_q16;
+  const std::int64_t length = clamped(tick_q16, full_tick_q16 - spread, full_tick_q16 + spread);
+  length_.set(tick_, from_tick, length * (nominal_tick_q32 >> 16));
+}
+
+void BeatClock::set_longest_tick(const settings::Values& values) {
+  longest_tick_q16_ = full_tick_q16;
+  if (mode_ != LampMode::master) return;
+  std::int64_t spread_q16 = mul_div(values.milli(Id::period_tolerance), 65536, 100'000);
+  const std::int64_t by_delay_q16 = (most_delay_error_q16 << 16) / delay_q16_;
+  if (spread_q16 > by_delay_q16) spread_q16 = by_delay_q16;
+  longest_tick_q16_ = full_tick_q16 + static_cast<std::uint32_t>(spread_q16);
 }
 
 void BeatClock::set_gains(const settings::Values& values) {
@@ -161,12 +165,21 @@ EdgeInfo BeatClock::edge(std::uint64_t clock) {
 
 EdgeInfo BeatClock::nearest_beat(ClockQ16 clock_q16) {
   // Our own trigger: the edge belongs to the beat whose lattice tick it announces.
-  std::uint64_t beat = beat_;
   const std::int64_t beat_q16 = std::int64_t{beat_ticks_} * (nominal_tick_q32 >> 16);
-  std::int64_t off_q16 = difference(clock_q16, clock_q16_) + delay_q16_ +
-                         std::int64_t{tick_in_beat_} * (nominal_tick_q32 >> 16);
-  while (off_q16 < -beat_q16 / 2) off_q16 += beat_q16, --beat;
-  while (off_q16 > beat_q16 / 2) off_q16 -= beat_q16, ++beat;
+  const std::uint32_t left = beat_ticks_ - tick_in_beat_;
+  const ClockQ16 shot_q16 = clock_q16 + static_cast<ClockQ16>(delay_q16_);
+  // The next beat to get a time, if the present one keeps its length, and from there back.
+  const auto rest_q16 = Int128::product(length_.at(tick_), left) >> 16;
+  std::uint64_t beat = beat_ + 1;
+  std::int64_t off_q16 =
+      difference(shot_q16, clock_q16_ + static_cast<ClockQ16>(rest_q16.to_int64()));
+  for (std::uint32_t back = 0;
+       off_q16 < -beat_q16 / 2 && back < beat_starts_.size() && beat != origin_beat_; ++back) {
+    --beat;
+    const ClockQ16 start_q16 =
+        tick_in_beat_ == 0 && beat == beat_ ? clock_q16_ : beat_starts_[beat % beat_starts_.size()];
+    off_q16 = difference(shot_q16, start_q16);
+  }
   EdgeInfo info{true, beat, 0};
   if (abs64(off_q16) > beat_q16 / 4) {
     ++spurious_;
@@ -402,8 +415,7 @@ std::int64_t BeatClock::steered(std::int64_t length, std::uint32_t ticks) {
   }
   if (!moving) return length;
   // Rather a lattice that lags than motion above its limits.
-  drop_passed_least();
-  const std::int64_t least = (least_[0].q32 * ticks) >> 16;
+  const std::int64_t least = (least_.at(tick_) * ticks) >> 16;
   return length < least ? least : length;
 }
 
@@ -412,7 +424,9 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
   const std::uint32_t left = beat_ticks_ - tick_in_beat_;
   span.first_tick = tick_;
   span.ticks = max_ticks < left ? max_ticks : left;
-  const std::int64_t length = steered((tick_q32_ * span.ticks) >> 16, span.ticks);
+  if (tick_in_beat_ == 0) beat_starts_[beat_ % beat_starts_.size()] = clock_q16_;
+  const std::int64_t tick_q32 = mode_ == LampMode::master ? length_.at(tick_) : tick_q32_;
+  const std::int64_t length = steered((tick_q32 * span.ticks) >> 16, span.ticks);
   span.first_clock = clock_;
   span.clocks =
       static_cast<std::uint32_t>((static_cast<ClockQ16>(length) + (clock_q16_ & 0xffff)) >> 16);

@@ -24,12 +24,20 @@
 // lamp runs at another frequency. Outside the lock range there is no lock, and without a lock no
 // shot and no motion.
 //
-// As master, and on a free beat, a tick is exactly nominal and the lamp follows us.
+// On a free beat a tick is exactly nominal. As master too, unless the planner asks for another
+// length (set_tick_length()): segments are whole beats in ticks, so a way that takes 1.02 beats is
+// made in one beat of ticks that are 2 % longer. Limits in ticks rise with the length of the tick
+// (make_limits()), so they hold in real time. The length may change only where every axis stands:
+// with the length of a tick the real speed would jump. The edge of a lamp that we trigger comes a
+// delay before the lattice tick, counted in ticks, and the shot a delay after it, counted in
+// time: both meet within 1 us, which limits the length where the delay is long.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
+#include "shared/beat.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 
@@ -74,6 +82,15 @@ class BeatClock {
   /// as it was); up to there holds what was said before. `from_tick` begins a beat.
   void set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16);
 
+  /// As master: ticks from this one on, which begins a beat, have this length over the nominal one;
+  /// what was said for that tick and later ones is forgotten. At most longest_tick_q16(), at least
+  /// as much below nominal as that is above. Other modes: nothing happens.
+  void set_tick_length(std::uint64_t from_tick, std::uint32_t tick_q16);
+  /// Motion goes on over that tick: no change of the length there or later.
+  void keep_tick_length(std::uint64_t from_tick) { length_.keep(from_tick); }
+  /// The longest tick that the tolerance of the period (setting 910) and the delay allow.
+  std::uint32_t longest_tick_q16() const { return longest_tick_q16_; }
+
   std::uint32_t beat_ticks() const { return beat_ticks_; }
   /// Lattice tick of a beat, and the first beat at or after a tick (main loop: divides).
   std::uint64_t tick_of_beat(std::uint64_t beat) const {
@@ -105,6 +122,7 @@ class BeatClock {
 
   void set_gains(const settings::Values& values);
   void set_gates(const settings::Values& values);
+  void set_longest_tick(const settings::Values& values);
   Gains gains() const;
   void next_gains();
   std::int64_t gate_q16(std::uint32_t missed) const;
@@ -122,7 +140,6 @@ class BeatClock {
   bool outside_range() const;
   std::int64_t lattice_error_q16() const;
   std::int64_t steered(std::int64_t length_q16, std::uint32_t ticks);
-  void drop_passed_least();
   EdgeInfo nearest_beat(ClockQ16 clock_q16);
 
   settings::LampMode mode_ = settings::LampMode::free_beat;
@@ -169,13 +186,50 @@ class BeatClock {
   ClockQ16 clock_q16_ = 0;     ///< the same with its fraction
   std::int64_t tick_q32_ = 0;  ///< tracked length of a tick, clocks
   std::uint64_t motion_end_tick_ = 0;
-  /// Shortest ticks of motion, clocks: the first one holds now, the others from their tick on.
-  struct LeastTick {
-    std::uint64_t from_tick = 0;
-    std::int64_t q32 = 0;
+  /// A length of ticks in clocks, by tick: the first one holds now, the others from theirs on.
+  template <std::size_t places>
+  class Schedule {
+   public:
+    void reset(std::int64_t q32) { steps_[0] = {0, q32}, count_ = 1; }
+    /// At tick `now`, which only grows.
+    std::int64_t at(std::uint64_t now) {
+      while (count_ > 1 && steps_[1].from_tick <= now) {
+        for (std::uint32_t i = 1; i < count_; ++i) steps_[i - 1] = steps_[i];
+        --count_;
+      }
+      return steps_[0].q32;
+    }
+    /// Forgets what was to change from that tick on.
+    void keep(std::uint64_t from_tick) {
+      while (count_ > 1 && steps_[count_ - 1].from_tick >= from_tick) --count_;
+    }
+    /// From that tick on, instead of what was to hold there. If there is no place left the longer
+    /// one of the last two stays: longer ticks are slower motion.
+    void set(std::uint64_t now, std::uint64_t from_tick, std::int64_t q32) {
+      at(now);
+      keep(from_tick);
+      Step& last = steps_[count_ - 1];
+      if (last.q32 == q32) return;
+      if (count_ < steps_.size())
+        steps_[count_++] = {from_tick, q32};
+      else if (q32 > last.q32)
+        last.q32 = q32;
+    }
+
+   private:
+    struct Step {
+      std::uint64_t from_tick = 0;
+      std::int64_t q32 = 0;
+    };
+    std::array<Step, places> steps_{};
+    std::uint32_t count_ = 1;
   };
-  std::array<LeastTick, 4> least_{};
-  std::uint32_t least_count_ = 1;
+  Schedule<4> least_;    ///< no tick of motion is shorter
+  Schedule<12> length_;  ///< as master; as many windows may wait in the queue of segments
+  std::uint32_t longest_tick_q16_ = full_tick_q16;
+  /// When the latest beats began; an edge is told as late as some beats after its lattice tick
+  /// has got its time.
+  std::array<ClockQ16, 16> beat_starts_{};
 };
 
 }  // namespace lamplock::lamp

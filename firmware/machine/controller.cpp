@@ -54,6 +54,7 @@ bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
     case Id::speed_jump_y:
     case Id::speed_jump_z:
     case Id::speed_jump_a:
+    case Id::period_tolerance:
       return asked > own;
     case Id::lamp_energy:
     case Id::shutter_open:
@@ -69,7 +70,8 @@ bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
 
 /// Nothing differs that the beat clock is made of.
 bool same_beat(const settings::Values& a, const settings::Values& b) {
-  for (auto id = static_cast<int>(Id::lamp_mode); id <= static_cast<int>(Id::lamp_drift); ++id)
+  for (auto id = static_cast<int>(Id::lamp_mode); id <= static_cast<int>(Id::period_tolerance);
+       ++id)
     if (a.milli(static_cast<Id>(id)) != b.milli(static_cast<Id>(id))) return false;
   return true;
 }

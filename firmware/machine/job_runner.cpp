@@ -275,6 +275,12 @@ bool JobRunner::prepare(bool go) {
 }
 
 void JobRunner::plan(const settings::Values& values, const settings::Values& own) {
+  tick_length_q16_ = full_tick_q16;
+  find_plan(values, own);
+  if (planned_ && clock_.longest_tick_q16() != full_tick_q16) plan_longer_ticks(values, own);
+}
+
+void JobRunner::find_plan(const settings::Values& values, const settings::Values& own) {
   planned_ = wanted_ == pace_ ? plan_with(limits_) : plan_with_new_limits(values, own, wanted_);
   // From rest a way can only be too long for so slow a machine: then it goes faster this once.
   Pace faster = wanted_;
@@ -288,6 +294,39 @@ void JobRunner::plan(const settings::Values& values, const settings::Values& own
   // they end in a rest, from which any limits will do.
   if (wanted_.job_speed != pace_.job_speed) request_.rest[request_.commits() - 1] = true;
   planned_ = plan_with(limits_);
+}
+
+std::uint64_t JobRunner::planned_ticks() const {
+  std::uint64_t ticks = 0;
+  for (std::uint32_t i = 0; i < request_.commits(); ++i) ticks += planner_.segment(i).ticks;
+  return ticks;
+}
+
+/// As master: the period may be longer where that saves beats and the time with them. The length of
+/// a tick may only change where the machine stands, so what is committed has to lie between two
+/// rests; then its time is its own affair, and the job takes no longer than with nominal ticks.
+void JobRunner::plan_longer_ticks(const settings::Values& values, const settings::Values& own) {
+  const auto between_rests = [this] {
+    return request_.start.at_rest() && planner_.segment(request_.commits() - 1).end.at_rest();
+  };
+  if (!between_rests()) return;
+  const auto plan_at = [&](std::uint32_t tick_q16) {
+    if (tick_q16 == full_tick_q16) return plan_with(limits_);
+    return make_limits(values, own, {tick_q16, pace_.job_speed}, new_limits_) &&
+           plan_with(new_limits_);
+  };
+  const std::uint32_t most = clock_.longest_tick_q16() - full_tick_q16;
+  std::uint64_t best = planned_ticks() * full_tick_q16;
+  std::uint32_t tried = full_tick_q16;
+  for (const std::uint32_t more : {most / 4, most / 2, most}) {
+    tried = full_tick_q16 + more;
+    if (!plan_at(tried) || !between_rests()) continue;
+    const std::uint64_t time = planned_ticks() * tried;
+    if (time >= best) continue;
+    best = time;
+    tick_length_q16_ = tried;
+  }
+  if (tick_length_q16_ != tried) planned_ = plan_at(tick_length_q16_);
 }
 
 bool JobRunner::plan_with(const motion::Limits& limits) {
@@ -346,6 +385,7 @@ void JobRunner::commit_plan() {
   take_back_provisional();
   start_later();
   clock_.set_least_tick(plan_state_.tick, pace_.tick_q16);
+  clock_.set_tick_length(plan_state_.tick, tick_length_q16_);
   const std::uint64_t late_ticks = plan_state_.tick - request_.start.tick;
   for (std::uint32_t i = 0; i < count; ++i) push(i, late_ticks, plan_beat_);
   plan_state_ = planner_.segment(count - 1).end;
@@ -356,6 +396,7 @@ void JobRunner::commit_plan() {
   rest_state_ = plan_state_;
   rest_next_ = next_;
   clock_.set_motion_end(rest_state_.tick);
+  clock_.set_tick_length(rest_state_.tick, full_tick_q16);
   if (!from_rest_) commit_brake();
 }
 
@@ -375,6 +416,7 @@ void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& b
 }
 
 void JobRunner::commit_brake() {
+  clock_.keep_tick_length(plan_state_.tick);
   const stepper::Segment s = motion::make_brake(plan_state_, brake_limits_);
   segments_.push(s);
   provisional_ = 1;
@@ -387,6 +429,7 @@ void JobRunner::brake() {
   segments_.clear();
   provisional_ = 0;
   const stepper::MotionState head = generator_.state();
+  clock_.keep_tick_length(head.tick);
   // What lies before the head has been handed to the board and is judged by its edges.
   shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
   // Also where the speed is zero for a moment, at the start of a segment or at a turn.

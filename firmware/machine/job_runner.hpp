@@ -156,9 +156,12 @@ class JobRunner {
   bool prepare_start();
   std::uint64_t start_beat() const;
   void start_later();
+  void find_plan(const settings::Values& values, const settings::Values& own);
   bool plan_with(const motion::Limits& limits);
   bool plan_with_new_limits(const settings::Values& values, const settings::Values& own,
                             const Pace& pace);
+  void plan_longer_ticks(const settings::Values& values, const settings::Values& own);
+  std::uint64_t planned_ticks() const;
   bool make_limits(const settings::Values& values, const settings::Values& own, const Pace& pace,
                    motion::Limits& limits) const;
   void commit_plan();
@@ -182,7 +185,8 @@ class JobRunner {
   Pace wanted_;           ///< at prepare()
   Pace pace_;             ///< of limits_
   std::uint32_t job_speed_ = full_job_speed;
-  std::uint32_t fastest_ = full_job_speed;  ///< job speed so far
+  std::uint32_t fastest_ = full_job_speed;         ///< job speed so far
+  std::uint32_t tick_length_q16_ = full_tick_q16;  ///< for which ticks, as master
   motion::Limits limits_, new_limits_, brake_limits_;
   stepper::TickGenerator generator_;
   RunOptions options_;

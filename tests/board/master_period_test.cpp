@@ -1,0 +1,152 @@
+// A lamp that we trigger: its period moves inside the tolerance when that saves a beat.
+#include "tests/board/rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using settings::LampMode;
+
+job::Profile master_profile(double hz, double tolerance_percent, double accel_m_s2 = 4) {
+  job::Profile profile = lamp_profile(hz, LampMode::master, accel_m_s2);
+  job::state_setting(profile, Id::period_tolerance, tolerance_percent, "test");
+  return profile;
+}
+
+/// From the first shot to the last.
+double seconds(const Rig& rig) {
+  const auto& fires = rig.monitor.fires();
+  return static_cast<double>(fires.back().rise - fires.front().rise) * 1e-12;
+}
+
+struct Outcome {
+  double seconds = 0;
+  std::uint32_t beats = 0;
+  bool stretched = false;
+};
+
+void run(const job::Profile& profile, const points::PointCloud& cloud, JoinMode mode,
+         Outcome& outcome) {
+  job::JobOptions options;
+  options.mode = mode;
+  const job::Job job = job::make_job(cloud, profile, options);
+  Rig rig(profile);
+  const link::JobResult result = run_job(rig, job);
+  ASSERT_EQ(result.end, link::JobEnd::done);
+  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+  expect_sound(rig, profile.settings);
+  expect_ledger(rig, result.status);
+  EXPECT_EQ(rig.board.controller().runner().misses(), 0u);
+  EXPECT_EQ(result.status.starvations, 0u);
+  const double nominal = 1e15 / profile.settings.milli(Id::lamp_frequency);
+  const double tolerance = profile.settings.milli(Id::period_tolerance) / 1e5;
+  const auto& edges = rig.monitor.edges();
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    const auto gap = static_cast<double>(edges[i] - edges[i - 1]);
+    // A tick of 8 ns, and the delay that is counted in ticks.
+    ASSERT_LE(std::fabs(gap / nominal - 1), tolerance + 1.1e6 / nominal) << "edge " << i;
+    outcome.stretched = outcome.stretched || gap > nominal * 1.001;
+  }
+  // The shot is where it belongs in real time, too: within 1 us of the lattice tick.
+  for (const PinMonitor::Fire& fire : rig.monitor.fires())
+    ASSERT_LE(std::abs(fire.rise - fire.edge -
+                       profile.settings.milli(Id::q_switch_delay) * sim::ps_per_ns),
+              sim::ps_per_clock);
+  outcome.seconds = seconds(rig);
+  outcome.beats = result.status.beats;
+}
+
+/// A cable through which somebody holds and resumes at random moments.
+class HoldingTransport final : public link::Transport {
+ public:
+  HoldingTransport(sim::VirtualBoard& board, std::uint64_t seed)
+      : board_(board), inner_(board), random_(seed) {}
+  std::size_t write(std::span<const std::uint8_t> bytes) override { return inner_.write(bytes); }
+  std::size_t read(std::span<std::uint8_t> bytes) override { return inner_.read(bytes); }
+  void wait(std::chrono::microseconds time) override {
+    if (board_.now() >= next_) {
+      machine::Controller& core = board_.controller();
+      if (core.state() == MachineState::run && core.job_unfinished()) {
+        core.on_command(wire::Command::hold);
+        board_.run_until(board_.now() + static_cast<sim::Picoseconds>(random_() % 80) * ps_per_ms);
+        core.on_command(wire::Command::resume);
+      }
+      next_ = board_.now() + static_cast<sim::Picoseconds>(random_() % 200'000) * ps_per_us;
+    }
+    inner_.wait(std::min(time, std::chrono::microseconds(5000)));
+  }
+  std::chrono::microseconds now() const override { return inner_.now(); }
+  bool reconnect() override { return true; }
+
+ private:
+  sim::VirtualBoard& board_;
+  link::SimulatedTransport inner_;
+  std::mt19937_64 random_;
+  sim::Picoseconds next_ = 300 * ps_per_ms;
+};
+
+/// Steps that take 1.02 beats from rest to rest at 100 Hz and 4 m/s2: A T^2 / 4.
+points::PointCloud just_too_far(std::size_t count) {
+  const double mm = 4000 * 0.0102 * 0.0102 / 4;
+  points::PointCloud cloud;
+  for (std::size_t i = 0; i < count; ++i)
+    cloud.push_back({i % 2 == 0 ? 0 : mm, 0.005 * static_cast<double>(i % 7), 0});
+  return cloud;
+}
+
+TEST(MasterPeriod, OneLongerBeatInsteadOfTwo) {
+  Outcome nominal, longer;
+  ASSERT_NO_FATAL_FAILURE(
+      run(master_profile(100, 0), just_too_far(200), JoinMode::start_stop, nominal));
+  ASSERT_NO_FATAL_FAILURE(
+      run(master_profile(100, 5), just_too_far(200), JoinMode::start_stop, longer));
+  EXPECT_FALSE(nominal.stretched);
+  EXPECT_TRUE(longer.stretched);
+  EXPECT_EQ(nominal.beats, 2u * 199 + 1);
+  EXPECT_EQ(longer.beats, 200u);
+  EXPECT_LT(longer.seconds, 0.54 * nominal.seconds);
+}
+
+TEST(MasterPeriod, NeverTakesLongerOnRandomWalks) {
+  int stretched = 0;
+  for (int seed = 0; seed < scaled(12); ++seed) {
+    const double hz = std::array{100.0, 50.0, 200.0, 1000.0}[static_cast<std::size_t>(seed % 4)];
+    const double tolerance = std::array{1.0, 3.0, 10.0}[static_cast<std::size_t>(seed % 3)];
+    const JoinMode mode = both_modes[seed / 2 % 2];
+    const auto cloud = histogram_walk(seed % 5 == 4 ? 12 : 250, static_cast<std::uint64_t>(seed));
+    SCOPED_TRACE(testing::Message()
+                 << "seed " << seed << ", " << hz << " Hz, " << tolerance << " %");
+    Outcome nominal, longer;
+    ASSERT_NO_FATAL_FAILURE(run(master_profile(hz, 0), cloud, mode, nominal));
+    ASSERT_NO_FATAL_FAILURE(run(master_profile(hz, tolerance), cloud, mode, longer));
+    // A delay of 5 us is counted in ticks of either length.
+    EXPECT_LE(longer.seconds, nominal.seconds + 2e-6);
+    if (longer.stretched) ++stretched;
+  }
+  EXPECT_GT(stretched, 0);
+}
+
+TEST(MasterPeriod, HoldsAndDropOutsStayInsideTheLimits) {
+  std::mt19937_64 random(93);
+  for (int seed = 0; seed < scaled(8); ++seed) {
+    const job::Profile profile = master_profile(100, 10);
+    job::JobOptions options;
+    options.mode = JoinMode::start_stop;
+    const job::Job job =
+        job::make_job(histogram_walk(150, static_cast<std::uint64_t>(seed)), profile, options);
+    Rig rig(profile, {.dropout = 0.03, .seed = static_cast<std::uint64_t>(seed) + 1});
+    link::SenderOptions sending;
+    sending.session = 1;
+    // Brakes at any moment, in longer ticks too.
+    const link::JobResult result = [&] {
+      HoldingTransport holding(rig.board, random());
+      return link::JobSender(holding, job, sending).run();
+    }();
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+    expect_sound(rig, profile.settings);
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test
