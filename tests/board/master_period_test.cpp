@@ -12,10 +12,13 @@ job::Profile master_profile(double hz, double tolerance_percent, double accel_m_
   return profile;
 }
 
-/// From the first shot to the last.
+/// From the first step to the last shot: the way to the first point belongs to what is planned.
 double seconds(const Rig& rig) {
-  const auto& fires = rig.monitor.fires();
-  return static_cast<double>(fires.back().rise - fires.front().rise) * 1e-12;
+  sim::Picoseconds first = sim::never;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!rig.monitor.steps(axis).empty())
+      first = std::min(first, rig.monitor.steps(axis).front().at);
+  return static_cast<double>(rig.monitor.fires().back().rise - first) * 1e-12;
 }
 
 struct Outcome {
@@ -42,7 +45,7 @@ void run(const job::Profile& profile, const points::PointCloud& cloud, JoinMode 
   const auto& edges = rig.monitor.edges();
   for (std::size_t i = 1; i < edges.size(); ++i) {
     const auto gap = static_cast<double>(edges[i] - edges[i - 1]);
-    // A tick of 8 ns, and the delay that is counted in ticks.
+    // Where the length changes, the delay has ticks of one length and the beat of the other: 1 us.
     ASSERT_LE(std::fabs(gap / nominal - 1), tolerance + 1.1e6 / nominal) << "edge " << i;
     outcome.stretched = outcome.stretched || gap > nominal * 1.001;
   }
@@ -118,8 +121,8 @@ TEST(MasterPeriod, NeverTakesLongerOnRandomWalks) {
     Outcome nominal, longer;
     ASSERT_NO_FATAL_FAILURE(run(master_profile(hz, 0), cloud, mode, nominal));
     ASSERT_NO_FATAL_FAILURE(run(master_profile(hz, tolerance), cloud, mode, longer));
-    // A delay of 5 us is counted in ticks of either length.
-    EXPECT_LE(longer.seconds, nominal.seconds + 2e-6);
+    // When the first step of a start comes depends on how fast it is.
+    EXPECT_LE(longer.seconds, nominal.seconds + 1e-4);
     if (longer.stretched) ++stretched;
   }
   EXPECT_GT(stretched, 0);

@@ -6,8 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <iterator>
+#include <map>
 #include <optional>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "tests/lamp/lamp_model.hpp"
 #include "tests/scale.hpp"
@@ -352,6 +356,70 @@ TEST(BeatClock, TicksAreExactWithoutALampToFollow) {
     EXPECT_GT(last, 250);
     EXPECT_EQ(clock.spurious(), extras);
     EXPECT_TRUE(bench.gapless());
+  }
+}
+
+TEST(BeatClock, AsMasterTicksHaveTheLengthThatIsAskedFor) {
+  std::mt19937_64 random(80);
+  for (int i = 0; i < test::scaled(40); ++i) {
+    const double hz = std::exp(std::uniform_real_distribution<double>(0, std::log(5000))(random));
+    settings::Values values = lamp_settings(hz, settings::LampMode::master);
+    const auto tolerance_milli = static_cast<std::int32_t>(random() % 10'001);
+    ASSERT_TRUE(values.set_milli(Id::period_tolerance, tolerance_milli));
+    const std::int32_t delay_ns = i % 3 == 0 ? 20'000 : 2'200;
+    ASSERT_TRUE(values.set_milli(Id::q_switch_delay, delay_ns));
+    BeatClock clock;
+    clock.configure(values);
+    SCOPED_TRACE(testing::Message() << hz << " Hz, " << tolerance_milli << ", " << delay_ns);
+    const double most = clock.longest_tick_q16() / 65536.0 - 1;
+    EXPECT_LE(most, tolerance_milli / 1e5);
+    EXPECT_LE(most * delay_ns, 1000.0);
+    EXPECT_GE(most + 0.0001, std::min(tolerance_milli / 1e5, 1000.0 / delay_ns));
+    // Lengths asked for some beats ahead, more than the tolerance too; some are taken back.
+    std::map<std::uint64_t, std::uint32_t> asked;
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> starts;  // beat, clock
+    std::uint64_t edges = 0, changes = 0;
+    std::uint64_t next_told = 0;
+    for (int beats = 0; beats < 200;) {
+      const std::uint64_t now = clock.next_tick();
+      if (random() % 30 == 0) {
+        const std::uint64_t from = clock.tick_of_beat(clock.beat_at_or_after(now) + random() % 5);
+        const auto q16 = static_cast<std::uint32_t>(58'000 + random() % 15'000);
+        asked.erase(asked.lower_bound(from), asked.end());
+        asked[from] = q16;
+        clock.set_tick_length(from, q16);
+      } else if (random() % 1000 == 0) {
+        const std::uint64_t from = clock.tick_of_beat(clock.beat_at_or_after(now) + 2);
+        asked.erase(asked.lower_bound(from), asked.end());
+        clock.keep_tick_length(from);
+      }
+      const std::uint64_t beat = clock.beat_at_or_after(now);
+      const bool first = clock.tick_of_beat(beat) == now;
+      const TickSpan span = clock.next_span(256);
+      if (first) {
+        starts.emplace_back(beat, span.first_clock);
+        ++beats;
+      }
+      const auto holds = asked.upper_bound(now);
+      const std::uint32_t q16 = holds == asked.begin() ? 65536 : std::prev(holds)->second;
+      const double length = std::clamp(q16 / 65536.0, 1 - most, 1 + most);
+      if (length != 1) ++changes;
+      const double wanted = span.ticks * length * clocks_per_tick;
+      ASSERT_NEAR(span.clocks, wanted, 1.01) << "tick " << now;
+      // The edges of our own trigger, as late as a board tells them.
+      const std::uint64_t told_until = span.first_clock > 60'000 ? span.first_clock - 60'000 : 0;
+      while (next_told < starts.size() && starts[next_told].second <= told_until) {
+        const auto& [of, at] = starts[next_told++];
+        if (at < 100'000) continue;
+        const EdgeInfo info =
+            clock.edge(at - static_cast<std::uint64_t>(delay_ns) * clocks_per_us / 1000);
+        ASSERT_TRUE(info.valid);
+        ASSERT_EQ(info.beat, of);
+        ++edges;
+      }
+    }
+    EXPECT_GT(edges, 100u);
+    EXPECT_TRUE(changes > 20 || tolerance_milli == 0);
   }
 }
 
