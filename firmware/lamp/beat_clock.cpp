@@ -177,7 +177,7 @@ EdgeInfo BeatClock::nearest_beat(ClockQ16 clock_q16) {
        off_q16 < -beat_q16 / 2 && back < beat_starts_.size() && beat != origin_beat_; ++back) {
     --beat;
     const ClockQ16 start_q16 =
-        tick_in_beat_ == 0 && beat == beat_ ? clock_q16_ : beat_starts_[beat % beat_starts_.size()];
+        tick_in_beat_ == 0 && beat == beat_ ? clock_q16_ : beat_starts_[start_place(beat)];
     off_q16 = difference(shot_q16, start_q16);
   }
   EdgeInfo info{true, beat, 0};
@@ -424,7 +424,7 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
   const std::uint32_t left = beat_ticks_ - tick_in_beat_;
   span.first_tick = tick_;
   span.ticks = max_ticks < left ? max_ticks : left;
-  if (tick_in_beat_ == 0) beat_starts_[beat_ % beat_starts_.size()] = clock_q16_;
+  if (tick_in_beat_ == 0) beat_starts_[start_place(beat_)] = clock_q16_;
   const std::int64_t tick_q32 = mode_ == LampMode::master ? length_.at(tick_) : tick_q32_;
   const std::int64_t length = steered((tick_q32 * span.ticks) >> 16, span.ticks);
   span.first_clock = clock_;

@@ -230,6 +230,7 @@ class BeatClock {
   /// When the latest beats began; an edge is told as late as some beats after its lattice tick
   /// has got its time.
   std::array<ClockQ16, 16> beat_starts_{};
+  static std::size_t start_place(std::uint64_t beat) { return static_cast<std::size_t>(beat) % 16; }
 };
 
 }  // namespace lamplock::lamp
