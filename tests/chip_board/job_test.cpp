@@ -61,7 +61,7 @@ TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
 }
 
 struct Run {
-  double lamp_hz, accel_m_s2;
+  double lamp_hz, accel_m_s2, delay_us;
 };
 class LongJob : public testing::TestWithParam<Run> {};
 
@@ -69,6 +69,7 @@ TEST_P(LongJob, KeepsTheLatticeAndTheShotsWithABusyLink) {
   constexpr double cycle_ns = 8;
   job::Profile profile = chip_profile(GetParam().lamp_hz);
   job::set_acceleration(profile, GetParam().accel_m_s2);
+  job::state_setting(profile, Id::q_switch_delay, GetParam().delay_us, "test");
   // A longer job shows nothing that this one does not: scaled down only.
   const auto points = static_cast<std::size_t>(std::min(scaled(2000), 2000));
   const job::Job job = job::make_job(histogram_walk(points, 3), profile, {});
@@ -101,7 +102,7 @@ TEST_P(LongJob, KeepsTheLatticeAndTheShotsWithABusyLink) {
   expect_no_violations(rig);
 }
 
-INSTANTIATE_TEST_SUITE_P(Lamps, LongJob, testing::Values(Run{100, 2}, Run{1000, 10}),
+INSTANTIATE_TEST_SUITE_P(Lamps, LongJob, testing::Values(Run{100, 2, 5}, Run{1000, 10, 7.3}),
                          [](const auto& param_info) {
                            return std::to_string(static_cast<int>(param_info.param.lamp_hz)) + "Hz";
                          });
