@@ -50,7 +50,7 @@ Figures figures_of(const motion::Limits& limits, const std::vector<motion::Targe
   };
   Figures figures;
   figures.start_stop = beats_per_point(limits, targets, JoinMode::start_stop);
-  if (can_plan(JoinMode::path)) figures.path = beats_per_point(limits, targets, JoinMode::path);
+  figures.path = beats_per_point(limits, targets, JoinMode::path);
   tell(count / 3);
   figures.free = beats_per_point(limits, targets, JoinMode::free);
   tell(count / 3 * 2);

@@ -72,16 +72,9 @@ stepper::MotionState rest_at_zero() {
   return state;
 }
 
-bool can_plan(motion::JoinMode mode) { return mode != motion::JoinMode::path; }
-
 StreamPlan plan_stream(const motion::Limits& limits, const std::vector<motion::Target>& targets,
                        const StreamOptions& options, motion::Planner& planner,
                        const WindowObserver& observe) {
-  if (!can_plan(options.mode)) {
-    StreamPlan refused;
-    refused.result = Result::unsupported;
-    return refused;
-  }
   return Stream(limits, targets, options).run(planner, observe);
 }
 

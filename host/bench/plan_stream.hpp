@@ -39,9 +39,6 @@ struct StreamOptions {
 /// Rest at the machine's zero, on lattice tick 0.
 stepper::MotionState rest_at_zero();
 
-/// True if the firmware can plan in this mode.
-bool can_plan(motion::JoinMode mode);
-
 /// Plans a stream that starts at rest at the machine's zero. Result: unreachable, with what was
 /// planned before.
 StreamPlan plan_stream(const motion::Limits& limits, const std::vector<motion::Target>& targets,

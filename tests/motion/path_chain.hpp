@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "firmware/motion/path_planner.hpp"
+#include "host/bench/reference_planner.hpp"
 #include "tests/motion/chain.hpp"
-#include "tests/motion/reference_planner.hpp"
 
 namespace lamplock::test {
 
 /// Sees every window: the planner after planning it, and what it was asked.
 using PathObserver = std::function<void(const motion::PathPlanner&, const motion::PlanRequest&)>;
 
-/// Plans a chain as the machine does: of a full window half is committed.
+/// Plans a chain as the machine does (host/bench/plan_stream.hpp).
 inline ChainPlan plan_path(const Chain& chain, motion::PathPlanner& planner,
                            const PathObserver& observe = {},
                            std::uint32_t queued_at_once = motion::PointQueue::capacity) {
@@ -43,7 +43,7 @@ inline ChainPlan plan_path(const Chain& chain, motion::PathPlanner& planner,
     plan.result = planner.plan(request, failed);
     if (plan.result != Result::ok) return plan;
     if (observe) observe(planner, request);
-    const std::uint32_t commit = request.count == window ? window / 2 : request.count;
+    const std::uint32_t commit = request.commits();
     for (std::uint32_t i = 0; i < commit; ++i) {
       plan.segments.push_back(planner.segment(i));
       plan.beats.push_back(planner.beats(i));
@@ -128,7 +128,7 @@ class PathReference {
  private:
   struct Label {
     long beats;
-    RealInterval speeds;  ///< steps of the coarsest axis per beat
+    bench::SpeedRange speeds;  ///< steps of the coarsest axis per beat
   };
   struct Line {
     Vector way{};
@@ -155,16 +155,16 @@ class PathReference {
       return;
     }
     const double a = line.accel, half = line.speed / a / 2, d = line.length / a;
-    const RealInterval start{from.speeds.lo / a - half,
-                             std::min(from.speeds.hi / a, 2 * half) - half};
+    const bench::SpeedRange start{from.speeds.lo / a - half,
+                                  std::min(from.speeds.hi / a, 2 * half) - half};
     const auto first = static_cast<long>(std::ceil(d / (2 * half) - 1e-9));
     // Once rest is possible, more beats give nothing new; the time after which it must be: brake,
     // wait, and half again for whole beats.
     const long last = first + 3 + static_cast<long>(4 * (2 * half + std::sqrt(d)));
     for (long k = std::max(1L, first); k <= last; ++k) {
-      RealInterval to;
+      bench::SpeedRange to;
       const auto t = static_cast<double>(k);
-      if (!real_reach(start, d - half * t, t, half, to)) continue;
+      if (!bench::reach(start, d - half * t, t, half, to)) continue;
       to = {std::max(0.0, (to.lo + half) * a), std::min(end, (to.hi + half) * a)};
       if (to.lo < 1e-9 * line.speed) to.lo = 0;
       if (to.lo > to.hi) continue;

@@ -338,7 +338,7 @@ TEST(PathPlanner, BrakingFromAnyTickStaysInsideTheWorkSpace) {
     long ticks = 300'000;
     test::plan_path(chain, planner, [&](const PathPlanner& p, const PlanRequest& request) {
       MotionState from = request.start;
-      for (std::uint32_t k = 0; k < request.count; ++k) {
+      for (std::uint32_t k = 0; k < request.commits(); ++k) {
         const Segment s = p.segment(k);
         if (ticks > 0) {
           ASSERT_NO_FATAL_FAILURE(expect_brakes_inside(chain, from, s));
