@@ -93,9 +93,9 @@ class Board {
   const boards::PinMap map_ = static_cast<boards::PinMap>(stored_.whole(settings::Id::pin_map));
   const machine::InterruptMask mask_ = core_mask();
   machine::Controller core_;
-  RealTime real_time_{map_};
   Ports ports_;
   Watchdog watchdog_;
+  RealTime real_time_{map_};  ///< behind the others: its rings want addresses of their own size
   std::uint32_t noted_shots_ = 0;
   bool noted_shot_out_ = false;
 };

@@ -76,10 +76,11 @@ class RealTime {
   std::uint32_t high_clocks(const machine::Controller& core) const;
   void set_alarm(std::uint64_t clock) const;
 
-  boards::PinMap map_;
-  LatticeRings rings_;
+  // In the order of their alignment: no gaps between them.
   TickRing tick_ring_;
+  LatticeRings rings_;
   StampRing stamp_ring_;
+  boards::PinMap map_;
   StepExpander expander_;
   TickFeed feed_;
   StampReader stamps_;
