@@ -192,7 +192,7 @@ void Controller::follow_new_beat() {
   use_settings(values);
   const lamp::ShotRules rules = shot_rules(values);
   shots_.change_rules(rules);
-  runner_.change_beat(values, stored_, static_cast<std::int32_t>(rules.least_beats));
+  runner_.change_beat(values, static_cast<std::int32_t>(rules.least_beats));
 }
 
 void Controller::receive(std::span<const std::uint8_t> bytes) {

@@ -8,7 +8,7 @@
 //   new_connection      main loop             on change         before the first bytes of another
 //                                                               host, or of one that was away
 //   prepare             main loop             1 ms              state; true: something to plan
-//   plan                main loop             when so told      planning, long
+//   plan                main loop             when so told      a slice of planning, up to 10 ms
 //   commit              main loop             after prepare     motion handed out, answers
 //   input_changed       main loop             on change         e-stop, door, limit switches; at
 //                                                               power-up for each active one
@@ -26,7 +26,8 @@
 // The main loop shares data with the beat and fill interrupts. The board masks them round
 // prepare(), commit(), input_changed() and stopped_at(), each some 0.2 ms at most; receive() masks
 // them itself where it has to (InterruptMask), since most of its time goes into data of its own;
-// plan() may be interrupted for as long as it takes.
+// plan() may be interrupted for as long as it takes, and does its
+// work slice by slice: between two of them the main loop goes round.
 //
 // Safety: outputs().fire_enable is false whenever there is any doubt; a board must take firing away
 // within one call of seeing it, and the hardware on e-stop by itself.
@@ -98,7 +99,8 @@ class Controller {
   void new_connection() { link_.new_connection(); }
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
   bool prepare(std::uint64_t clock);
-  void plan() { runner_.plan(values_, stored_); }
+  /// True if there is more to do: to be called again, with other work in between.
+  bool plan() { return runner_.plan(values_, stored_); }
   void commit();
   void input_changed(Input input, bool active);
   /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.

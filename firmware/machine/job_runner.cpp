@@ -1,8 +1,5 @@
 #include "firmware/machine/job_runner.hpp"
 
-#include <algorithm>
-#include <limits>
-
 #include "firmware/motion/profile.hpp"
 
 namespace lamplock::machine {
@@ -18,30 +15,7 @@ constexpr std::uint32_t swings = 2;
 /// Limits are made anew when the shortest tick has moved by more than this: 1/512.
 constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
-std::int32_t scaled(std::int32_t milli, std::uint32_t percent) {
-  const std::int64_t wide = std::int64_t{milli} * percent / full_job_speed;
-  constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-  return static_cast<std::int32_t>(wide < most ? wide : most);
-}
-
 }  // namespace
-
-settings::Values at_job_speed(const settings::Values& job, const settings::Values& own,
-                              std::uint32_t percent) {
-  settings::Values values = job;
-  if (percent == full_job_speed) return values;
-  const auto scale = [&](settings::Id id, std::int32_t milli) {
-    const std::int32_t least = settings::row(id).min_milli, most = own.milli(id);
-    values.set_milli(id, milli < least ? least : milli < most ? milli : most);
-  };
-  for (int axis = 0; axis < max_axes; ++axis) {
-    const settings::Id rate = settings::for_axis(settings::Id::max_rate_x, axis);
-    const settings::Id accel = settings::for_axis(settings::Id::acceleration_x, axis);
-    scale(rate, scaled(job.milli(rate), percent));
-    scale(accel, scaled(scaled(job.milli(accel), percent), percent));
-  }
-  return values;
-}
 
 void JobRunner::begin(const RunOptions& options, const settings::Values& values,
                       std::uint32_t first) {
@@ -51,13 +25,12 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   first_ = received_ = first;
   next_ = {first, 0};
   starvations_ = misses_ = 0;
-  job_speed_ = fastest_ = full_job_speed;
-  pace_ = {options.shortest_tick_q16, full_job_speed};
-  make_limits(values, values, pace_, limits_);
-  brake_limits_ = limits_;
+  job_speed_ = full_job_speed;
+  plan_.begin_job(values, clock_.beat_ticks(), options.shortest_tick_q16);
 }
 
 void JobRunner::clear() {
+  plan_.abandon();
   options_ = RunOptions{};
   queue_.reset(0);
   next_ = {};
@@ -65,12 +38,9 @@ void JobRunner::clear() {
   returning_ = starving_ = braked_ = waiting_for_beam_ = false;
 }
 
-void JobRunner::change_beat(const settings::Values& values, const settings::Values& own,
-                            std::int32_t least_beats) {
+void JobRunner::change_beat(const settings::Values& values, std::int32_t least_beats) {
   options_.least_beats = least_beats;
-  pace_ = {shortest_tick_q16(), full_job_speed};
-  make_limits(values, own, pace_, limits_);
-  make_limits(values, own, {pace_.tick_q16, fastest_}, brake_limits_);
+  plan_.begin_job(values, clock_.beat_ticks(), shortest_tick_q16());
   shots_.cancel_after(0);  // beats have other numbers now
   next_ = {queue_.begin(), 0};
   from_rest_ = astray_ = true;
@@ -81,15 +51,6 @@ std::uint32_t JobRunner::shortest_tick_q16() const {
   // Rounded down to a coarse grid, so that a steady lamp gives the same plan every time.
   const std::uint32_t shortest = clock_.shortest_tick_q16();
   return shortest - shortest % limits_step_q16;
-}
-
-bool JobRunner::make_limits(const settings::Values& values, const settings::Values& own,
-                            const Pace& pace, motion::Limits& limits) const {
-  // The settings were checked when the job began; only the lowest job speeds can be too low for
-  // the planner.
-  std::uint16_t setting = 0;
-  return motion::make_limits(at_job_speed(values, own, pace.job_speed), clock_.beat_ticks(),
-                             pace.tick_q16, limits, setting) == Result::ok;
 }
 
 void JobRunner::read_outcomes() {
@@ -112,6 +73,7 @@ void JobRunner::read_outcomes() {
 }
 
 void JobRunner::go_back() {
+  plan_.abandon();
   // What is being run is carried to its end; what has not begun is taken back.
   segments_.clear();
   provisional_ = 0;
@@ -156,7 +118,7 @@ bool JobRunner::prepare_start() {
 }
 
 bool JobRunner::window_ready() {
-  request_.count = 0;
+  plan_.request().count = 0;
   gone_to_ = has_shot_ = false;
   bool room = true, other_beam = false;
   lamp::Beam last;
@@ -165,11 +127,11 @@ bool JobRunner::window_ready() {
     if (other_beam) break;
     room = add_target(i, queue_.left(i) - (i == next_.point ? next_.committed : 0));
   }
-  if (request_.count == 0) return false;
+  if (plan_.request().count == 0) return false;
   const bool all_known = other_beam || queue_.end() == options_.points_total;
-  const bool full = request_.count == motion::window_points;
-  request_.rest_at_end =
-      !full || other_beam || place_after(request_.count).point == options_.points_total;
+  const bool full = plan_.request().count == motion::window_points;
+  plan_.request().rest_at_end =
+      !full || other_beam || place_after(plan_.request().count).point == options_.points_total;
   return full || all_known;
 }
 
@@ -180,7 +142,7 @@ bool JobRunner::needs_another_beam(const motion::Target& target, lamp::Beam& las
   const lamp::Beam beam{target.channel, target.energy};
   // Of the first shot: from rest the beam is made ready for it, on the way it is as it is.
   if (has_shot_ ? shots_.beam().needs_rest(last, beam)
-                : !from_rest_ && request_.count != 0 && !shots_.beam().stands_for(beam))
+                : !from_rest_ && plan_.request().count != 0 && !shots_.beam().stands_for(beam))
     return true;
   if (!has_shot_) first_beam_ = beam;
   has_shot_ = true;
@@ -200,10 +162,10 @@ bool JobRunner::beam_ready() {
 /// False if the window is full.
 bool JobRunner::add_target(std::uint32_t point, std::uint32_t flashes) {
   const motion::Target& target = queue_.at(point);
-  const bool first = request_.count == 0;
+  const bool first = plan_.request().count == 0;
   if (target.dwell) {
     // It begins where the way before it ends: at rest.
-    if (!first) request_.rest[request_.count - 1] = true;
+    if (!first) plan_.request().rest[plan_.request().count - 1] = true;
     gone_to_ = first && astray_;
     return (!gone_to_ || add_way(point, true, 1)) && add_way(point, true, 0);
   }
@@ -222,20 +184,20 @@ bool JobRunner::add_target(std::uint32_t point, std::uint32_t flashes) {
 
 /// False if the window was full.
 bool JobRunner::add_way(std::uint32_t point, bool rest, std::uint32_t at_least) {
-  if (request_.count == motion::window_points) return false;
-  request_.points[request_.count] = point;
-  request_.rest[request_.count] = rest;
-  request_.at_least[request_.count] = static_cast<std::uint16_t>(at_least);
-  ++request_.count;
+  if (plan_.request().count == motion::window_points) return false;
+  plan_.request().points[plan_.request().count] = point;
+  plan_.request().rest[plan_.request().count] = rest;
+  plan_.request().at_least[plan_.request().count] = static_cast<std::uint16_t>(at_least);
+  ++plan_.request().count;
   return true;
 }
 
 /// Where handing out goes on behind the first `count` ways of the request.
 JobRunner::Place JobRunner::place_after(std::uint32_t count) const {
-  const std::uint32_t point = request_.points[count - 1];
+  const std::uint32_t point = plan_.request().points[count - 1];
   std::uint32_t committed = point == next_.point ? next_.committed : 0;
   for (std::uint32_t i = gone_to_ ? 1 : 0; i < count; ++i)
-    if (request_.points[i] == point) ++committed;
+    if (plan_.request().points[i] == point) ++committed;
   return committed < queue_.left(point) ? Place{point, committed} : Place{point + 1, 0};
 }
 
@@ -256,7 +218,7 @@ bool JobRunner::may_plan() {
   if (at_rest() && next_.point == first_ && patient) return false;
   if (!starving_ && next_.point != first_) ++starvations_;
   starving_ = true;
-  return request_.count != 0 && !patient;
+  return plan_.request().count != 0 && !patient;
 }
 
 bool JobRunner::prepare(bool go) {
@@ -265,93 +227,33 @@ bool JobRunner::prepare(bool go) {
   if (!shots_.point_pending()) braked_ = false;
   read_outcomes();
   if (provisional_begun()) keep_provisional();
-  if (!go || braked_ || !may_plan() || !prepare_start()) return false;
-  request_.queue = &queue_;
-  request_.mode = options_.mode;
-  request_.least_beats = options_.least_beats;
-  request_.start = plan_state_;
-  wanted_ = {shortest_tick_q16(), job_speed_};
-  return true;
-}
-
-void JobRunner::plan(const settings::Values& values, const settings::Values& own) {
-  tick_length_q16_ = full_tick_q16;
-  find_plan(values, own);
-  if (planned_ && clock_.longest_tick_q16() != full_tick_q16) plan_longer_ticks(values, own);
-}
-
-void JobRunner::find_plan(const settings::Values& values, const settings::Values& own) {
-  planned_ = wanted_ == pace_ ? plan_with(limits_) : plan_with_new_limits(values, own, wanted_);
-  // From rest a way can only be too long for so slow a machine: then it goes faster this once.
-  Pace faster = wanted_;
-  while (!planned_ && from_rest_ && faster.job_speed < full_job_speed) {
-    faster.job_speed = std::min(2 * faster.job_speed, full_job_speed);
-    planned_ = plan_with_new_limits(values, own, faster);
+  if (!go || braked_) {
+    plan_.abandon();
+    return false;
   }
-  if (planned_ || wanted_ == pace_) return;
-  // The lamp has become faster, or the job shall run more slowly, and the speeds planned under the
-  // old limits do not fit into the new ones: the old ones serve once more. At another job speed
-  // they end in a rest, from which any limits will do.
-  if (wanted_.job_speed != pace_.job_speed) request_.rest[request_.commits() - 1] = true;
-  planned_ = plan_with(limits_);
-}
-
-std::uint64_t JobRunner::planned_ticks() const {
-  std::uint64_t ticks = 0;
-  for (std::uint32_t i = 0; i < request_.commits(); ++i) ticks += planner_.segment(i).ticks;
-  return ticks;
-}
-
-/// As master: the period may be longer where that saves beats and the time with them. The length of
-/// a tick may only change where the machine stands, so what is committed has to lie between two
-/// rests; then its time is its own affair, and the job takes no longer than with nominal ticks.
-void JobRunner::plan_longer_ticks(const settings::Values& values, const settings::Values& own) {
-  const auto between_rests = [this] {
-    return request_.start.at_rest() && planner_.segment(request_.commits() - 1).end.at_rest();
-  };
-  if (!between_rests()) return;
-  const auto plan_at = [&](std::uint32_t tick_q16) {
-    if (tick_q16 == full_tick_q16) return plan_with(limits_);
-    return make_limits(values, own, {tick_q16, pace_.job_speed}, new_limits_) &&
-           plan_with(new_limits_);
-  };
-  const std::uint32_t most = clock_.longest_tick_q16() - full_tick_q16;
-  std::uint64_t best = planned_ticks() * full_tick_q16;
-  std::uint32_t tried = full_tick_q16;
-  for (const std::uint32_t more : {most / 4, most / 2, most}) {
-    tried = full_tick_q16 + more;
-    if (!plan_at(tried) || !between_rests()) continue;
-    const std::uint64_t time = planned_ticks() * tried;
-    if (time >= best) continue;
-    best = time;
-    tick_length_q16_ = tried;
-  }
-  if (tick_length_q16_ != tried) planned_ = plan_at(tick_length_q16_);
-}
-
-bool JobRunner::plan_with(const motion::Limits& limits) {
-  request_.limits = &limits;
-  return planner_.plan(request_, failed_) == Result::ok;
-}
-
-bool JobRunner::plan_with_new_limits(const settings::Values& values, const settings::Values& own,
-                                     const Pace& pace) {
-  if (pace.job_speed > fastest_) fastest_ = pace.job_speed;
-  make_limits(values, own, {pace.tick_q16, fastest_}, brake_limits_);
-  if (!make_limits(values, own, pace, new_limits_) || !plan_with(new_limits_)) return false;
-  limits_ = new_limits_;
-  pace_ = pace;
+  if (plan_.started()) return true;
+  if (!may_plan() || !prepare_start()) return false;
+  motion::PlanRequest& request = plan_.request();
+  request.queue = &queue_;
+  request.mode = options_.mode;
+  request.least_beats = options_.least_beats;
+  request.start = plan_state_;
+  request.follows = !astray_;
+  plan_.start({shortest_tick_q16(), job_speed_}, clock_.longest_tick_q16());
   return true;
 }
 
 Result JobRunner::commit() {
+  if (!plan_.over()) return Result::ok;
+  const bool found = plan_.found();
+  plan_.abandon();
   // Planning took too long and what it started from has passed, or there is no way on from there.
-  if (provisional_begun() || (!planned_ && provisional_ != 0)) {
+  if (provisional_begun() || (!found && provisional_ != 0)) {
     keep_provisional();
-  } else if (planned_) {
+  } else if (found) {
     commit_plan();
   } else {
-    failed_point_ = request_.points[failed_];
+    failed_point_ = plan_.request().points[plan_.failed()];
     return Result::unreachable;
   }
   return Result::ok;
@@ -364,6 +266,7 @@ void JobRunner::take_back_provisional() {
 }
 
 void JobRunner::keep_provisional() {
+  plan_.abandon();
   provisional_ = 0;
   plan_state_ = rest_state_;
   from_rest_ = true;
@@ -381,14 +284,14 @@ void JobRunner::start_later() {
 }
 
 void JobRunner::commit_plan() {
-  const std::uint32_t count = request_.commits();
+  const std::uint32_t count = plan_.request().commits();
   take_back_provisional();
   start_later();
-  clock_.set_least_tick(plan_state_.tick, pace_.tick_q16);
-  clock_.set_tick_length(plan_state_.tick, tick_length_q16_);
-  const std::uint64_t late_ticks = plan_state_.tick - request_.start.tick;
+  clock_.set_least_tick(plan_state_.tick, plan_.least_tick_q16());
+  clock_.set_tick_length(plan_state_.tick, plan_.tick_length_q16());
+  const std::uint64_t late_ticks = plan_state_.tick - plan_.request().start.tick;
   for (std::uint32_t i = 0; i < count; ++i) push(i, late_ticks, plan_beat_);
-  plan_state_ = planner_.segment(count - 1).end;
+  plan_state_ = plan_.segment(count - 1).end;
   plan_state_.tick += late_ticks;
   next_ = place_after(count);
   returning_ = astray_ = false;
@@ -401,7 +304,7 @@ void JobRunner::commit_plan() {
 }
 
 void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {
-  stepper::Segment segment = planner_.segment(i);
+  stepper::Segment segment = plan_.segment(i);
   segment.start_tick += late_ticks;
   segment.end.tick += late_ticks;
   segment.reason = returning_ && i == 0 ? BeatReason::returning
@@ -409,7 +312,7 @@ void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& b
                                         : BeatReason::moving;
   if (gone_to_ && i == 0) segment.ends_point = false;
   if (options_.dry) segment.shot.present = false;
-  const auto beats = static_cast<std::uint64_t>(planner_.beats(i));
+  const auto beats = static_cast<std::uint64_t>(plan_.beats(i));
   shots_.commit(segment, beat + 1, beat + beats);
   segments_.push(segment);
   beat += beats;
@@ -417,7 +320,7 @@ void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& b
 
 void JobRunner::commit_brake() {
   clock_.keep_tick_length(plan_state_.tick);
-  const stepper::Segment s = motion::make_brake(plan_state_, brake_limits_);
+  const stepper::Segment s = motion::make_brake(plan_state_, plan_.brake_limits());
   segments_.push(s);
   provisional_ = 1;
   rest_state_ = s.end;
@@ -426,6 +329,7 @@ void JobRunner::commit_brake() {
 }
 
 void JobRunner::brake() {
+  plan_.abandon();
   segments_.clear();
   provisional_ = 0;
   const stepper::MotionState head = generator_.state();
@@ -434,7 +338,7 @@ void JobRunner::brake() {
   shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
   // Also where the speed is zero for a moment, at the start of a segment or at a turn.
   if (generator_.running()) {
-    const stepper::Segment s = motion::make_brake(head, brake_limits_);
+    const stepper::Segment s = motion::make_brake(head, plan_.brake_limits());
     generator_.replace(s);
     plan_state_ = s.end;
     clock_.set_motion_end(plan_state_.tick);
@@ -446,6 +350,7 @@ void JobRunner::brake() {
 }
 
 void JobRunner::halt() {
+  plan_.abandon();
   generator_.halt();
   segments_.clear();
   provisional_ = 0;

@@ -7,7 +7,8 @@
 // with real interrupts masks beat and fill interrupts for the short ones alone:
 //
 //   prepare()  masked     reads outcomes, takes back what was missed, decides whether to plan
-//   plan()     unmasked   long, on data that no interrupt touches
+//   plan()     unmasked   a slice of it (window_plan.hpp), on data that no interrupt touches; the
+//                         main loop goes round until it is complete
 //   commit()   masked     hands the plan out; a start from rest moves on by whole beats if planning
 //                         has outlasted its margin
 //
@@ -50,21 +51,12 @@
 
 #include "firmware/lamp/beat_clock.hpp"
 #include "firmware/lamp/shot_scheduler.hpp"
-#include "firmware/motion/planner.hpp"
+#include "firmware/machine/window_plan.hpp"
 #include "firmware/motion/point_queue.hpp"
 #include "firmware/stepper/segment_queue.hpp"
 #include "firmware/stepper/tick_generator.hpp"
 
 namespace lamplock::machine {
-
-/// Job speed, percent.
-inline constexpr std::uint32_t full_job_speed = 100;
-inline constexpr std::uint32_t highest_job_speed = 140;
-
-/// A job's settings at a job speed: limits of the axes scaled, never above the machine's own and
-/// never below what the table permits.
-settings::Values at_job_speed(const settings::Values& job, const settings::Values& own,
-                              std::uint32_t percent);
 
 /// What a job is run with.
 struct RunOptions {
@@ -90,15 +82,17 @@ class JobRunner {
   void clear();
   /// Goes on under another beat, which the clock has already; the machine is at rest and the board
   /// holds no token. What was planned and not fired is planned anew.
-  void change_beat(const settings::Values& values, const settings::Values& own,
-                   std::int32_t least_beats);
+  void change_beat(const settings::Values& values, std::int32_t least_beats);
   motion::PointQueue& queue() { return queue_; }
   const motion::PointQueue& queue() const { return queue_; }
 
   /// Reads outcomes; true if `go` and there is something to plan now.
   bool prepare(bool go);
-  /// Plans what prepare() has found, for the job's settings on a machine with its own.
-  void plan(const settings::Values& values, const settings::Values& own);
+  /// Plans a slice of what prepare() has found, for the job's settings on a machine with its own;
+  /// false when the plan is complete.
+  bool plan(const settings::Values& values, const settings::Values& own) {
+    return plan_.advance(values, own);
+  }
   /// Hands out what was planned. Error: unreachable (failed_point()).
   Result commit();
   /// What the hardware has done so far, nothing else.
@@ -138,13 +132,6 @@ class JobRunner {
     std::uint32_t point = 0;      ///< first target not handed out whole
     std::uint32_t committed = 0;  ///< flashes of it that are handed out and not judged
   };
-  /// What limits are made for.
-  struct Pace {
-    std::uint32_t tick_q16 = 0;  ///< shortest tick over the nominal one
-    std::uint32_t job_speed = 0;
-    friend bool operator==(const Pace&, const Pace&) = default;
-  };
-
   void go_back();
   bool may_plan();
   bool window_ready();
@@ -156,14 +143,6 @@ class JobRunner {
   bool prepare_start();
   std::uint64_t start_beat() const;
   void start_later();
-  void find_plan(const settings::Values& values, const settings::Values& own);
-  bool plan_with(const motion::Limits& limits);
-  bool plan_with_new_limits(const settings::Values& values, const settings::Values& own,
-                            const Pace& pace);
-  void plan_longer_ticks(const settings::Values& values, const settings::Values& own);
-  std::uint64_t planned_ticks() const;
-  bool make_limits(const settings::Values& values, const settings::Values& own, const Pace& pace,
-                   motion::Limits& limits) const;
   void commit_plan();
   void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);
   void commit_brake();
@@ -175,19 +154,12 @@ class JobRunner {
   lamp::ShotScheduler& shots_;
   motion::PointQueue queue_;
   stepper::SegmentQueue segments_;
-  motion::Planner planner_;
-  motion::PlanRequest request_;  ///< being planned, from prepare() to commit()
-  bool has_shot_ = false;        ///< among these points, the first one through
-  lamp::Beam first_beam_;        ///< this beam
+  WindowPlan plan_;        ///< from prepare() to commit()
+  bool has_shot_ = false;  ///< among these points, the first one through
+  lamp::Beam first_beam_;  ///< this beam
   bool waiting_for_beam_ = false;
-  bool planned_ = false;  ///< the planner has found a way
   bool gone_to_ = false;  ///< the first way of the request only leads to its dwell
-  Pace wanted_;           ///< at prepare()
-  Pace pace_;             ///< of limits_
   std::uint32_t job_speed_ = full_job_speed;
-  std::uint32_t fastest_ = full_job_speed;         ///< job speed so far
-  std::uint32_t tick_length_q16_ = full_tick_q16;  ///< for which ticks, as master
-  motion::Limits limits_, new_limits_, brake_limits_;
   stepper::TickGenerator generator_;
   RunOptions options_;
   std::uint32_t first_ = 0;         ///< first point of the job
@@ -206,7 +178,6 @@ class JobRunner {
   Place rest_next_;                  ///< and the first flash behind them
   std::uint32_t starvations_ = 0;
   std::uint32_t misses_ = 0;
-  std::uint32_t failed_ = 0;  ///< place in the request that cannot be reached
   std::uint32_t failed_point_ = 0;
 };
 

@@ -106,7 +106,8 @@ bool PathPlanner::set_start(const PathLine& first) {
   // The speed was made from a normalised one: allow for the rounding of both conversions.
   const std::int64_t slack = 64 + (start_q32_ >> 28);
   const std::int64_t most = normalised_speed_q32(first, jump_speed(motion, first, *limits_));
-  if (start_q32_ - slack > least_of(most, first.speed_q32)) return false;
+  // Where this plan follows another one, that one has looked at the corner.
+  if (!request_->follows && start_q32_ - slack > least_of(most, first.speed_q32)) return false;
   start_q32_ = least_of(start_q32_, first.speed_q32);
   start_ = {start_q32_ > slack ? start_q32_ - slack : 0,
             least_of(start_q32_ + slack, first.speed_q32)};

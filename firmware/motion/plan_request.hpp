@@ -30,6 +30,7 @@ struct PlanRequest {
   std::array<std::uint32_t, window_points> points{};
   std::uint32_t count = 0;  ///< 1..window_points
   JoinMode mode = JoinMode::free;
+  bool follows = false;          ///< the start is where the plan before ended, on the same way
   bool rest_at_end = true;       ///< no point is known behind the last one
   std::int32_t least_beats = 1;  ///< between points, for a highest shot rate
   /// At rest at points[i], whatever the mode.

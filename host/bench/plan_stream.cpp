@@ -43,6 +43,7 @@ class Stream {
     while (queue_->end() < total_ && queue_->size() < ahead_) queue_->push(targets_[queue_->end()]);
     request_.count = std::min(window_points, total_ - next_);
     for (std::uint32_t i = 0; i < request_.count; ++i) request_.points[i] = next_ + i;
+    request_.follows = next_ != 0;
     request_.rest_at_end = next_ + request_.count == total_;
   }
 

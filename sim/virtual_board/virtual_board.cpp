@@ -146,7 +146,8 @@ void VirtualBoard::main_loop() {
   }
   controller_->take_settings(stored_);
   if (controller_->prepare(static_cast<std::uint64_t>(now_ / ps_per_clock))) {
-    controller_->plan();
+    while (controller_->plan()) {
+    }
     if (planning_time_ != 0) planned_at_ = now_ + planning_time_;
   }
   if (planned_at_ == never) controller_->commit();

@@ -65,7 +65,7 @@ TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheLampIsTurned) {
     script.connect(rig.board);
     Result answer = Result::busy;
     const link::JobResult result = run_with(rig, job, told, [&] {
-      answer = rig.board.controller().change_beat(static_cast<std::int32_t>(other * 1000));
+      answer = rig.board.controller().change_beat(static_cast<std::uint32_t>(other * 1000));
     });
     ASSERT_EQ(answer, Result::ok);
     ASSERT_EQ(result.end, link::JobEnd::done);
@@ -97,7 +97,7 @@ TEST(ChangeOfBeat, WeTriggerTheLampAtTheNewFrequency) {
     const sim::Picoseconds told = (300 + 137 * seed % 2000) * ps_per_ms;
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", to " << other << " Hz");
     const link::JobResult result = run_with(rig, job, told, [&] {
-      ASSERT_EQ(rig.board.controller().change_beat(static_cast<std::int32_t>(other * 1000)),
+      ASSERT_EQ(rig.board.controller().change_beat(static_cast<std::uint32_t>(other * 1000)),
                 Result::ok);
     });
     ASSERT_EQ(result.end, link::JobEnd::done);
@@ -125,12 +125,12 @@ TEST(ChangeOfBeat, InAHoldAndTwiceInARow) {
   Rig rig(profile);
   const link::JobResult result = run_with(rig, job, 700 * ps_per_ms, [&] {
     machine::Controller& core = rig.board.controller();
-    ASSERT_EQ(core.on_command(wire::Command::hold), Result::ok);
+    ASSERT_EQ(core.on_command({wire::Command::hold, 0}), Result::ok);
     ASSERT_EQ(core.change_beat(50'000), Result::ok);
     rig.run(300 * ps_per_ms);
     EXPECT_EQ(core.clock().beat_ticks(), 20'000u);
     EXPECT_EQ(rig.state(), MachineState::hold);
-    ASSERT_EQ(core.on_command(wire::Command::resume), Result::ok);
+    ASSERT_EQ(core.on_command({wire::Command::resume, 0}), Result::ok);
     rig.run(200 * ps_per_ms);
     ASSERT_EQ(core.change_beat(100'000), Result::ok);
     ASSERT_EQ(core.change_beat(200'000), Result::ok);

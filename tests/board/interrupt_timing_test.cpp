@@ -44,7 +44,8 @@ class HandBoard {
     if (gap == 1) interrupt();
     const bool plan = core.prepare(now_ * clocks_per_tick);
     if (gap == 2) interrupt();
-    if (plan) core.plan();
+    while (plan && core.plan()) {
+    }
     core.commit();
     if (gap == 3) interrupt();
     feed();

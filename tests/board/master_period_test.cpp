@@ -69,9 +69,9 @@ class HoldingTransport final : public link::Transport {
     if (board_.now() >= next_) {
       machine::Controller& core = board_.controller();
       if (core.state() == MachineState::run && core.job_unfinished()) {
-        core.on_command(wire::Command::hold);
+        core.on_command({wire::Command::hold, 0});
         board_.run_until(board_.now() + static_cast<sim::Picoseconds>(random_() % 80) * ps_per_ms);
-        core.on_command(wire::Command::resume);
+        core.on_command({wire::Command::resume, 0});
       }
       next_ = board_.now() + static_cast<sim::Picoseconds>(random_() % 200'000) * ps_per_us;
     }

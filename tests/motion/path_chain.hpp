@@ -39,6 +39,7 @@ inline ChainPlan plan_path(const Chain& chain, motion::PathPlanner& planner,
       queue->push(chain.targets[queue->end()]);
     request.count = std::min(window, total - next);
     for (std::uint32_t i = 0; i < request.count; ++i) request.points[i] = next + i;
+    request.follows = next != 0;
     std::uint32_t failed = 0;
     plan.result = planner.plan(request, failed);
     if (plan.result != Result::ok) return plan;

@@ -62,15 +62,14 @@ void Board::start() {
 void Board::run() {
   start();
   for (;;) {
-    pass();
-    wait_for_interrupt();
+    if (!pass()) wait_for_interrupt();
   }
 }
 
-void Board::pass() {
+bool Board::pass() {
   receive();
   store_settings();  // before a job that came behind them in the same bytes begins to move
-  work();
+  const bool more = work();
   transmit();
   {
     const machine::Masked masked(mask_);
@@ -80,6 +79,7 @@ void Board::pass() {
   if (core_.loader_requested()) enter_loader();
   watchdog_.sign(Signer::main_loop);
   watchdog_.service();
+  return more;
 }
 
 void Board::receive() {
@@ -93,20 +93,19 @@ void Board::receive() {
   }
 }
 
-void Board::work() {
+bool Board::work() {
   bool plan = false;
   {
     const machine::Masked masked(mask_);
     real_time_.top_up(core_);
     plan = core_.prepare(real_time_.now());
   }
-  if (plan) {
-    watchdog_.allow(Watchdog::planning_us);
-    core_.plan();
-  }
+  // A slice at a time: the host does not wait for it.
+  if (plan) plan = core_.plan();
   const machine::Masked masked(mask_);
   real_time_.top_up(core_);
   core_.commit();
+  return plan;
 }
 
 void Board::transmit() {

@@ -75,9 +75,11 @@ class Board {
 
   void start();
   void start_ports();
-  void pass();
+  /// One round of the main loop; true if there is more to do at once.
+  bool pass();
   void receive();
-  void work();
+  /// Motion and state; true while a plan is being made.
+  bool work();
   void transmit();
   void store_settings();
   /// Beat interrupt, or main loop with it masked.

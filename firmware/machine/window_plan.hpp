@@ -1,0 +1,107 @@
+// One window of a job planned: with which limits, and what if they leave no way.
+//
+// In:  a request (points, start), the pace it should be run at, the settings.
+// Out: segments of the planner, or that there is no way and at which point.
+// Called by the job runner from the main loop, slice by slice: start() and what follows it are
+// short, advance() takes a millisecond or two a call.
+//
+// Attempts, one after the other until one finds a way:
+//   wanted   limits for the shortest tick to expect and the job speed asked for
+//   faster   from rest a way can only be too long for so slow a machine: twice the job speed
+//   before   the lamp has become faster, or the job shall run more slowly, and the speeds planned
+//            under the old limits do not fit into the new ones: the old ones serve once more. At
+//            another job speed they end in a rest, from which any limits will do
+// and then, as master of the lamp, longer ticks where they save time (period_tolerance).
+//
+// Job speed: s % is the job's speed limits times s/100 and accelerations times (s/100)^2, so that
+// the same way is run more slowly. Brakes are as hard as the fastest job speed so far (at least
+// 100 %) has permitted: whatever still runs, it stops no further out than it was planned to go.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/motion/planner.hpp"
+#include "shared/settings_table.hpp"
+
+namespace lamplock::machine {
+
+/// Job speed, percent.
+inline constexpr std::uint32_t full_job_speed = 100;
+inline constexpr std::uint32_t highest_job_speed = 140;
+
+/// A job's settings at a job speed: limits of the axes scaled, never above the machine's own and
+/// never below what the table permits.
+settings::Values at_job_speed(const settings::Values& job, const settings::Values& own,
+                              std::uint32_t percent);
+
+/// What limits are made for.
+struct Pace {
+  std::uint32_t tick_q16 = 0;  ///< shortest tick over the nominal one
+  std::uint32_t job_speed = full_job_speed;
+  friend bool operator==(const Pace&, const Pace&) = default;
+};
+
+/// Plans one window at a time.
+class WindowPlan {
+ public:
+  /// A job begins, or its beat changes: limits at full job speed. The settings have been checked.
+  void begin_job(const settings::Values& values, std::uint32_t beat_ticks, std::uint32_t tick_q16);
+
+  motion::PlanRequest& request() { return request_; }
+  const motion::PlanRequest& request() const { return request_; }
+  /// The request is complete. `longest_tick_q16`: how long a tick may be made, as master.
+  void start(const Pace& wanted, std::uint32_t longest_tick_q16);
+  /// What was started is not wanted any more.
+  void abandon() { step_ = Step::idle; }
+  bool started() const { return step_ != Step::idle; }
+
+  /// Goes on; false when there is nothing left to do.
+  bool advance(const settings::Values& values, const settings::Values& own);
+  /// advance() has come to its end.
+  bool over() const { return step_ == Step::over; }
+  /// There is a way; if not, where in the request it ends.
+  bool found() const { return found_; }
+  std::uint32_t failed() const { return planner_.failed(); }
+  const stepper::Segment& segment(std::uint32_t i) const { return planner_.segment(i); }
+  std::int32_t beats(std::uint32_t i) const { return planner_.beats(i); }
+
+  /// Ticks of this length were planned for, and limits of this shortest tick.
+  std::uint32_t tick_length_q16() const { return tick_length_q16_; }
+  std::uint32_t least_tick_q16() const { return pace_.tick_q16; }
+  const motion::Limits& brake_limits() const { return brake_limits_; }
+
+ private:
+  enum class Step : std::uint8_t { idle, ready, planning, over };
+  enum class Attempt : std::uint8_t { wanted, before, longer };
+  static constexpr std::uint32_t longer_tries = 3;
+
+  bool make_limits(const settings::Values& values, const settings::Values& own, const Pace& pace,
+                   motion::Limits& limits) const;
+  bool begin_attempt(const settings::Values& values, const settings::Values& own);
+  const motion::Limits* attempt_limits(const settings::Values& values, const settings::Values& own);
+  void end_attempt(bool found);
+  void end_wanted(bool found);
+  void end_longer(bool found);
+  void finish(bool found);
+  bool between_rests() const;
+  std::uint64_t planned_ticks() const;
+  std::uint32_t longer_tick_q16() const;
+
+  motion::Planner planner_;
+  motion::PlanRequest request_;
+  motion::Limits limits_, new_limits_, brake_limits_;
+  Pace pace_;    ///< of limits_
+  Pace wanted_;  ///< at start()
+  Pace trying_;
+  std::uint32_t beat_ticks_ = 1;
+  std::uint32_t fastest_ = full_job_speed;  ///< job speed so far
+  std::uint32_t longest_tick_q16_ = full_tick_q16;
+  std::uint32_t tick_length_q16_ = full_tick_q16;
+  std::uint32_t longer_ = 0;      ///< tries of longer ticks so far
+  std::uint64_t least_time_ = 0;  ///< of them, ticks times their length
+  Step step_ = Step::idle;
+  Attempt attempt_ = Attempt::wanted;
+  bool found_ = false;
+};
+
+}  // namespace lamplock::machine
