@@ -212,10 +212,10 @@ bool JobRunner::may_plan() {
     starving_ = false;
     return true;
   }
-  if (next_.point == options_.points_total || !from_rest_) return false;
+  if (next_.point == options_.points_total || !at_rest()) return false;
   // At rest the host has some time to complete a window; at the very start it is only late then.
   const bool patient = generator_.state().tick < receive_tick_ + patience_ticks;
-  if (at_rest() && next_.point == first_ && patient) return false;
+  if (next_.point == first_ && patient) return false;
   if (!starving_ && next_.point != first_) ++starvations_;
   starving_ = true;
   return plan_.request().count != 0 && !patient;

@@ -3,9 +3,9 @@
 namespace lamplock::motion {
 namespace {
 
-/// Candidates of `k` beats and more lie 1 + k/12 beats apart: with the moves of improve.hpp within
+/// Candidates of `k` beats and more lie 1 + k/16 beats apart: with the moves of improve.hpp within
 /// 0.2 % of the exact optimum where a way takes tens of beats.
-constexpr std::int32_t candidate_share = 12;
+constexpr std::int32_t candidate_share = 16;
 /// From any start speed, 2 V/A beats more than at full speed are enough to brake and come back; and
 /// some for short ways.
 constexpr std::int32_t spare_beats = 64;

@@ -13,7 +13,7 @@ constexpr std::int32_t beats_beyond_rest = 2;
 constexpr int ramp_share_bits = 8;
 /// A label more per point for so much time per point: what the board can afford (a label costs some
 /// 20 calls of reach() per point).
-constexpr std::uint32_t ticks_per_label = 1900 * (ticks_per_second / 1'000'000);
+constexpr std::uint32_t ticks_per_label = 2000 * (ticks_per_second / 1'000'000);
 
 /// Displacement in steps, Q32, from an exact position to the middle of a step.
 std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {

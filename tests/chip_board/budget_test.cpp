@@ -32,7 +32,7 @@ TEST(Budgets, OverAJobWithABusyLink) {
   EXPECT_LE(measured.longest_masked(), cycles_per_us);
   // real_time.hpp; what nests in them is counted too.
   const std::map<std::string, double> budget_us{
-      {"IO_BANK0", 1.25}, {"TIMER_1", 60}, {"PIO0_0", 60}};
+      {"IO_BANK0", 1.25}, {"TIMER_1", 75}, {"PIO0_0", 75}};
   const std::string fill = "exception 42";  // 16 + 26
   int found = 0;
   for (const sim::chip::ProfileEntry& entry : measured.exceptions()) {
@@ -89,7 +89,8 @@ TEST(Budgets, TheMainLoopSleepsBetweenInterrupts) {
   const sim::chip::Cycle from = rig.board.chip().now();
   rig.run(100 * ps_per_ms);
   const sim::chip::Cycle all = rig.board.chip().now() - from;
-  EXPECT_GT(sleeps.count(), 800);
+  // Some eight interrupts a millisecond end a sleep, less those that come together.
+  EXPECT_GT(sleeps.count(), 700);
   EXPECT_GT(sleeps.asleep(), all / 2);
 }
 

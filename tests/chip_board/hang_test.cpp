@@ -179,8 +179,7 @@ TEST_F(Loss, WithARecordHalfWritten) {
   EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
 }
 
-/// Plans take longer than the watchdog waits, so each asks for time; they must not keep a machine
-/// alive whose e-stop has gone.
+/// Slices of plans must not keep a machine alive whose e-stop has gone.
 TEST_F(Loss, OfTheStopInterruptWhilePlanning) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);

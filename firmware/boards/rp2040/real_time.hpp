@@ -6,7 +6,7 @@
 //   function           called from                              budget
 //   start              main loop, once, interrupts masked       3 ms
 //   estop_interrupt    IO_IRQ_BANK0, priority 0                 1.25 us, off after 0.5 us
-//   beat_interrupt     PIO0_IRQ_0, TIMER_IRQ_1, priority 1      60 us
+//   beat_interrupt     PIO0_IRQ_0, TIMER_IRQ_1, priority 1      75 us
 //   fill_interrupt     interrupt 26, priority 3                 25 % of the time in motion, a third
 //                                                               with what interrupts it
 //   poll               main loop, every 1 ms, beat and fill masked at the NVIC; 3 ms when it

@@ -29,8 +29,6 @@ class Watchdog {
   /// A hundred passes of the main loop. By then the ticks have run out long ago if interrupts hang
   /// as well.
   static constexpr std::uint32_t timeout_us = 100'000;
-  /// A window may be planned in several rounds; what is handed out ends at rest meanwhile.
-  static constexpr std::uint32_t planning_us = 1'000'000;
   /// The counter has 24 bits.
   static constexpr std::uint32_t longest_us = 0xffffff / 2;
 
@@ -50,8 +48,8 @@ class Watchdog {
   }
   /// Before the boot loader, which feeds nobody.
   static void stop() { clear_bits(watchdog_registers().ctrl, watchdog_field::enable); }
-  /// The main loop is going to be busy for so long (an erase of the flash, a plan). Once until
-  /// everybody has signed again: no row of plans may stand in for an interrupt that is dead.
+  /// The main loop is going to be busy for so long (an erase of the flash). Once until everybody
+  /// has signed again: nothing may stand in for an interrupt that is dead.
   void allow(std::uint32_t us) {
     if (us <= allowed_us_) return;
     allowed_us_ = us;
