@@ -153,7 +153,8 @@ TEST_F(Reasons, AreOnTheStatusLine) {
   const std::size_t size = rig_->board.read(bytes);
   const std::string text(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
   const wire::Status status = rig_->status();
-  std::string wanted = std::string("|Lamp:1,") + std::to_string(rig_->board.controller().clock().edges());
+  std::string wanted =
+      std::string("|Lamp:1,") + std::to_string(rig_->board.controller().clock().edges());
   for (std::size_t i = 0; i < beat_reason_count; ++i)
     wanted += std::string(i == 0 ? "|Beats:" : ",") +
               std::to_string(status.beats_by_reason[i] + status.beats_outside[i]);
