@@ -21,10 +21,10 @@
 //             begin()           next_                             end()
 //   time:     past | filled (2 ms ahead) | committed | plan_state_ | provisional | rest
 //
-// What is handed out always ends at rest: behind the committed segments stand provisional ones, the
-// second half of the window or a brake. The next plan, which starts at plan_state_, replaces them;
-// one that comes too late, because planning took long or the host was slow, finds them begun and
-// starts anew where they end. So no delay of the main loop can end motion with speed.
+// What is handed out always ends at rest: behind the committed segments stands a provisional one, a
+// brake. The next plan, which starts at plan_state_, replaces it; one that comes too late, because
+// planning took long or the host was slow, finds it begun and starts anew where it ends. So no
+// delay of the main loop can end motion with speed.
 //
 // A target with several flashes stands in the window as often as flashes are still to come, and on
 // its own if there are many: the same place again, no sooner than the highest shot rate permits.
@@ -36,13 +36,8 @@
 // Astray: after a brake the machine does not come from the target before. Then the first way takes
 // as long as it has to, and a dwell is gone to before it is begun.
 //
-// Job speed: s % is the job's speed limits times s/100 and accelerations times (s/100)^2, so that
-// the same way is run more slowly. Where a state is too fast for slower limits the old ones serve
-// once more, up to a rest. Brakes are as hard as the fastest job speed so far (at least 100 %) has
-// permitted: whatever still runs, it stops no further out than it was planned to go.
-//
-// Determinism: a window of `window_points` points is planned when all of them are known, and its
-// first half committed; the rest of a job that is shorter is planned when its last point is known.
+// Determinism: a window of `window_points` points is planned when all of them are known, and the
+// first `commit_points` are committed; what is shorter is planned when the last point is known.
 // So the plan depends on the points alone; only provisional motion that was begun changes it, and
 // is counted as starvation.
 #pragma once

@@ -151,7 +151,7 @@ bool Planner::set_beats(Way& way, std::uint32_t i) const {
 
 /// Labels the board has time for: by the mean time per point of a window that stops everywhere.
 std::uint32_t Planner::beam_width() const {
-  if (request_->mode == JoinMode::start_stop) return 1;
+  if (request_->mode == JoinMode::start_stop || request_->count == 0) return 1;
   std::uint64_t beats = 0;
   for (std::uint32_t i = 0; i < request_->count; ++i)
     beats += static_cast<std::uint32_t>(window_.ways[i].last_beats);

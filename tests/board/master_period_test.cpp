@@ -1,4 +1,6 @@
 // A lamp that we trigger: its period moves inside the tolerance when that saves a beat.
+#include <algorithm>
+
 #include "tests/board/rig.hpp"
 
 namespace lamplock::test {
@@ -111,7 +113,7 @@ TEST(MasterPeriod, OneLongerBeatInsteadOfTwo) {
 
 TEST(MasterPeriod, NeverTakesLongerOnRandomWalks) {
   int stretched = 0;
-  for (int seed = 0; seed < scaled(12); ++seed) {
+  for (int seed = 0; seed < std::max(12, scaled(12)); ++seed) {
     const double hz = std::array{100.0, 50.0, 200.0, 1000.0}[static_cast<std::size_t>(seed % 4)];
     const double tolerance = std::array{1.0, 3.0, 10.0}[static_cast<std::size_t>(seed % 3)];
     const JoinMode mode = both_modes[seed / 2 % 2];
