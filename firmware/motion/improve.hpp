@@ -25,12 +25,6 @@ class Improver {
   bool begin(const Window& window, std::array<std::int32_t, window_points>& beats);
   /// Tries moves at one way; false when there is nothing left to be done.
   bool advance(const Window& window, std::array<std::int32_t, window_points>& beats);
-  /// Does everything at once.
-  void finish(const Window& window, std::array<std::int32_t, window_points>& beats) {
-    while (advance(window, beats)) {
-    }
-  }
-
   /// Speeds at the end of a way that the start can reach.
   const Box& forwards(std::uint32_t i) const { return forwards_[i]; }
   /// Speeds at the end of a way from which the end of the window can be reached.
