@@ -62,16 +62,22 @@ TEST(TickFeed, NeverGivesATickALengthWhoseStepsAreNotFilled) {
     tick += n, clock += span.clocks;
     return span;
   };
-  feed.feed(0, 1000 + 300, next_span);
-  EXPECT_EQ(feed.end_tick(), 1128u);
+  feed.feed(0, 1000 + 600, next_span);
+  EXPECT_EQ(feed.end_tick(), 1384u);
   EXPECT_FALSE(feed.starved());
   feed.feed(0, 100'000, next_span);
   EXPECT_GE(feed.end_clock(), std::uint64_t{feed_lead_clocks});
   // A hung CPU: everything ends within a millisecond.
   EXPECT_LT(feed.end_clock(), 1000u * clocks_per_us);
   EXPECT_LT(feed.words(), tick_ring_words);
+  const std::uint64_t end = feed.end_tick();
+  const std::uint32_t words = feed.words();
   feed.feed(feed.end_clock() + 1, 100'000, next_span);
   EXPECT_TRUE(feed.starved());
+  // TICK has read past them: words that follow would count as ticks that never begin.
+  EXPECT_EQ(feed.words(), words);
+  EXPECT_EQ(feed.end_tick(), end);
+  EXPECT_EQ(feed.ticks_begun(feed.words(), 0), end + 1);  // its beginning ends the last one
 }
 
 TEST(TickFeed, FindsTicksAndClocksAgain) {

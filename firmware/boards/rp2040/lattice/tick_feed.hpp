@@ -53,6 +53,8 @@ class TickFeed {
   bool feed(std::uint64_t now, std::uint64_t filled_end, NextSpan&& next_span,
             std::uint32_t most_spans = ~0u) {
     if (span_count_ != 0 && now + read_ahead_clocks > end_clock_) starved_ = true;
+    // Words behind an end that TICK has seen would count as ticks that never begin.
+    if (starved_) return true;
     while (end_clock_ < now + feed_lead_clocks &&
            end_tick_ + feed_span_ticks + least_fill_lead_ticks <= filled_end) {
       if (most_spans-- == 0) return false;
