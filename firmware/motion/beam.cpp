@@ -22,9 +22,9 @@ bool contains_rest(const Box& box, int axes) {
   return true;
 }
 
-std::int64_t width_q32(const Box& box, int axes) {
+std::int64_t width_qs(const Box& box) {
   std::int64_t sum = 0;
-  for (int a = 0; a < axes; ++a) sum += box[index(a)].hi_q32 - box[index(a)].lo_q32;
+  for (const SpeedRange& side : box) sum += side.hi_qs - side.lo_qs;
   return sum;
 }
 
@@ -34,7 +34,7 @@ std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from,
   if (way.fixed_beats != 0)
     return step(window, way, from, way.fixed_beats, to) ? way.fixed_beats : 0;
   std::int64_t last = way.first_beats + spare_beats;
-  for (int a = 0; a < window.axes(); ++a) last += 2 * (window.speed_limit_q32(a) >> 32);
+  for (int a = 0; a < window.axes(); ++a) last += 2 * (window.scale(a).limit_qs >> window.scale(a).bits);
   if (last > window.most_beats) last = window.most_beats;
   for (std::int32_t beats = way.first_beats; beats <= last; ++beats)
     if (can_step(window, way, from, beats) && step(window, way, from, beats, to)) return beats;
@@ -133,7 +133,7 @@ std::uint32_t Beam::place_to_lose() const {
 void Beam::insert(const Label& label) {
   const auto better = [](const Label& a, const Label& b) {
     if (a.rank() != b.rank()) return a.rank() < b.rank();
-    return width_q32(a.box, max_axes) > width_q32(b.box, max_axes);
+    return width_qs(a.box) > width_qs(b.box);
   };
   if (to_count_ == width_) {
     const std::uint32_t out = place_to_lose();

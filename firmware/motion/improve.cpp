@@ -17,12 +17,8 @@ constexpr Move moves[] = {{-1, 0}, {1, -2}, {-2, 1}, {1, -3}, {-3, 1}};
 Box widened(const Box& box, std::int32_t beats, int axes) {
   Box wide = box;
   for (int a = 0; a < axes; ++a) {
-    SpeedInterval& side = wide[index(a)];
-    const std::int64_t size =
-        abs64(side.lo_q32) > abs64(side.hi_q32) ? abs64(side.lo_q32) : abs64(side.hi_q32);
-    const std::int64_t slack = 8 + 4 * beats + (size >> 28);
-    side.lo_q32 -= slack;
-    side.hi_q32 += slack;
+    wide[index(a)].lo_qs -= hair_qs + beats;
+    wide[index(a)].hi_qs += hair_qs + beats;
   }
   return wide;
 }

@@ -18,6 +18,9 @@
 
 namespace lamplock::motion {
 
+/// Width that rounding needs at a bound, besides a unit for each beat.
+inline constexpr std::int32_t hair_qs = 4;
+
 /// Improves one window at a time.
 class Improver {
  public:

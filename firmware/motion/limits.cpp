@@ -129,9 +129,10 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
       return Result::bad_value;
     }
     // Rounding switch points to whole ticks costs at most 1.02/n of the acceleration and 4.8/n of
-    // the speed over n ticks (measured; a segment has at least one beat).
+    // the speed over n ticks (measured; a segment has at least one beat), rounding of the search
+    // about 0.02/n to 0.2/n of the acceleration (scaled_reach.hpp; the slower the axis, the more).
     const std::uint32_t margin = beat * 10;
-    axis.plan_accel_q62 = mul_div(axis.accel_q62, margin - 11, margin) - 1;
+    axis.plan_accel_q62 = mul_div(axis.accel_q62, margin - 13, margin) - 1;
     axis.plan_speed_q62 = mul_div(axis.speed_q62, margin - 50, margin) - 1;
     axis.min_steps = space.min[static_cast<std::size_t>(a)];
     axis.max_steps = space.max[static_cast<std::size_t>(a)];
@@ -141,6 +142,7 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
     }
     set_reciprocal(axis, beat);
     axis.speed_q32 = normalised_speed_q32(axis, beat);
+    axis.scale = make_scale(axis.speed_q32);
     axis.jump_q62 =
         mul_div(jump_per_tick_q62(values.milli(Id::speed_jump_x, a), steps_milli), q16, 65536);
     axis.weight_q31 = weight_q31(values, out.axes, a);

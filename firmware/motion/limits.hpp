@@ -7,6 +7,7 @@
 
 #include <cstdint>
 
+#include "firmware/motion/scaled_reach.hpp"
 #include "shared/beat.hpp"
 #include "shared/fixed_point.hpp"
 #include "shared/result.hpp"
@@ -28,6 +29,7 @@ struct AxisLimits {
   std::int64_t plan_speed_q62 = 0;
   std::int64_t plan_accel_q62 = 0;
   std::int64_t speed_q32 = 0;  ///< normalised speed limit, beats
+  AxisScale scale;             ///< the same for the search
   std::uint32_t per_accel =
       0;  ///< 1 / (acceleration per beat squared) = per_accel / 2^per_accel_shift
   int per_accel_shift = 0;

@@ -15,6 +15,9 @@ constexpr int ramp_share_bits = 8;
 /// 20 calls of reach() per point).
 constexpr std::uint32_t ticks_per_label = 2000 * (ticks_per_second / 1'000'000);
 
+/// What was possible when a plan ended with a speed must be so when the next one starts with it.
+constexpr std::int32_t start_slack_qs = 2 * hair_qs;
+
 /// Displacement in steps, Q32, from an exact position to the middle of a step.
 std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {
   return ((stepper::middle_of_step(to_step) - from_q64) >> 32).to_int64();
@@ -75,10 +78,12 @@ void Planner::begin(const PlanRequest& request) {
     const std::int64_t per_beat_q32 =
         (Int128::product(request.start.axis[index(a)].speed_q62, limits_->beat_ticks) >> 30)
             .to_int64();
-    const std::int64_t v = axis.displacement_q32(per_beat_q32);
-    start_q32_[index(a)] = v;
-    // The speed was made from a normalised one: allow for the rounding of both conversions.
-    const std::int64_t slack = v == 0 ? 0 : 64 + (abs64(v) >> 28);
+    // To the nearest, most likely the very speed that a plan has ended with.
+    const std::int64_t half = std::int64_t{1} << (31 - axis.scale.bits);
+    const std::int32_t v =
+        axis.scale.range().clamp(axis.scale.scaled(axis.displacement_q32(per_beat_q32) + half));
+    start_qs_[index(a)] = v;
+    const std::int32_t slack = v == 0 ? 0 : start_slack_qs;
     window_.start[index(a)] = {v - slack, v + slack};
   }
   if (!set_up()) return;
@@ -115,16 +120,17 @@ bool Planner::set_up_way(std::uint32_t i) {
                : (std::int64_t{steps} - target(i - 1).steps[index(a)]) * one_q32;
     const std::int64_t q = axis.displacement_q32(displacement);
     if (abs64(q) > max_displacement_q32) return false;
-    way.displacement_q32[index(a)] = q;
-    way.allowed[index(a)] = rest ? SpeedInterval{} : allowed_speeds(axis, steps);
+    way.displacement_qs[index(a)] = q >> (32 - axis.scale.bits);
+    way.allowed[index(a)] = rest ? SpeedRange{} : allowed_speeds(axis, steps);
   }
   return set_beats(way, i);
 }
 
-SpeedInterval Planner::allowed_speeds(const AxisLimits& axis, std::int32_t steps) const {
+SpeedRange Planner::allowed_speeds(const AxisLimits& axis, std::int32_t steps) const {
   const std::int64_t below = std::int64_t{steps} - axis.min_steps;
   const std::int64_t above = std::int64_t{axis.max_steps} - steps;
-  const std::int64_t speed = braking_speed_q32(axis, below < above ? below : above);
+  const std::int32_t speed =
+      axis.scale.scaled(braking_speed_q32(axis, below < above ? below : above));
   return {-speed, speed};
 }
 
@@ -135,8 +141,8 @@ bool Planner::set_beats(Way& way, std::uint32_t i) const {
   std::int64_t first = hurried ? 1 : request_->least_beats;
   if (at_least > first) first = at_least;
   for (int a = 0; a < limits_->axes; ++a) {
-    const std::int64_t limit = limits_->axis[index(a)].speed_q32;
-    const std::int64_t beats = (abs64(way.displacement_q32[index(a)]) + limit - 1) / limit;
+    const std::int64_t beats =
+        abs64(way.displacement_qs[index(a)]) / limits_->axis[index(a)].scale.limit_qs + 1;
     if (beats > first) first = beats;
   }
   if (first > window_.most_beats) return false;
@@ -167,6 +173,9 @@ bool Planner::advance() {
     case Phase::improve:
       improve();
       break;
+    case Phase::speeds:
+      choose_speeds();
+      break;
     case Phase::segments:
       make_segments();
       break;
@@ -189,7 +198,13 @@ void Planner::search() {
 
 void Planner::improve() {
   if (request_->mode != JoinMode::start_stop && improver_.advance(window_, beats_)) return;
-  choose_quiet_speeds(window_, improver_, beats_, start_q32_, speed_q32_);
+  at_ = 0;
+  phase_ = Phase::speeds;
+}
+
+void Planner::choose_speeds() {
+  choose_quiet_speeds(window_, improver_, beats_, static_cast<int>(at_), start_qs_[at_], speed_qs_);
+  if (++at_ < static_cast<std::uint32_t>(limits_->axes)) return;
   at_ = 0;
   phase_ = Phase::segments;
 }
@@ -229,7 +244,7 @@ void Planner::make_segment(std::uint32_t i, const MotionState& from) {
     const AxisState& axis = from.axis[index(a)];
     const Int128 way =
         (stepper::middle_of_step(target(i).steps[index(a)]) - axis.position_q64) >> 2;
-    const std::int64_t end_speed = limits_->speed_q62(a, speed_q32_[i][index(a)]);
+    const std::int64_t end_speed = limits_->speed_q62(a, speed_q32(i, a));
     s.axis[index(a)] = make_profile(way, axis.speed_q62, end_speed, s.ticks,
                                     limits_->axis[index(a)].plan_speed_q62);
     s.end.axis[index(a)] = {axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2),
@@ -241,10 +256,10 @@ void Planner::make_segment(std::uint32_t i, const MotionState& from) {
 
 /// The same way with the least excursion, where the quiet one leaves the work space.
 void Planner::make_steady(std::uint32_t i, int a, const MotionState& from) {
-  const std::int64_t v0 = i == 0 ? start_q32_[index(a)] : speed_q32_[i - 1][index(a)];
-  const std::int64_t v1 = speed_q32_[i][index(a)];
-  const std::int64_t steady =
-      steady_speed_q32(window_.ways[i].displacement_q32[index(a)], v0, v1, beats_[i]);
+  const AxisScale& scale = limits_->axis[index(a)].scale;
+  const std::int64_t v0 = start_q32(i, a), v1 = speed_q32(i, a);
+  const std::int64_t steady = steady_speed_q32(
+      window_.ways[i].displacement_qs[index(a)] << (32 - scale.bits), v0, v1, beats_[i]);
   const auto ticks = [this](std::int64_t change_q32) {
     return static_cast<std::uint32_t>(mul_q32(abs64(change_q32), limits_->beat_ticks)) + 1;
   };
@@ -280,7 +295,7 @@ std::uint32_t Planner::shot_window_ticks(std::uint32_t i) const {
   std::int64_t least_q32 = one_q32 / 4;
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
-    const std::int64_t v = abs64(speed_q32_[i][index(a)]);
+    const std::int64_t v = abs64(speed_q32(i, a));
     const std::int64_t root = sqrt_down_q32(mul_q32(v, v) + 2 * axis.shot_way_q32);
     const std::int64_t t = root > v ? root - v : 0;
     if (t < least_q32) least_q32 = t;

@@ -56,15 +56,16 @@ class Planner {
   std::int32_t beats(std::uint32_t i) const { return beats_[i]; }
 
  private:
-  enum class Phase : std::uint8_t { search, improve, segments, path, over };
+  enum class Phase : std::uint8_t { search, improve, speeds, segments, path, over };
 
   bool set_up();
   bool set_up_way(std::uint32_t i);
-  SpeedInterval allowed_speeds(const AxisLimits& axis, std::int32_t steps) const;
+  SpeedRange allowed_speeds(const AxisLimits& axis, std::int32_t steps) const;
   bool set_beats(Way& way, std::uint32_t i) const;
   std::uint32_t beam_width() const;
   void search();
   void improve();
+  void choose_speeds();
   void make_segments();
   void plan_path();
   void make_segment(std::uint32_t i, const MotionState& from);
@@ -72,6 +73,12 @@ class Planner {
   bool axis_inside(std::uint32_t i, int a, const MotionState& from) const;
   void fail(std::uint32_t place);
   std::uint32_t shot_window_ticks(std::uint32_t i) const;
+  std::int64_t speed_q32(std::uint32_t i, int a) const {
+    return limits_->axis[index(a)].scale.q32(speed_qs_[i][index(a)]);
+  }
+  std::int64_t start_q32(std::uint32_t i, int a) const {
+    return i == 0 ? limits_->axis[index(a)].scale.q32(start_qs_[index(a)]) : speed_q32(i - 1, a);
+  }
   const Target& target(std::uint32_t i) const { return request_->queue->at(request_->points[i]); }
 
   const PlanRequest* request_ = nullptr;
@@ -79,14 +86,14 @@ class Planner {
   Phase phase_ = Phase::over;
   Result result_ = Result::unreachable;
   std::uint32_t failed_ = 0;
-  std::uint32_t at_ = 0;  ///< point to go on with
+  std::uint32_t at_ = 0;  ///< point or axis to go on with
   Window window_;
-  PerAxis<std::int64_t> start_q32_{};  ///< speeds at the start, normalised
+  PerAxis<std::int32_t> start_qs_{};  ///< speeds at the start, normalised and scaled
   PathPlanner path_;
   Beam beam_;
   Improver improver_;
   std::array<std::int32_t, window_points> beats_{};
-  Speeds speed_q32_{};
+  Speeds speed_qs_{};
   std::array<Segment, commit_points> segments_{};
 };
 

@@ -9,62 +9,65 @@ using Beats = std::array<std::int32_t, window_points>;
 constexpr int sweeps = 4;
 
 /// What lies in both; the nearest point of `box` where rounding has left nothing.
-SpeedInterval both(const SpeedInterval& box, const SpeedInterval& other) {
-  const std::int64_t lo = other.lo_q32 > box.lo_q32 ? other.lo_q32 : box.lo_q32;
-  const std::int64_t hi = other.hi_q32 < box.hi_q32 ? other.hi_q32 : box.hi_q32;
+SpeedRange both(const SpeedRange& box, const SpeedRange& other) {
+  const std::int32_t lo = other.lo_qs > box.lo_qs ? other.lo_qs : box.lo_qs;
+  const std::int32_t hi = other.hi_qs < box.hi_qs ? other.hi_qs : box.hi_qs;
   if (lo <= hi) return {lo, hi};
-  const std::int64_t nearest = other.lo_q32 > box.hi_q32 ? box.hi_q32 : box.lo_q32;
+  const std::int32_t nearest = other.lo_qs > box.hi_qs ? box.hi_qs : box.lo_qs;
   return {nearest, nearest};
 }
 
-std::int64_t times(std::int64_t speed_q32, std::int32_t beats) {
-  return times_short(speed_q32, static_cast<std::uint32_t>(beats));
+/// x share / 2^15, for a share of at most 2^15 and |x| < 2^31.
+std::int32_t part(std::int32_t x, std::int32_t share_q15) {
+  return (x >> 15) * share_q15 + static_cast<std::int32_t>(
+                                     (static_cast<std::uint32_t>(x) & 0x7fffu) *
+                                         static_cast<std::uint32_t>(share_q15) >>
+                                     15);
 }
 
 /// Speeds of one axis.
 class AxisSpeeds {
  public:
   AxisSpeeds(const Window& window, const Improver& boxes, const Beats& beats, int a,
-             std::int64_t start_q32, Speeds& speeds)
+             std::int32_t start, Speeds& speeds)
       : window_(window),
         boxes_(boxes),
         beats_(beats),
         a_(index(a)),
-        start_(start_q32),
-        limit_(window.speed_limit_q32(a)),
+        axis_(window.scale(a)),
+        start_(start),
         speeds_(speeds) {}
 
   void choose() {
-    for (std::uint32_t i = 0; i < window_.count; ++i)
-      at(i) = box(i).clamp(i + 1 < window_.count ? chord(i) : mean(i));
+    const std::uint32_t last = window_.count - 1;
+    for (std::uint32_t i = 0; i <= last; ++i) mean_[i] = mean(i).down_qs;
+    for (std::uint32_t i = 0; i < last; ++i) {
+      box_[i] = both(boxes_.forwards(i)[a_], boxes_.backwards(i)[a_]);
+      share_q15_[i] = (beats_[i + 1] << 15) / (beats_[i] + beats_[i + 1]);
+      at(i) = box_[i].clamp(mean_[i + 1] + part(mean_[i] - mean_[i + 1], 0x8000 - share_q15_[i]));
+    }
+    at(last) = both(boxes_.forwards(last)[a_], boxes_.backwards(last)[a_]).clamp(mean_[last]);
     for (int sweep = 0; sweep < sweeps; ++sweep)
-      for (std::uint32_t i = 0; i + 1 < window_.count; ++i) at(i) = box(i).clamp(spline(i));
-    for (std::uint32_t i = window_.count - 1; i-- > 0;) join(i);
+      for (std::uint32_t i = 0; i < last; ++i) at(i) = box_[i].clamp(spline(i));
+    for (std::uint32_t i = last; i-- > 0;) join(i);
   }
 
  private:
-  std::int64_t& at(std::uint32_t i) { return speeds_[i][a_]; }
-  SpeedInterval box(std::uint32_t i) const {
-    return both(boxes_.forwards(i)[a_], boxes_.backwards(i)[a_]);
+  std::int32_t& at(std::uint32_t i) { return speeds_[i][a_]; }
+  MeanSpeed mean(std::uint32_t i) const {
+    return mean_speed(window_.ways[i].displacement_qs[a_], beats_[i]);
   }
-  std::int64_t way(std::uint32_t i) const { return window_.ways[i].displacement_q32[a_]; }
-  std::int64_t mean(std::uint32_t i) const { return way(i) / beats_[i]; }
-  std::int64_t chord(std::uint32_t i) const {
-    return (way(i) + way(i + 1)) / (beats_[i] + beats_[i + 1]);
-  }
-  std::int64_t spline(std::uint32_t i) {
-    const std::int32_t k = beats_[i], l = beats_[i + 1];
-    const std::int64_t before = i == 0 ? start_ : at(i - 1), behind = at(i + 1);
-    const std::int64_t sum =
-        3 * (times(mean(i), l) + times(mean(i + 1), k)) - times(before, l) - times(behind, k);
-    return sum / (2 * (k + l));
+  /// The equation above over 2 (k + l).
+  std::int32_t spline(std::uint32_t i) {
+    const std::int32_t before = 3 * mean_[i] - (i == 0 ? start_ : at(i - 1));
+    const std::int32_t behind = 3 * mean_[i + 1] - at(i + 1);
+    return (behind + part(before - behind, share_q15_[i])) / 2;
   }
   /// Cuts a speed to those that the next one can be had from.
   void join(std::uint32_t i) {
-    const std::int64_t behind = at(i + 1);
-    const std::int64_t slack = 8 + 4 * beats_[i + 1] + (abs64(behind) >> 28);
-    SpeedInterval can;
-    if (!reach({behind - slack, behind + slack}, way(i + 1), beats_[i + 1], limit_, can)) return;
+    const std::int32_t behind = at(i + 1), slack = hair_qs + beats_[i + 1];
+    SpeedRange can;
+    if (!reach(axis_, {behind - slack, behind + slack}, mean(i + 1), beats_[i + 1], can)) return;
     at(i) = both(boxes_.forwards(i)[a_], can).clamp(at(i));
   }
 
@@ -72,17 +75,18 @@ class AxisSpeeds {
   const Improver& boxes_;
   const Beats& beats_;
   std::size_t a_;
-  std::int64_t start_;
-  std::int64_t limit_;
+  const AxisScale& axis_;
+  std::int32_t start_;
   Speeds& speeds_;
+  std::array<std::int32_t, window_points> mean_, share_q15_;
+  std::array<SpeedRange, window_points> box_;
 };
 
 }  // namespace
 
-void choose_quiet_speeds(const Window& window, const Improver& boxes, const Beats& beats,
-                         const PerAxis<std::int64_t>& start_q32, Speeds& speeds_q32) {
-  for (int a = 0; a < window.axes(); ++a)
-    AxisSpeeds(window, boxes, beats, a, start_q32[index(a)], speeds_q32).choose();
+void choose_quiet_speeds(const Window& window, const Improver& boxes, const Beats& beats, int axis,
+                         std::int32_t start_qs, Speeds& speeds_qs) {
+  AxisSpeeds(window, boxes, beats, axis, start_qs, speeds_qs).choose();
 }
 
 }  // namespace lamplock::motion

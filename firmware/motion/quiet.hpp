@@ -3,7 +3,7 @@
 // In:  a window, its beats, and the boxes of speeds that they leave (improve.hpp).
 // Out: one speed per point and axis such that every way can be done, with about the least sum over
 //      the ways of time x peak acceleration squared.
-// Called by the planner (main loop); budget, two divisions per point, axis and sweep.
+// Called by the planner (main loop); budget, some 2000 cycles per point and axis.
 //
 // The motion with the least integral of acceleration squared through given points at given times is
 // the natural cubic spline; its speeds solve, between ways of k and l beats with mean speeds s and
@@ -21,11 +21,11 @@
 
 namespace lamplock::motion {
 
-using Speeds = std::array<PerAxis<std::int64_t>, window_points>;  ///< Q32, normalised
+using Speeds = std::array<PerAxis<std::int32_t>, window_points>;  ///< normalised and scaled
 
-/// Chooses the speeds at the ends of all ways. `start_q32` are those at the start.
+/// Chooses the speeds of one axis at the ends of all ways. `start_qs` is that at the start.
 void choose_quiet_speeds(const Window& window, const Improver& boxes,
-                         const std::array<std::int32_t, window_points>& beats,
-                         const PerAxis<std::int64_t>& start_q32, Speeds& speeds_q32);
+                         const std::array<std::int32_t, window_points>& beats, int axis,
+                         std::int32_t start_qs, Speeds& speeds_qs);
 
 }  // namespace lamplock::motion

@@ -4,47 +4,67 @@ namespace lamplock::motion {
 namespace {
 
 /// Rounding of reach() is inwards; a guide must not cut off what is just possible.
-constexpr std::int64_t guide_slack_q32 = 64;
+constexpr std::int32_t guide_slack_qs = 8;
 
-/// Cuts an interval to another one; false if nothing is left.
-bool cut(SpeedInterval& side, const SpeedInterval& to) {
-  if (side.lo_q32 < to.lo_q32) side.lo_q32 = to.lo_q32;
-  if (side.hi_q32 > to.hi_q32) side.hi_q32 = to.hi_q32;
-  return side.lo_q32 <= side.hi_q32;
+/// Cuts a range to another one; false if nothing is left.
+bool cut(SpeedRange& side, const SpeedRange& to) {
+  if (side.lo_qs < to.lo_qs) side.lo_qs = to.lo_qs;
+  if (side.hi_qs > to.hi_qs) side.hi_qs = to.hi_qs;
+  return !side.empty();
 }
 
-void widen(SpeedInterval& hull, const SpeedInterval& by) {
-  if (by.lo_q32 < hull.lo_q32) hull.lo_q32 = by.lo_q32;
-  if (by.hi_q32 > hull.hi_q32) hull.hi_q32 = by.hi_q32;
+void widen(SpeedRange& hull, const SpeedRange& by) {
+  if (by.lo_qs < hull.lo_qs) hull.lo_qs = by.lo_qs;
+  if (by.hi_qs > hull.hi_qs) hull.hi_qs = by.hi_qs;
 }
 
-/// Displacement from rest to rest in so many beats: half of them to the top speed, at most to the
-/// limit.
-std::int64_t most_from_rest_q32(std::int64_t beats, std::int64_t limit) {
-  const std::int64_t half_q32 = beats << 31;
-  if (half_q32 <= limit) return (beats * beats) << 30;
-  const auto ramp = mul_q32(limit, limit);
-  return times_short(limit, static_cast<std::uint32_t>(beats)) - ramp;
+MeanSpeed mean_of(const Way& way, int a, std::int32_t beats) {
+  return mean_speed(way.displacement_qs[index(a)], beats);
+}
+
+/// True if a way of that displacement fits between two rests in so many beats: half of them to the
+/// top speed, at most to the limit.
+bool fits_between_rests(const AxisScale& axis, std::int64_t way, std::int32_t beats) {
+  if (beats < axis.lasting_beats) {
+    const std::int32_t half = (beats << axis.bits) / 2;
+    if (half <= axis.limit_qs)
+      return static_cast<std::int64_t>(wide_product(static_cast<std::uint32_t>(half),
+                                                    static_cast<std::uint32_t>(beats)) /
+                                       2) >= way;
+  }
+  const auto limit = static_cast<std::uint32_t>(axis.limit_qs);
+  const auto ramp = wide_product(limit, limit) >> axis.bits;
+  return static_cast<std::int64_t>(
+             wide_product(limit, static_cast<std::uint32_t>(beats)) - ramp) >= way;
+}
+
+/// No more than that takes.
+std::int32_t least_between_rests(const AxisScale& axis, std::int64_t way) {
+  const auto beats = static_cast<std::int32_t>(
+      nearly_isqrt(static_cast<std::uint64_t>(way) << 2 >> axis.bits));  // t^2 / 4 = way
+  if (beats < 2 * (axis.limit_qs >> axis.bits)) return beats;
+  return static_cast<std::int32_t>(way / axis.limit_qs) + (axis.limit_qs >> axis.bits);
 }
 
 /// Hull of one axis at the start of a way: both bounds are reached with the fewest and with the
 /// most beats, since each falls and then rises, or rises and then falls, with the time.
-SpeedInterval hull_before(const Window& window, const Way& way, int a) {
-  const std::int64_t q = way.displacement_q32[index(a)], limit = window.speed_limit_q32(a);
-  SpeedInterval hull, side;
+SpeedRange hull_before(const Window& window, const Way& way, int a) {
+  const AxisScale& axis = window.scale(a);
+  SpeedRange hull, side;
   std::int32_t first = way.fixed_beats != 0 ? way.fixed_beats : way.first_beats;
   const std::int32_t last = way.fixed_beats != 0 ? way.fixed_beats : way.last_beats;
-  while (first <= last && !reach(way.allowed[index(a)], q, first, limit, side)) ++first;
+  const SpeedRange& to = way.allowed[index(a)];
+  while (first <= last && !reach(axis, to, mean_of(way, a, first), first, side)) ++first;
   if (first <= last) widen(hull, side);
-  if (first < last && reach(way.allowed[index(a)], q, last, limit, side)) widen(hull, side);
-  return {hull.lo_q32 - guide_slack_q32, hull.hi_q32 + guide_slack_q32};
+  if (first < last && reach(axis, to, mean_of(way, a, last), last, side)) widen(hull, side);
+  return {hull.lo_qs - guide_slack_qs, hull.hi_qs + guide_slack_qs};
 }
 
 }  // namespace
 
 bool overlap(const Box& x, const Box& y, int axes) {
   for (int a = 0; a < axes; ++a)
-    if (x[index(a)].lo_q32 > y[index(a)].hi_q32 || y[index(a)].lo_q32 > x[index(a)].hi_q32)
+    if (x[index(a)].lo_qs > y[index(a)].hi_qs || y[index(a)].lo_qs > x[index(a)].hi_qs)
       return false;
   return true;
 }
@@ -52,9 +72,8 @@ bool overlap(const Box& x, const Box& y, int axes) {
 bool step(const Window& window, const Way& way, const Box& from, std::int32_t beats, Box& to) {
   if (beats > window.most_beats) return false;
   for (int a = 0; a < window.axes(); ++a) {
-    SpeedInterval& side = to[index(a)];
-    if (!reach(from[index(a)], way.displacement_q32[index(a)], beats, window.speed_limit_q32(a),
-               side))
+    SpeedRange& side = to[index(a)];
+    if (!reach(window.scale(a), from[index(a)], mean_of(way, a, beats), beats, side))
       return false;
     if (!cut(side, way.allowed[index(a)])) return false;
   }
@@ -65,10 +84,8 @@ bool step_back(const Window& window, std::uint32_t i, const Box& to, std::int32_
                Box& from) {
   const Way& way = window.ways[i];
   for (int a = 0; a < window.axes(); ++a) {
-    SpeedInterval& side = from[index(a)];
-    if (!reach(to[index(a)], way.displacement_q32[index(a)], beats, window.speed_limit_q32(a),
-               side))
-      return false;
+    SpeedRange& side = from[index(a)];
+    if (!reach(window.scale(a), to[index(a)], mean_of(way, a, beats), beats, side)) return false;
     if (!cut(side, window.ways[i - 1].allowed[index(a)])) return false;
   }
   return true;
@@ -76,18 +93,17 @@ bool step_back(const Window& window, std::uint32_t i, const Box& to, std::int32_
 
 bool can_step(const Window& window, const Way& way, const Box& from, std::int32_t beats) {
   for (int a = 0; a < window.axes(); ++a)
-    if (reachable(from[index(a)], way.displacement_q32[index(a)], beats,
-                  window.speed_limit_q32(a)) == Reachable::no)
-      return false;
+    if (!can_reach(window.scale(a), from[index(a)], mean_of(way, a, beats), beats)) return false;
   return true;
 }
 
 std::int32_t beats_at_rest(const Window& window, const Way& way, std::int32_t most) {
   std::int32_t beats = way.first_beats;
   for (int a = 0; a < window.axes(); ++a) {
-    const std::int64_t q = abs64(way.displacement_q32[index(a)]);
-    const std::int64_t limit = window.speed_limit_q32(a);
-    while (beats <= most && most_from_rest_q32(beats, limit) < q) ++beats;
+    const std::int64_t q = abs64(way.displacement_qs[index(a)]);
+    const std::int32_t least = least_between_rests(window.scale(a), q);
+    if (beats < least) beats = least;
+    while (beats <= most && !fits_between_rests(window.scale(a), q, beats)) ++beats;
   }
   return beats <= most ? beats : 0;
 }

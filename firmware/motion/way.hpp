@@ -5,7 +5,7 @@
 //      of the window can be done.
 // Called by the planner (main loop), once per window.
 //
-// Units as in reach.hpp. The work space bounds the speeds at a point in two ways: ahead, full
+// Units as in scaled_reach.hpp. The work space bounds the speeds at a point in two ways: ahead, full
 // braking must take the speed away before it ends, v^2 / 2 <= way left; behind, full acceleration
 // must have made it since, which is the same seen backwards in time. So |v| is no more than what
 // the way to the nearer end allows. Both bounds are necessary for any motion inside, and with them
@@ -16,7 +16,7 @@
 #include <cstdint>
 
 #include "firmware/motion/limits.hpp"
-#include "firmware/motion/reach.hpp"
+#include "firmware/motion/scaled_reach.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::motion {
@@ -25,11 +25,11 @@ namespace lamplock::motion {
 inline constexpr std::uint32_t window_points = 40;
 
 /// Speeds of all axes at one point.
-using Box = PerAxis<SpeedInterval>;
+using Box = PerAxis<SpeedRange>;
 
 /// The way from one point of a window to the next.
 struct Way {
-  PerAxis<std::int64_t> displacement_q32{};
+  PerAxis<std::int64_t> displacement_qs{};
   Box allowed{};                 ///< speeds at its end
   std::int32_t first_beats = 1;  ///< no fewer at full speed
   std::int32_t last_beats = 1;  ///< from rest to rest and a little more: no more are tried at first
@@ -45,7 +45,7 @@ struct Window {
   std::array<Way, window_points> ways{};
 
   int axes() const { return limits->axes; }
-  std::int64_t speed_limit_q32(int a) const { return limits->axis[index(a)].speed_q32; }
+  const AxisScale& scale(int a) const { return limits->axis[index(a)].scale; }
 };
 
 /// True if a speed of every axis lies in both.

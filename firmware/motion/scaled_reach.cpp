@@ -1,0 +1,84 @@
+#include "firmware/motion/scaled_reach.hpp"
+
+namespace lamplock::motion {
+namespace {
+
+/// Bits of a speed limit.
+constexpr int limit_bits = 27;
+/// A finer scale would be of no use, and a beat has to fit.
+constexpr int most_scale_bits = 28;
+
+std::uint32_t bits_of(std::int32_t x) { return static_cast<std::uint32_t>(x); }
+
+/// Root, rounded down and up to two units less.
+std::int32_t root(std::uint64_t x) { return static_cast<std::int32_t>(nearly_isqrt(x)); }
+
+/// A time, as far as it can be written like a speed.
+struct Time {
+  std::int32_t beats;
+  std::int32_t t_qs;  ///< 0: longer than eight times the limit
+};
+
+/// Least start speed, not below -V, from which the way can be covered: accelerate all the way, at
+/// most to the limit.
+std::int32_t least_start_qs(const AxisScale& axis, const Time& time, std::int32_t mean_up) {
+  const std::int32_t limit = axis.limit_qs;
+  std::int32_t least = -limit;
+  if (time.t_qs != 0 && mean_up <= limit - time.t_qs / 2) {
+    least = mean_up - time.t_qs / 2;
+  } else {
+    const std::uint64_t left = wide_product(bits_of(time.beats), bits_of(limit - mean_up));
+    if (left < axis.far) least = limit - root(left << (axis.bits + 1));
+  }
+  return least > -limit ? least : -limit;
+}
+
+/// Largest end speed from a start speed: brake first, then accelerate; cut at the limit.
+std::int32_t largest_end_qs(const AxisScale& axis, const Time& time, std::int32_t mean_down,
+                            std::int32_t v) {
+  const std::int32_t limit = axis.limit_qs;
+  if (time.t_qs != 0) {
+    const std::int32_t spare = time.t_qs / 2 + mean_down - v;
+    const std::int32_t r =
+        spare > 0 ? root(wide_product(bits_of(time.t_qs), bits_of(spare))) : 0;
+    const std::int32_t dip = v - time.t_qs + r;
+    if (dip >= -limit) return dip + r < limit ? dip + r : limit;
+  }
+  const std::uint64_t way = wide_product(bits_of(time.beats), bits_of(limit + mean_down));
+  if (way >= axis.far) return limit;
+  const std::uint64_t twice = way << (axis.bits + 1);
+  const std::uint64_t start = wide_product(bits_of(v + limit), bits_of(v + limit)) + 1;
+  const std::int32_t end = (twice > start ? root(twice - start) : 0) - limit;
+  return end < limit ? end : limit;
+}
+
+}  // namespace
+
+AxisScale make_scale(std::int64_t speed_limit_q32) {
+  AxisScale scale;
+  scale.bits = most_scale_bits;
+  while (scale.bits > 0 && speed_limit_q32 >> (32 - scale.bits) >= std::int64_t{1} << limit_bits)
+    --scale.bits;
+  scale.limit_qs = scale.scaled(speed_limit_q32);
+  const std::uint64_t square = wide_product(bits_of(scale.limit_qs), bits_of(scale.limit_qs));
+  scale.far = (4 * square >> scale.bits) + 1;
+  scale.lasting_beats = static_cast<std::int32_t>(8 * std::int64_t{scale.limit_qs} >> scale.bits) + 1;
+  return scale;
+}
+
+bool reach(const AxisScale& axis, const SpeedRange& from, const MeanSpeed& mean, std::int32_t beats,
+           SpeedRange& to) {
+  if (mean.up_qs > axis.limit_qs || mean.down_qs < -axis.limit_qs) return false;
+  const Time time{beats, beats < axis.lasting_beats ? beats << axis.bits : 0};
+  const std::int32_t least = least_start_qs(axis, time, mean.up_qs);
+  const std::int32_t lo = from.lo_qs > least ? from.lo_qs : least;
+  const std::int32_t most = -least_start_qs(axis, time, -mean.down_qs);
+  const std::int32_t hi = from.hi_qs < most ? from.hi_qs : most;
+  if (lo > hi) return false;
+  // Both bounds fall with the start speed, hence the crossed arguments.
+  to.hi_qs = largest_end_qs(axis, time, mean.down_qs, lo);
+  to.lo_qs = -largest_end_qs(axis, time, -mean.up_qs, -hi);
+  return to.lo_qs <= to.hi_qs;
+}
+
+}  // namespace lamplock::motion
