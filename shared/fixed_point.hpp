@@ -43,8 +43,8 @@ inline constexpr std::array<std::uint8_t, 192> root_table = [] {
 }  // namespace detail
 
 namespace detail {
-/// Root of a number of 63 or 64 bits, rounded down and up to 3 more (measured). Eight bits from a table, doubled twice by
-/// Newton's iteration.
+/// Root of a number of 63 or 64 bits, rounded down and up to 3 more (measured). Eight bits from a
+/// table, doubled twice by Newton's iteration.
 constexpr std::uint32_t near_root_of_normalised(std::uint64_t n) {
   const auto high = static_cast<std::uint32_t>(n >> 32), low = static_cast<std::uint32_t>(n);
   const std::uint32_t r8 = std::uint32_t{root_table[(high >> 24) - 64]} << 8;
@@ -80,6 +80,15 @@ constexpr std::uint32_t nearly_isqrt(std::uint64_t x) {
   if (x == 0) return 0;
   const int shift = std::countl_zero(x) & ~1;
   return (detail::near_root_of_normalised(x << shift) - 3) >> (shift / 2);
+}
+
+/// Root of n 2^32 for 2^28 <= n < 2^30, which has 31 bits: rounded down and up to 2 more
+/// (all tried).
+constexpr std::uint32_t root_of_upper_half(std::uint32_t n) {
+  const std::uint32_t r8 = std::uint32_t{detail::root_table[(n >> 22) - 64]} << 7;
+  const std::uint32_t r15 = (r8 + n / r8) / 2;
+  const std::uint32_t q1 = n / r15, rest = n % r15;
+  return ((r15 + q1) << 15) + ((rest << 16) / r15 >> 1);
 }
 
 /// Root of a Q32 number, rounded down, 31 significant bits; 0 for x <= 0.

@@ -34,10 +34,12 @@ std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from,
   if (way.fixed_beats != 0)
     return step(window, way, from, way.fixed_beats, to) ? way.fixed_beats : 0;
   std::int64_t last = way.first_beats + spare_beats;
-  for (int a = 0; a < window.axes(); ++a) last += 2 * (window.scale(a).limit_qs >> window.scale(a).bits);
+  for (int a = 0; a < window.axes(); ++a)
+    last += 2 * (window.scale(a).limit_qs >> window.scale(a).bits);
   if (last > window.most_beats) last = window.most_beats;
   for (std::int32_t beats = way.first_beats; beats <= last; ++beats)
-    if (can_step(window, way, from, beats) && step(window, way, from, beats, to)) return beats;
+    if (can_join(window, way, from, way.allowed, beats) && step(window, way, from, beats, to))
+      return beats;
   return 0;
 }
 
@@ -71,7 +73,8 @@ void Beam::extend_label(const Window& window, std::uint32_t i, std::uint8_t pare
     if (beats > window.most_beats || too_late(from.total + beats, next)) return;
     if (beats == from.next) {
       label.box = from.next_box;
-    } else if (!step(window, way, from.box, beats, label.box)) {
+    } else if (!can_join(window, way, from.box, way.allowed, beats) ||
+               !step(window, way, from.box, beats, label.box)) {
       continue;
     }
     label.total = from.total + beats;

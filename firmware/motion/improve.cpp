@@ -4,7 +4,7 @@ namespace lamplock::motion {
 namespace {
 
 /// Passes over the window with moves of one size, at most.
-constexpr std::int32_t most_passes = 4;
+constexpr std::int32_t most_passes = 1;
 
 /// Change of two neighbouring ways, in units of the size of a move.
 struct Move {
@@ -36,9 +36,7 @@ bool Improver::make_backwards(const Window& window, const Beats& beats, std::uin
   return step_back(window, i, to, beats[i], backwards_[i - 1]);
 }
 
-bool Improver::make_boxes(const Window& window, const Beats& beats) {
-  for (std::uint32_t i = 0; i < window.count; ++i)
-    if (!make_forwards(window, beats, i)) return false;
+bool Improver::make_all_backwards(const Window& window, const Beats& beats) {
   backwards_[window.count - 1] = window.ways[window.count - 1].allowed;
   for (std::uint32_t i = window.count; --i > 0;)
     if (!make_backwards(window, beats, i)) return false;
@@ -54,19 +52,29 @@ bool Improver::begin(const Window& window, Beats& beats) {
   at_ = 0;
   passes_ = 0;
   improved_ = false;
-  return make_boxes(window, beats);
+  for (std::uint32_t i = 0; i < window.count; ++i)
+    if (!make_forwards(window, beats, i)) return false;
+  return make_all_backwards(window, beats);
 }
 
 bool Improver::possible(const Window& window, const Beats& beats, std::uint32_t i,
                         std::uint32_t ways) const {
-  Box from = before(window, i), to;
-  for (std::uint32_t k = i; k < i + ways; ++k) {
-    if (beats[k] < window.ways[k].first_beats) return false;
-    if (!can_step(window, window.ways[k], from, beats[k])) return false;
-    if (!step(window, window.ways[k], from, beats[k], to)) return false;
-    from = to;
+  const std::uint32_t end = i + ways - 1;
+  for (std::uint32_t k = i; k <= end; ++k) {
+    const Way& way = window.ways[k];
+    const Box& from = k == i ? before(window, i) : window.ways[k - 1].allowed;
+    if (beats[k] < way.first_beats) return false;
+    if (!can_join(window, way, from, k == end ? backwards_[k] : way.allowed, beats[k]))
+      return false;
   }
-  return overlap(to, backwards_[i + ways - 1], window.axes());
+  Box box, between;
+  const Box* from = &before(window, i);
+  if (ways == 2) {
+    if (!step(window, window.ways[i], *from, beats[i], between)) return false;
+    from = &between;
+  }
+  return step(window, window.ways[end], *from, beats[end], box) &&
+         overlap(box, backwards_[end], window.axes());
 }
 
 bool Improver::try_move(const Window& window, Beats& beats, std::uint32_t i, std::int32_t first,
@@ -94,11 +102,11 @@ bool Improver::try_moves(const Window& window, Beats& beats, std::uint32_t i) {
 bool Improver::advance(const Window& window, Beats& beats) {
   if (size_ == 0) return false;
   while (try_moves(window, beats, at_)) improved_ = true;
-  make_forwards(window, beats, at_);
+  if (improved_) make_forwards(window, beats, at_);
   if (++at_ < window.count) return true;
   at_ = 0;
   ++passes_;
-  if (improved_) make_boxes(window, beats);
+  if (improved_) make_all_backwards(window, beats);
   if (!improved_ || passes_ == most_passes) {
     size_ = size_ * 2 / 3;
     passes_ = 0;

@@ -41,7 +41,7 @@ class Improver {
   }
   bool make_forwards(const Window& window, const Beats& beats, std::uint32_t i);
   bool make_backwards(const Window& window, const Beats& beats, std::uint32_t i);
-  bool make_boxes(const Window& window, const Beats& beats);
+  bool make_all_backwards(const Window& window, const Beats& beats);
   bool possible(const Window& window, const Beats& beats, std::uint32_t i,
                 std::uint32_t ways) const;
   bool try_move(const Window& window, Beats& beats, std::uint32_t i, std::int32_t first,
@@ -52,7 +52,7 @@ class Improver {
   std::uint32_t at_ = 0;     ///< way to try next
   std::int32_t size_ = 1;    ///< of a move, beats
   std::int32_t passes_ = 0;  ///< with moves of this size
-  bool improved_ = false;    ///< in this pass
+  bool improved_ = false;    ///< in this pass: boxes forwards change from there on
 };
 
 }  // namespace lamplock::motion

@@ -44,6 +44,16 @@ struct AxisLimits {
     if (q > Int128(largest)) return largest;
     return q < Int128(-largest) ? -largest : q.to_int64();
   }
+  /// The same of whole steps, scaled like the axis' speeds and rounded down.
+  std::int64_t displacement_qs(std::int64_t steps) const {
+    const int shift = per_accel_shift - scale.bits;
+    const std::int64_t size = abs64(steps);
+    if (shift < 0 || shift > 62 || size >> 31 != 0)
+      return displacement_q32(steps << 32) >> (32 - scale.bits);
+    const std::uint64_t product = wide_product(static_cast<std::uint32_t>(size), per_accel);
+    if (steps >= 0) return static_cast<std::int64_t>(product >> shift);
+    return -static_cast<std::int64_t>((product + (std::uint64_t{1} << shift) - 1) >> shift);
+  }
 };
 
 /// Limits of all axes for one length of the beat.

@@ -41,13 +41,13 @@ std::int64_t most_steps(const AxisProfile& p) {
 }
 
 /// Highest speed that full braking takes away over a way: v^2 / 2 = way, at most the limit.
-std::int64_t braking_speed_q32(const AxisLimits& axis, std::int64_t steps) {
+std::int32_t braking_speed_qs(const AxisLimits& axis, std::int64_t steps) {
   if (steps <= 0) return 0;
   // Ramps of whole ticks are up to a few parts in a thousand longer than they should be.
-  const std::int64_t way = axis.displacement_q32((steps << 32) - (steps << (32 - ramp_share_bits)));
-  if (way >= max_displacement_q32) return axis.speed_q32;
-  const std::int64_t speed = sqrt_down_q32(2 * way);
-  return speed < axis.speed_q32 ? speed : axis.speed_q32;
+  const auto all = static_cast<std::uint64_t>(axis.displacement_qs(steps));
+  const std::uint64_t way = all - (all >> ramp_share_bits);
+  if (way >= axis.scale.far / 8) return axis.scale.limit_qs;
+  return static_cast<std::int32_t>(nearly_isqrt(way << (axis.scale.bits + 1)));
 }
 
 }  // namespace
@@ -115,12 +115,13 @@ bool Planner::set_up_way(std::uint32_t i) {
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
     const std::int32_t steps = target(i).steps[index(a)];
-    const std::int64_t displacement =
-        i == 0 ? way_q32(request_->start.axis[index(a)].position_q64, steps)
-               : (std::int64_t{steps} - target(i - 1).steps[index(a)]) * one_q32;
-    const std::int64_t q = axis.displacement_q32(displacement);
-    if (abs64(q) > max_displacement_q32) return false;
-    way.displacement_qs[index(a)] = q >> (32 - axis.scale.bits);
+    const std::int64_t q =
+        i == 0
+            ? axis.displacement_q32(way_q32(request_->start.axis[index(a)].position_q64, steps)) >>
+                  (32 - axis.scale.bits)
+            : axis.displacement_qs(std::int64_t{steps} - target(i - 1).steps[index(a)]);
+    if (abs64(q) > max_displacement_q32 >> (32 - axis.scale.bits)) return false;
+    way.displacement_qs[index(a)] = q;
     way.allowed[index(a)] = rest ? SpeedRange{} : allowed_speeds(axis, steps);
   }
   return set_beats(way, i);
@@ -129,8 +130,7 @@ bool Planner::set_up_way(std::uint32_t i) {
 SpeedRange Planner::allowed_speeds(const AxisLimits& axis, std::int32_t steps) const {
   const std::int64_t below = std::int64_t{steps} - axis.min_steps;
   const std::int64_t above = std::int64_t{axis.max_steps} - steps;
-  const std::int32_t speed =
-      axis.scale.scaled(braking_speed_q32(axis, below < above ? below : above));
+  const std::int32_t speed = braking_speed_qs(axis, below < above ? below : above);
   return {-speed, speed};
 }
 
@@ -141,9 +141,9 @@ bool Planner::set_beats(Way& way, std::uint32_t i) const {
   std::int64_t first = hurried ? 1 : request_->least_beats;
   if (at_least > first) first = at_least;
   for (int a = 0; a < limits_->axes; ++a) {
-    const std::int64_t beats =
-        abs64(way.displacement_qs[index(a)]) / limits_->axis[index(a)].scale.limit_qs + 1;
-    if (beats > first) first = beats;
+    const std::int64_t q = abs64(way.displacement_qs[index(a)]);
+    const std::int32_t limit = limits_->axis[index(a)].scale.limit_qs;
+    if (q >= limit * first) first = q / limit + 1;
   }
   if (first > window_.most_beats) return false;
   way.first_beats = static_cast<std::int32_t>(first);
@@ -292,15 +292,20 @@ bool Planner::axis_inside(std::uint32_t i, int a, const MotionState& from) const
 std::uint32_t Planner::shot_window_ticks(std::uint32_t i) const {
   // |speed| <= v + A t on both sides of the point: v t + A t^2 / 2 = tolerance.
   // Never more than a quarter beat: an edge that far off belongs to no beat.
-  std::int64_t least_q32 = one_q32 / 4;
+  std::uint32_t least = limits_->beat_ticks / 4;
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
-    const std::int64_t v = abs64(speed_q32(i, a));
-    const std::int64_t root = sqrt_down_q32(mul_q32(v, v) + 2 * axis.shot_way_q32);
-    const std::int64_t t = root > v ? root - v : 0;
-    if (t < least_q32) least_q32 = t;
+    const int bits = axis.scale.bits;
+    const std::int32_t v = speed_qs_[i][index(a)];
+    const auto speed = static_cast<std::uint32_t>(v < 0 ? -v : v);
+    const auto way = static_cast<std::uint64_t>(axis.shot_way_q32 >> (32 - bits));
+    if (way >= (speed >> 2) + (std::uint32_t{1} << bits >> 5)) continue;  // enough for a quarter
+    const std::uint32_t root = nearly_isqrt(wide_product(speed, speed) + (way << (bits + 1)));
+    const std::uint64_t t = root > speed ? root - speed : 0;
+    const auto ticks = static_cast<std::uint32_t>(t * limits_->beat_ticks >> bits);
+    if (ticks < least) least = ticks;
   }
-  return static_cast<std::uint32_t>((least_q32 * limits_->beat_ticks) >> 32);
+  return least;
 }
 
 }  // namespace lamplock::motion

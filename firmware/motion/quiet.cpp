@@ -19,10 +19,10 @@ SpeedRange both(const SpeedRange& box, const SpeedRange& other) {
 
 /// x share / 2^15, for a share of at most 2^15 and |x| < 2^31.
 std::int32_t part(std::int32_t x, std::int32_t share_q15) {
-  return (x >> 15) * share_q15 + static_cast<std::int32_t>(
-                                     (static_cast<std::uint32_t>(x) & 0x7fffu) *
-                                         static_cast<std::uint32_t>(share_q15) >>
-                                     15);
+  return (x >> 15) * share_q15 +
+         static_cast<std::int32_t>((static_cast<std::uint32_t>(x) & 0x7fffu) *
+                                       static_cast<std::uint32_t>(share_q15) >>
+                                   15);
 }
 
 /// Speeds of one axis.

@@ -1,5 +1,7 @@
 #include "firmware/motion/scaled_reach.hpp"
 
+#include <bit>
+
 namespace lamplock::motion {
 namespace {
 
@@ -12,6 +14,26 @@ std::uint32_t bits_of(std::int32_t x) { return static_cast<std::uint32_t>(x); }
 
 /// Root, rounded down and up to two units less.
 std::int32_t root(std::uint64_t x) { return static_cast<std::int32_t>(nearly_isqrt(x)); }
+
+/// The same of a product of two positive numbers, in 32 bits: no more than 2^-28 of itself and one
+/// unit too small.
+std::int32_t root_of_product(std::int32_t x, std::int32_t y) {
+  const int x_shift = std::countl_zero(bits_of(x)) - 1, y_shift = std::countl_zero(bits_of(y)) - 1;
+  const std::uint32_t a = bits_of(x) << x_shift, b = bits_of(y) << y_shift;
+  // Upper half of the product, at most three too small.
+  const std::uint32_t a1 = a >> 16, a0 = a & 0xffffu, b1 = b >> 16, b0 = b & 0xffffu;
+  std::uint32_t n = a1 * b1 + (a1 * b0 >> 16) + (a0 * b1 >> 16);
+  int shift = x_shift + y_shift;
+  if ((shift & 1) != 0) {
+    n <<= 1;
+    ++shift;
+  }
+  if (n >= 1u << 30) {
+    n >>= 2;
+    shift -= 2;
+  }
+  return static_cast<std::int32_t>((root_of_upper_half(n) - 2) >> (shift / 2));
+}
 
 /// A time, as far as it can be written like a speed.
 struct Time {
@@ -39,8 +61,7 @@ std::int32_t largest_end_qs(const AxisScale& axis, const Time& time, std::int32_
   const std::int32_t limit = axis.limit_qs;
   if (time.t_qs != 0) {
     const std::int32_t spare = time.t_qs / 2 + mean_down - v;
-    const std::int32_t r =
-        spare > 0 ? root(wide_product(bits_of(time.t_qs), bits_of(spare))) : 0;
+    const std::int32_t r = spare > 0 ? root_of_product(time.t_qs, spare) : 0;
     const std::int32_t dip = v - time.t_qs + r;
     if (dip >= -limit) return dip + r < limit ? dip + r : limit;
   }
@@ -62,7 +83,8 @@ AxisScale make_scale(std::int64_t speed_limit_q32) {
   scale.limit_qs = scale.scaled(speed_limit_q32);
   const std::uint64_t square = wide_product(bits_of(scale.limit_qs), bits_of(scale.limit_qs));
   scale.far = (4 * square >> scale.bits) + 1;
-  scale.lasting_beats = static_cast<std::int32_t>(8 * std::int64_t{scale.limit_qs} >> scale.bits) + 1;
+  scale.lasting_beats =
+      static_cast<std::int32_t>(8 * std::int64_t{scale.limit_qs} >> scale.bits) + 1;
   return scale;
 }
 

@@ -7,8 +7,8 @@
 // cycles on a Cortex-M0+, a third of what reach() takes.
 //
 // Normalised as in reach.hpp: time in beats, acceleration limit = 1, a speed v/A in beats. Speeds
-// are fixed point with as many fractional bits as the axis' limit leaves ("qs", q scaled): the limit
-// has 27 bits, so a unit is 2^-27 of it or less. Every bound is rounded inwards.
+// are fixed point with as many fractional bits as the axis' limit leaves ("qs", q scaled): the
+// limit has 27 bits, so a unit is 2^-27 of it or less. Every bound is rounded inwards.
 //
 // With the mean speed m = q/t of a displacement q in the time t:
 //   least start speed    m - t/2, or V - sqrt(2 t (V - m)) where that would pass the limit V
@@ -23,10 +23,10 @@
 
 namespace lamplock::motion {
 
-/// Closed range of normalised speeds of an axis.
+/// Closed range of normalised speeds of an axis. Not initialised, for there are many of them.
 struct SpeedRange {
-  std::int32_t lo_qs = 0;
-  std::int32_t hi_qs = 0;
+  std::int32_t lo_qs;
+  std::int32_t hi_qs;
 
   constexpr bool contains(std::int32_t v) const { return lo_qs <= v && v <= hi_qs; }
   constexpr bool contains(const SpeedRange& other) const {
@@ -78,13 +78,21 @@ inline MeanSpeed mean_speed(std::int64_t displacement_qs, std::int32_t beats) {
 bool reach(const AxisScale& axis, const SpeedRange& from, const MeanSpeed& mean, std::int32_t beats,
            SpeedRange& to);
 
-/// False if reach() is sure to say no: without a root.
-inline bool can_reach(const AxisScale& axis, const SpeedRange& from, const MeanSpeed& mean,
-                      std::int32_t beats) {
-  if (mean.up_qs > axis.limit_qs || mean.down_qs < -axis.limit_qs) return false;
-  if (beats >= axis.lasting_beats) return true;
-  const std::int32_t half = (beats << axis.bits) / 2;
-  return from.hi_qs >= mean.up_qs - half && from.lo_qs <= mean.down_qs + half;
+/// False if no speed of one range can be joined to one of the other, where that is clear without a
+/// root: in whole units of 2^-8 and products of 32 bits. Some v0 and v1 must satisfy both
+/// |q - v0 t| <= t^2 / 2 and |q - (v0 + v1) t / 2| <= t^2 / 4.
+inline bool can_join(const AxisScale& axis, const SpeedRange& from, const SpeedRange& to,
+                     std::int64_t displacement_qs, std::int32_t beats) {
+  constexpr int fine_bits = 8;
+  constexpr std::int32_t most_beats = 512;
+  if (beats >= axis.lasting_beats || beats >= most_beats) return true;
+  const auto q = static_cast<std::int32_t>(displacement_qs >> fine_bits);
+  const std::int32_t half = ((beats << axis.bits) >> (fine_bits + 1)) * beats + beats + 1;
+  const std::int32_t start_hi = (from.hi_qs >> fine_bits) + 1, start_lo = from.lo_qs >> fine_bits;
+  if (start_hi * beats + half < q || start_lo * beats - half > q) return false;
+  const std::int32_t end_hi = (to.hi_qs >> fine_bits) + 1, end_lo = to.lo_qs >> fine_bits;
+  return ((start_hi + end_hi) * beats + half) / 2 >= q - 1 &&
+         ((start_lo + end_lo) * beats - half) / 2 <= q + 1;
 }
 
 }  // namespace lamplock::motion

@@ -28,14 +28,14 @@ bool fits_between_rests(const AxisScale& axis, std::int64_t way, std::int32_t be
   if (beats < axis.lasting_beats) {
     const std::int32_t half = (beats << axis.bits) / 2;
     if (half <= axis.limit_qs)
-      return static_cast<std::int64_t>(wide_product(static_cast<std::uint32_t>(half),
-                                                    static_cast<std::uint32_t>(beats)) /
-                                       2) >= way;
+      return static_cast<std::int64_t>(
+                 wide_product(static_cast<std::uint32_t>(half), static_cast<std::uint32_t>(beats)) /
+                 2) >= way;
   }
   const auto limit = static_cast<std::uint32_t>(axis.limit_qs);
   const auto ramp = wide_product(limit, limit) >> axis.bits;
-  return static_cast<std::int64_t>(
-             wide_product(limit, static_cast<std::uint32_t>(beats)) - ramp) >= way;
+  return static_cast<std::int64_t>(wide_product(limit, static_cast<std::uint32_t>(beats)) - ramp) >=
+         way;
 }
 
 /// No more than that takes.
@@ -50,7 +50,7 @@ std::int32_t least_between_rests(const AxisScale& axis, std::int64_t way) {
 /// most beats, since each falls and then rises, or rises and then falls, with the time.
 SpeedRange hull_before(const Window& window, const Way& way, int a) {
   const AxisScale& axis = window.scale(a);
-  SpeedRange hull, side;
+  SpeedRange hull{}, side;
   std::int32_t first = way.fixed_beats != 0 ? way.fixed_beats : way.first_beats;
   const std::int32_t last = way.fixed_beats != 0 ? way.fixed_beats : way.last_beats;
   const SpeedRange& to = way.allowed[index(a)];
@@ -73,8 +73,7 @@ bool step(const Window& window, const Way& way, const Box& from, std::int32_t be
   if (beats > window.most_beats) return false;
   for (int a = 0; a < window.axes(); ++a) {
     SpeedRange& side = to[index(a)];
-    if (!reach(window.scale(a), from[index(a)], mean_of(way, a, beats), beats, side))
-      return false;
+    if (!reach(window.scale(a), from[index(a)], mean_of(way, a, beats), beats, side)) return false;
     if (!cut(side, way.allowed[index(a)])) return false;
   }
   return true;
@@ -91,9 +90,12 @@ bool step_back(const Window& window, std::uint32_t i, const Box& to, std::int32_
   return true;
 }
 
-bool can_step(const Window& window, const Way& way, const Box& from, std::int32_t beats) {
+bool can_join(const Window& window, const Way& way, const Box& from, const Box& to,
+              std::int32_t beats) {
   for (int a = 0; a < window.axes(); ++a)
-    if (!can_reach(window.scale(a), from[index(a)], mean_of(way, a, beats), beats)) return false;
+    if (!can_join(window.scale(a), from[index(a)], to[index(a)], way.displacement_qs[index(a)],
+                  beats))
+      return false;
   return true;
 }
 
@@ -108,12 +110,26 @@ std::int32_t beats_at_rest(const Window& window, const Way& way, std::int32_t mo
   return beats <= most ? beats : 0;
 }
 
+namespace {
+
+/// No fewer than from the best of all speeds that are allowed at its start.
+void raise_first_beats(const Window& window, Way& way, const Box& from) {
+  if (way.fixed_beats != 0) return;
+  while (way.first_beats < way.last_beats &&
+         !can_join(window, way, from, way.allowed, way.first_beats))
+    ++way.first_beats;
+}
+
+}  // namespace
+
 void guide(Window& window) {
   for (std::uint32_t i = window.count; --i > 0;) {
-    const Way& way = window.ways[i];
-    for (int a = 0; a < window.axes(); ++a)
-      cut(window.ways[i - 1].allowed[index(a)], hull_before(window, way, a));
+    Way& way = window.ways[i];
+    Box& before = window.ways[i - 1].allowed;
+    for (int a = 0; a < window.axes(); ++a) cut(before[index(a)], hull_before(window, way, a));
+    raise_first_beats(window, way, before);
   }
+  raise_first_beats(window, window.ways[0], window.start);
 }
 
 }  // namespace lamplock::motion

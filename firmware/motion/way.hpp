@@ -5,11 +5,12 @@
 //      of the window can be done.
 // Called by the planner (main loop), once per window.
 //
-// Units as in scaled_reach.hpp. The work space bounds the speeds at a point in two ways: ahead, full
-// braking must take the speed away before it ends, v^2 / 2 <= way left; behind, full acceleration
-// must have made it since, which is the same seen backwards in time. So |v| is no more than what
-// the way to the nearer end allows. Both bounds are necessary for any motion inside, and with them
-// a profile inside exists for every way that reach() calls possible (profile.hpp, steady profile).
+// Units as in scaled_reach.hpp. The work space bounds the speeds at a point in two ways: ahead,
+// full braking must take the speed away before it ends, v^2 / 2 <= way left; behind, full
+// acceleration must have made it since, which is the same seen backwards in time. So |v| is no more
+// than what the way to the nearer end allows. Both bounds are necessary for any motion inside, and
+// with them a profile inside exists for every way that reach() calls possible (profile.hpp, steady
+// profile).
 #pragma once
 
 #include <array>
@@ -58,8 +59,9 @@ bool step(const Window& window, const Way& way, const Box& from, std::int32_t be
 /// at the end of way `i` can be had.
 bool step_back(const Window& window, std::uint32_t i, const Box& to, std::int32_t beats, Box& from);
 
-/// False if step() is sure to say no: without a root or a division.
-bool can_step(const Window& window, const Way& way, const Box& from, std::int32_t beats);
+/// False if step() from one box is sure to miss the other one: without a root or a division.
+bool can_join(const Window& window, const Way& way, const Box& from, const Box& to,
+              std::int32_t beats);
 
 /// Fewest beats of a way from rest to rest; 0 if there are more than `most`.
 std::int32_t beats_at_rest(const Window& window, const Way& way, std::int32_t most);
