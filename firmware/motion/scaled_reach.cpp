@@ -43,7 +43,8 @@ struct Time {
 
 /// Least start speed, not below -V, from which the way can be covered: accelerate all the way, at
 /// most to the limit.
-std::int32_t least_start_qs(const AxisScale& axis, const Time& time, std::int32_t mean_up) {
+[[gnu::always_inline]] inline std::int32_t least_start_qs(const AxisScale& axis, const Time& time,
+                                                          std::int32_t mean_up) {
   const std::int32_t limit = axis.limit_qs;
   std::int32_t least = -limit;
   if (time.t_qs != 0 && mean_up <= limit - time.t_qs / 2) {

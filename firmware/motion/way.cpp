@@ -103,6 +103,7 @@ std::int32_t beats_at_rest(const Window& window, const Way& way, std::int32_t mo
   std::int32_t beats = way.first_beats;
   for (int a = 0; a < window.axes(); ++a) {
     const std::int64_t q = abs64(way.displacement_qs[index(a)]);
+    if (fits_between_rests(window.scale(a), q, beats)) continue;
     const std::int32_t least = least_between_rests(window.scale(a), q);
     if (beats < least) beats = least;
     while (beats <= most && !fits_between_rests(window.scale(a), q, beats)) ++beats;
