@@ -114,6 +114,7 @@ void Controller::end_overrides() {
   const bool over = state_ == MachineState::idle || state_ == MachineState::alarm ||
                     state_ == MachineState::estop;
   if (!overridden_ || !over || !runner_.at_rest() || shots_.undecided()) return;
+  if (!runner_.plan_at_home()) return;  // it reads the settings
   overridden_ = false;
   use_settings(stored_);
 }
@@ -184,6 +185,7 @@ Result Controller::change_beat(std::uint32_t milli_hz) {
 // Called with beat and fill interrupts masked, as all of prepare() is.
 void Controller::follow_new_beat() {
   if (next_beat_milli_hz_ == 0 || !runner_.at_rest() || shots_.undecided()) return;
+  if (!runner_.plan_at_home()) return;
   runner_.read_outcomes();
   settings::Values values = values_;
   values.set_milli(Id::lamp_frequency, next_beat_milli_hz_);
@@ -434,6 +436,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
   const lamp::ShotRules rules = shot_rules(values);
   RunOptions options;
+  runner_.recall_plan();
   {
     const Masked masked(mask_);
     overridden_ = !(values == stored_);
@@ -575,6 +578,7 @@ int Controller::change_setting(std::string_view line) {
   std::uint16_t setting = 0;
   if (check_settings(values, setting) != Result::ok) return error_setting_range;
   if (values == stored_) return 0;
+  runner_.recall_plan();
   stored_ = values;
   store_due_ = true;
   const Masked masked(mask_);
@@ -583,6 +587,7 @@ int Controller::change_setting(std::string_view line) {
 }
 
 void Controller::restore_defaults() {
+  runner_.recall_plan();
   stored_ = settings::Values{};
   store_due_ = true;
   const Masked masked(mask_);

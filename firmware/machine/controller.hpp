@@ -8,7 +8,8 @@
 //   new_connection      main loop             on change         before the first bytes of another
 //                                                               host, or of one that was away
 //   prepare             main loop             1 ms              state; true: something to plan
-//   plan                main loop             when so told      a slice of planning, up to 10 ms
+//   plan                main loop, or         when so told      a slice of planning, up to 10 ms
+//                       another core alone
 //   commit              main loop             after prepare     motion handed out, answers
 //   input_changed       main loop             on change         e-stop, door, limit switches; at
 //                                                               power-up for each active one
@@ -27,7 +28,9 @@
 // prepare(), commit(), input_changed() and stopped_at(), each some 0.2 ms at most; receive() masks
 // them itself where it has to (InterruptMask), since most of its time goes into data of its own;
 // plan() may be interrupted for as long as it takes, and does its
-// work slice by slice: between two of them the main loop goes round.
+// work slice by slice: between two of them the main loop goes round. A board with two cores has the
+// other one do that, whenever plan_waits(), and its main loop never: all else belongs to that.
+// What both may touch, and when, is in job_runner.hpp and hand_over.hpp.
 //
 // Safety: outputs().fire_enable is false whenever there is any doubt; a board must take firing away
 // within one call of seeing it, and the hardware on e-stop by itself.
@@ -99,8 +102,6 @@ class Controller {
   void new_connection() { link_.new_connection(); }
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
   bool prepare(std::uint64_t clock);
-  /// True if there is more to do: to be called again, with other work in between.
-  bool plan() { return runner_.plan(values_, stored_); }
   void commit();
   void input_changed(Input input, bool active);
   /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.
@@ -126,6 +127,14 @@ class Controller {
   bool loader_requested() const { return loader_requested_; }
   /// Tells whoever listens: "[MSG:text]".
   void say(std::string_view text);
+
+  // Main loop, or another core that does nothing else.
+  /// True if there is more to do: to be called again, with other work in between.
+  bool plan() { return runner_.plan(values_, stored_); }
+  /// There is one to be made, and nobody is at it.
+  bool plan_waits() const { return runner_.hand_over().waits(); }
+  /// Somebody plans, or ought to: a board with two cores sees to it that this ends.
+  bool planning() const { return runner_.hand_over().busy(); }
 
   // Interrupts of the board.
   void fill(stepper::TickBlock& block, std::uint32_t max_ticks) { runner_.fill(block, max_ticks); }

@@ -17,6 +17,9 @@ constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
 }  // namespace
 
+JobRunner::JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots)
+    : clock_(clock), shots_(shots) {}
+
 void JobRunner::begin(const RunOptions& options, const settings::Values& values,
                       std::uint32_t first) {
   clear();
@@ -27,10 +30,11 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   starvations_ = misses_ = 0;
   job_speed_ = full_job_speed;
   plan_.begin_job(values, clock_.beat_ticks(), options.shortest_tick_q16);
+  brake_limits_ = plan_.brake_limits();
 }
 
 void JobRunner::clear() {
-  plan_.abandon();
+  hand_over_.recall();
   options_ = RunOptions{};
   queue_.reset(0);
   next_ = {};
@@ -38,9 +42,22 @@ void JobRunner::clear() {
   returning_ = starving_ = braked_ = waiting_for_beam_ = false;
 }
 
+bool JobRunner::plan(const settings::Values& values, const settings::Values& own) {
+  return hand_over_.slice([&] { return plan_.advance(values, own); });
+}
+
+bool JobRunner::plan_at_home() const { return hand_over_.at_home(); }
+
+void JobRunner::recall_plan() {
+  hand_over_.recall();
+  while (!hand_over_.at_home()) {
+  }
+}
+
 void JobRunner::change_beat(const settings::Values& values, std::int32_t least_beats) {
   options_.least_beats = least_beats;
   plan_.begin_job(values, clock_.beat_ticks(), shortest_tick_q16());
+  brake_limits_ = plan_.brake_limits();
   shots_.cancel_after(0);  // beats have other numbers now
   next_ = {queue_.begin(), 0};
   from_rest_ = astray_ = true;
@@ -73,7 +90,7 @@ void JobRunner::read_outcomes() {
 }
 
 void JobRunner::go_back() {
-  plan_.abandon();
+  hand_over_.recall();
   // What is being run is carried to its end; what has not begun is taken back.
   segments_.clear();
   provisional_ = 0;
@@ -228,11 +245,12 @@ bool JobRunner::prepare(bool go) {
   read_outcomes();
   if (provisional_begun()) keep_provisional();
   if (!go || braked_) {
-    plan_.abandon();
+    hand_over_.recall();
     return false;
   }
-  if (plan_.started()) return true;
-  if (!may_plan() || !prepare_start()) return false;
+  if (hand_over_.asked()) return true;
+  // What was recalled belongs to the planner until the end of its slice.
+  if (!hand_over_.at_home() || !may_plan() || !prepare_start()) return false;
   motion::PlanRequest& request = plan_.request();
   request.queue = &queue_;
   request.mode = options_.mode;
@@ -240,13 +258,14 @@ bool JobRunner::prepare(bool go) {
   request.start = plan_state_;
   request.follows = !astray_;
   plan_.start({shortest_tick_q16(), job_speed_}, clock_.longest_tick_q16());
+  hand_over_.hand_out();
   return true;
 }
 
 Result JobRunner::commit() {
-  if (!plan_.over()) return Result::ok;
+  if (!hand_over_.complete()) return Result::ok;
+  hand_over_.recall();
   const bool found = plan_.found();
-  plan_.abandon();
   // Planning took too long and what it started from has passed, or there is no way on from there.
   if (provisional_begun() || (!found && provisional_ != 0)) {
     keep_provisional();
@@ -266,7 +285,7 @@ void JobRunner::take_back_provisional() {
 }
 
 void JobRunner::keep_provisional() {
-  plan_.abandon();
+  hand_over_.recall();
   provisional_ = 0;
   plan_state_ = rest_state_;
   from_rest_ = true;
@@ -285,6 +304,7 @@ void JobRunner::start_later() {
 
 void JobRunner::commit_plan() {
   const std::uint32_t count = plan_.request().commits();
+  brake_limits_ = plan_.brake_limits();
   take_back_provisional();
   start_later();
   clock_.set_least_tick(plan_state_.tick, plan_.least_tick_q16());
@@ -320,7 +340,7 @@ void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& b
 
 void JobRunner::commit_brake() {
   clock_.keep_tick_length(plan_state_.tick);
-  const stepper::Segment s = motion::make_brake(plan_state_, plan_.brake_limits());
+  const stepper::Segment s = motion::make_brake(plan_state_, brake_limits_);
   segments_.push(s);
   provisional_ = 1;
   rest_state_ = s.end;
@@ -329,7 +349,7 @@ void JobRunner::commit_brake() {
 }
 
 void JobRunner::brake() {
-  plan_.abandon();
+  hand_over_.recall();
   segments_.clear();
   provisional_ = 0;
   const stepper::MotionState head = generator_.state();
@@ -338,7 +358,7 @@ void JobRunner::brake() {
   shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
   // Also where the speed is zero for a moment, at the start of a segment or at a turn.
   if (generator_.running()) {
-    const stepper::Segment s = motion::make_brake(head, plan_.brake_limits());
+    const stepper::Segment s = motion::make_brake(head, brake_limits_);
     generator_.replace(s);
     plan_state_ = s.end;
     clock_.set_motion_end(plan_state_.tick);
@@ -350,7 +370,7 @@ void JobRunner::brake() {
 }
 
 void JobRunner::halt() {
-  plan_.abandon();
+  hand_over_.recall();
   generator_.halt();
   segments_.clear();
   provisional_ = 0;

@@ -3,16 +3,28 @@
 // In:  targets (decoder), outcomes of shots (scheduler), the lamp (beat clock), orders: hold,
 //      resume, stop.
 // Out: segments for the tick generator, plans of beats for the shot scheduler.
-// Called from the main loop only. One window is planned at a time, in three steps, so that a board
-// with real interrupts masks beat and fill interrupts for the short ones alone:
+// Called from the main loop, but for plan(). One window is planned at a time, in three steps, so
+// that a board with real interrupts masks beat and fill interrupts for the short ones alone:
 //
 //   prepare()  masked     reads outcomes, takes back what was missed, decides whether to plan
-//   plan()     unmasked   a slice of it (window_plan.hpp), on data that no interrupt touches; the
-//                         main loop goes round until it is complete
+//   plan()     unmasked   a slice of it (window_plan.hpp), on data that no interrupt touches, until
+//                         it is complete: by the main loop, or by another core while that goes on
 //   commit()   masked     hands the plan out; a start from rest moves on by whole beats if planning
 //                         has outlasted its margin
 //
 // Of the rest, what touches motion or shots (read_outcomes, brake, halt) is called masked.
+//
+// Who owns what while a plan is handed out (hand_over.hpp):
+//
+//   the planner's     plan_ with request, limits and scratch memory
+//   nobody changes    the settings that plan() is given; targets from the first one in the request
+//                     on: they are not done yet, so no new ones take their place
+//   the main loop's   everything else: queue_ (but for those targets), clock_, shots_, segments_,
+//                     generator_, brake_limits_, where the next plan starts
+//
+// A plan that is not wanted any more is only marked so, and the planner stops after the slice it is
+// in. Until then no other is begun, and who wants to change settings or to begin a job waits for
+// it: recall_plan(), or asks for plan_at_home() where it must not wait.
 //
 // One primitive serves start, resume, a missed flash, starvation and re-lock: plan from the state
 // where committed motion ends to the points that are not done yet, in order.
@@ -46,6 +58,7 @@
 
 #include "firmware/lamp/beat_clock.hpp"
 #include "firmware/lamp/shot_scheduler.hpp"
+#include "firmware/machine/hand_over.hpp"
 #include "firmware/machine/window_plan.hpp"
 #include "firmware/motion/point_queue.hpp"
 #include "firmware/stepper/segment_queue.hpp"
@@ -65,29 +78,31 @@ struct RunOptions {
 /// Runs one job at a time.
 class JobRunner {
  public:
-  JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots) : clock_(clock), shots_(shots) {}
+  JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots);
 
   /// Starts a job whose first point has index `first`, at full job speed; the machine must be at
-  /// rest.
+  /// rest, no plan handed out.
   void begin(const RunOptions& options, const settings::Values& values, std::uint32_t first);
   /// 1..highest_job_speed percent from the next plan on.
   void set_job_speed(std::uint32_t percent) { job_speed_ = percent; }
   std::uint32_t job_speed() const { return job_speed_; }
-  /// Forgets the job. The machine must be at rest.
-  void clear();
-  /// Goes on under another beat, which the clock has already; the machine is at rest and the board
-  /// holds no token. What was planned and not fired is planned anew.
+  /// Goes on under another beat, which the clock has already; the machine is at rest, no plan is
+  /// handed out and the board holds no token. What was planned and not fired is planned anew.
   void change_beat(const settings::Values& values, std::int32_t least_beats);
   motion::PointQueue& queue() { return queue_; }
   const motion::PointQueue& queue() const { return queue_; }
 
-  /// Reads outcomes; true if `go` and there is something to plan now.
+  /// Reads outcomes; true if `go` and there is a plan to be made, or one to commit.
   bool prepare(bool go);
   /// Plans a slice of what prepare() has found, for the job's settings on a machine with its own;
-  /// false when the plan is complete.
-  bool plan(const settings::Values& values, const settings::Values& own) {
-    return plan_.advance(values, own);
-  }
+  /// false when there is nothing more to do. The planner's: main loop or another core, one of them.
+  bool plan(const settings::Values& values, const settings::Values& own);
+  /// For who plans on another core, and for who waits for it.
+  const HandOver& hand_over() const { return hand_over_; }
+  /// The plan, if there is one, is not wanted any more; waits for the end of a slice. Unmasked.
+  void recall_plan();
+  /// Nobody plans, and nobody will before the next prepare().
+  bool plan_at_home() const;
   /// Hands out what was planned. Error: unreachable (failed_point()).
   Result commit();
   /// What the hardware has done so far, nothing else.
@@ -122,6 +137,7 @@ class JobRunner {
   stepper::TickGenerator& generator() { return generator_; }
 
  private:
+  void clear();
   /// Where handing out goes on.
   struct Place {
     std::uint32_t point = 0;      ///< first target not handed out whole
@@ -149,9 +165,11 @@ class JobRunner {
   lamp::ShotScheduler& shots_;
   motion::PointQueue queue_;
   stepper::SegmentQueue segments_;
-  WindowPlan plan_;        ///< from prepare() to commit()
-  bool has_shot_ = false;  ///< among these points, the first one through
-  lamp::Beam first_beam_;  ///< this beam
+  HandOver hand_over_;  ///< of plan_, from prepare() to commit()
+  WindowPlan plan_;
+  motion::BrakeLimits brake_limits_;  ///< of what was committed last
+  bool has_shot_ = false;             ///< among these points, the first one through
+  lamp::Beam first_beam_;             ///< this beam
   bool waiting_for_beam_ = false;
   bool gone_to_ = false;  ///< the first way of the request only leads to its dwell
   std::uint32_t job_speed_ = full_job_speed;

@@ -34,7 +34,6 @@ settings::Values at_job_speed(const settings::Values& job, const settings::Value
 
 void WindowPlan::begin_job(const settings::Values& values, std::uint32_t beat_ticks,
                            std::uint32_t tick_q16) {
-  abandon();
   beat_ticks_ = beat_ticks;
   fastest_ = full_job_speed;
   pace_ = {tick_q16, full_job_speed};
@@ -92,7 +91,8 @@ const motion::Limits* WindowPlan::attempt_limits(const settings::Values& values,
   if (attempt_ == Attempt::longer ? pace.tick_q16 == full_tick_q16 : pace == pace_) return &limits_;
   if (attempt_ == Attempt::wanted) {
     if (pace.job_speed > fastest_) fastest_ = pace.job_speed;
-    make_limits(values, own, {pace.tick_q16, fastest_}, brake_limits_);
+    if (make_limits(values, own, {pace.tick_q16, fastest_}, new_limits_))
+      brake_limits_ = new_limits_;
   }
   return make_limits(values, own, pace, new_limits_) ? &new_limits_ : nullptr;
 }

@@ -2,8 +2,8 @@
 //
 // In:  a request (points, start), the pace it should be run at, the settings.
 // Out: segments of the planner, or that there is no way and at which point.
-// Called by the job runner from the main loop, slice by slice: start() and what follows it are
-// short, advance() takes a millisecond or two a call.
+// Called by the job runner: start() and what follows it are short; advance() does a slice, of a
+// millisecond or two, perhaps on another core, to which all of this then belongs (hand_over.hpp).
 //
 // Attempts, one after the other until one finds a way:
 //   wanted   limits for the shortest tick to expect and the job speed asked for
@@ -51,14 +51,10 @@ class WindowPlan {
   const motion::PlanRequest& request() const { return request_; }
   /// The request is complete. `longest_tick_q16`: how long a tick may be made, as master.
   void start(const Pace& wanted, std::uint32_t longest_tick_q16);
-  /// What was started is not wanted any more.
-  void abandon() { step_ = Step::idle; }
-  bool started() const { return step_ != Step::idle; }
 
   /// Goes on; false when there is nothing left to do.
   bool advance(const settings::Values& values, const settings::Values& own);
-  /// advance() has come to its end.
-  bool over() const { return step_ == Step::over; }
+  // When advance() has come to its end.
   /// There is a way; if not, where in the request it ends.
   bool found() const { return found_; }
   std::uint32_t failed() const { return planner_.failed(); }
@@ -68,10 +64,10 @@ class WindowPlan {
   /// Ticks of this length were planned for, and limits of this shortest tick.
   std::uint32_t tick_length_q16() const { return tick_length_q16_; }
   std::uint32_t least_tick_q16() const { return pace_.tick_q16; }
-  const motion::Limits& brake_limits() const { return brake_limits_; }
+  const motion::BrakeLimits& brake_limits() const { return brake_limits_; }
 
  private:
-  enum class Step : std::uint8_t { idle, ready, planning, over };
+  enum class Step : std::uint8_t { ready, planning, over };
   enum class Attempt : std::uint8_t { wanted, before, longer };
   static constexpr std::uint32_t longer_tries = 3;
 
@@ -89,7 +85,8 @@ class WindowPlan {
 
   motion::Planner planner_;
   motion::PlanRequest request_;
-  motion::Limits limits_, new_limits_, brake_limits_;
+  motion::Limits limits_, new_limits_;
+  motion::BrakeLimits brake_limits_;
   Pace pace_;    ///< of limits_
   Pace wanted_;  ///< at start()
   Pace trying_;
@@ -99,7 +96,7 @@ class WindowPlan {
   std::uint32_t tick_length_q16_ = full_tick_q16;
   std::uint32_t longer_ = 0;      ///< tries of longer ticks so far
   std::uint64_t least_time_ = 0;  ///< of them, ticks times their length
-  Step step_ = Step::idle;
+  Step step_ = Step::over;
   Attempt attempt_ = Attempt::wanted;
   bool found_ = false;
 };

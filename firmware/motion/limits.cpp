@@ -98,6 +98,10 @@ std::int64_t shot_tolerance_q32(const settings::Values& values, int a) {
 
 }  // namespace
 
+BrakeLimits::BrakeLimits(const Limits& limits) : axes(limits.axes) {
+  for (std::size_t a = 0; a < accel_q62.size(); ++a) accel_q62[a] = limits.axis[a].plan_accel_q62;
+}
+
 Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint32_t tick_q16,
                    Limits& out, std::uint16_t& setting) {
   out.axes = values.whole(Id::axes);

@@ -69,6 +69,16 @@ struct Limits {
   }
 };
 
+/// What a brake is made with: as much of Limits.
+struct BrakeLimits {
+  int axes = 0;
+  PerAxis<std::int64_t> accel_q62{};  ///< steps per tick squared
+
+  BrakeLimits() = default;
+  /// Also where limits are at hand.
+  BrakeLimits(const Limits& limits);  // NOLINT(google-explicit-constructor)
+};
+
 /// Fills `out`. `tick_q16` is the shortest real tick to expect over the nominal one: a shorter tick
 /// makes real speed and acceleration larger, so the limits in ticks fall with its first and second
 /// power. Error: bad_value, with the number of the offending setting in `setting`.

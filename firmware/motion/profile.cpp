@@ -222,20 +222,20 @@ AxisProfile make_brake(std::int64_t v0, std::int64_t accel, std::uint32_t ticks)
   return p;
 }
 
-stepper::Segment make_brake(const stepper::MotionState& from, const Limits& limits) {
+stepper::Segment make_brake(const stepper::MotionState& from, const BrakeLimits& limits) {
   stepper::Segment s;
   s.start_tick = from.tick;
   s.ticks = 1;
   for (int a = 0; a < limits.axes; ++a) {
     const std::uint32_t n =
-        braking_ticks(from.axis[index(a)].speed_q62, limits.axis[index(a)].plan_accel_q62);
+        braking_ticks(from.axis[index(a)].speed_q62, limits.accel_q62[index(a)]);
     if (n > s.ticks) s.ticks = n;
   }
   s.end.tick = s.end_tick();
   for (int a = 0; a < max_axes; ++a) {
     const stepper::AxisState& axis = from.axis[index(a)];
     if (a < limits.axes)
-      s.axis[index(a)] = make_brake(axis.speed_q62, limits.axis[index(a)].plan_accel_q62, s.ticks);
+      s.axis[index(a)] = make_brake(axis.speed_q62, limits.accel_q62[index(a)], s.ticks);
     s.end.axis[index(a)].position_q64 =
         axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2);
   }

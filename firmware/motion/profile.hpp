@@ -46,7 +46,7 @@ AxisProfile make_phases(Int128 distance_q62, std::int64_t v0_q62, std::int64_t v
 AxisProfile make_brake(std::int64_t v0_q62, std::int64_t accel_q62, std::uint32_t ticks);
 
 /// Segment that brakes every axis from `from` at its planning limit, to rest.
-stepper::Segment make_brake(const stepper::MotionState& from, const Limits& limits);
+stepper::Segment make_brake(const stepper::MotionState& from, const BrakeLimits& limits);
 
 /// Least number of ticks to brake to rest.
 std::uint32_t braking_ticks(std::int64_t v0_q62, std::int64_t accel_q62);
