@@ -5,6 +5,9 @@
 #include "firmware/boards/rp2040/fault.hpp"
 #include "firmware/boards/rp2040/interrupts.hpp"
 #include "firmware/boards/rp2040/rom.hpp"
+#include "firmware/boards/rp2040/second_core.hpp"
+
+extern "C" void second_core();
 
 namespace lamplock::rp2040 {
 namespace {
@@ -57,12 +60,22 @@ void Board::start() {
   real_time_.start(core_);
   nvic().iser =
       irqs_of(Level::estop) | irqs_of(Level::beat) | irqs_of(Level::link) | irqs_of(Level::fill);
+  second_core_ = start_second_core(second_core);
+  if (!second_core_) core_.say("Core 1 does not answer: core 0 plans");
 }
 
 void Board::run() {
   start();
   for (;;) {
     if (!pass()) wait_for_interrupt();
+  }
+}
+
+void Board::plan_for_ever() {
+  for (;;) {
+    while (!core_.plan_waits()) wait_for_event();
+    while (core_.plan()) watchdog_.sign(Signer::planner);
+    send_event();
   }
 }
 
@@ -77,9 +90,14 @@ bool Board::pass() {
     note_job();
   }
   if (core_.loader_requested()) enter_loader();
-  watchdog_.sign(Signer::main_loop);
-  watchdog_.service();
+  sign();
   return more;
+}
+
+void Board::sign() {
+  watchdog_.sign(Signer::main_loop);
+  if (!second_core_ || !core_.planning()) watchdog_.sign(Signer::planner);
+  watchdog_.service();
 }
 
 void Board::receive() {
@@ -100,8 +118,12 @@ bool Board::work() {
     real_time_.top_up(core_);
     plan = core_.prepare(real_time_.now());
   }
-  // A slice at a time: the host does not wait for it.
-  if (plan) plan = core_.plan();
+  if (!second_core_) {
+    if (plan) plan = core_.plan();  // a slice at a time: the host does not wait for it
+  } else {
+    if (core_.plan_waits()) send_event();
+    plan = plan && !core_.planning();
+  }
   const machine::Masked masked(mask_);
   real_time_.top_up(core_);
   core_.commit();
@@ -135,6 +157,7 @@ void Board::enter_loader() {
   make_outputs_safe();
   forget_run();
   Watchdog::stop();
+  release_second_core();
   for (;;) reset_to_usb_boot();
 }
 
@@ -145,6 +168,7 @@ void beat_irq() { lamplock::rp2040::board().beat_interrupt(); }
 void usb_irq() { lamplock::rp2040::board().usb_interrupt(); }
 void uart_irq() { lamplock::rp2040::board().uart_interrupt(); }
 void fill_irq() { lamplock::rp2040::board().fill_interrupt(); }
+void second_core() { lamplock::rp2040::board().plan_for_ever(); }
 
 int main() {
   using namespace lamplock::rp2040;

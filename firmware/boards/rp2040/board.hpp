@@ -6,8 +6,14 @@
 // One pass of the main loop takes bytes in, writes changed settings to flash, lets the core work,
 // hands answers out, looks at the switches, enters the boot loader if that was asked for and signs
 // for the watchdog. Then it sleeps: whatever it waits for comes with an interrupt, and the beat's
-// comes 100 us after the one before at the latest. Beat and fill interrupts are masked while the
-// core's shared data is touched, a piece at a time; planning runs with all interrupts open.
+// comes 100 us after the one before at the latest, or is a plan that core 1 has completed. Beat and
+// fill interrupts are masked while the core's shared data is touched, a piece at a time.
+//
+// Core 1 plans and does nothing else: no interrupts, no outputs, no flash. It sleeps until core 0
+// hands it a plan; what belongs to whom meanwhile is in machine/job_runner.hpp. If it does not
+// start (another simulator, a debugger) the main loop plans, slice by slice, with all interrupts
+// open. An e-stop waits for nothing of this; a fault on core 1 ends in the same handler; a slice of
+// it that does not end is not signed, and the watchdog restarts both.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +40,8 @@ class Board {
   Board& operator=(const Board&) = delete;
 
   [[noreturn]] void run();
+  /// Core 1, for good.
+  [[noreturn]] void plan_for_ever();
 
   // Interrupts.
   void estop_interrupt() {
@@ -78,8 +86,9 @@ class Board {
   /// One round of the main loop; true if there is more to do at once.
   bool pass();
   void receive();
-  /// Motion and state; true while a plan is being made.
+  /// Motion and state; true while a plan is being made here, or if one was complete.
   bool work();
+  void sign();
   void transmit();
   void store_settings();
   /// Beat interrupt, or main loop with it masked.
@@ -100,6 +109,7 @@ class Board {
   RealTime real_time_{map_};  ///< behind the others: its rings want addresses of their own size
   std::uint32_t noted_shots_ = 0;
   bool noted_shot_out_ = false;
+  bool second_core_ = false;  ///< it plans
 };
 
 }  // namespace lamplock::rp2040

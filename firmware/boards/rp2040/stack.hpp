@@ -1,12 +1,14 @@
-// The one stack: scratch X and Y, 8 KiB, apart from everything else. toolchain/gate_image checks
-// that no chain of calls and interrupts can need more.
+// The two stacks: scratch X and Y, 8 KiB, apart from everything else. Core 0 has the upper 5 KiB,
+// core 1 the 3 KiB below. toolchain/gate_image checks that no chain of calls and interrupts can
+// need more.
 #pragma once
 
 #include <cstdint>
 
 // From the linker script.
 extern "C" {
-extern std::uint32_t stack_bottom[];
+extern std::uint32_t second_stack_bottom[];
+extern std::uint32_t second_stack_top[];  // where that of core 0 ends
 extern std::uint32_t stack_top[];
 }
 
@@ -14,14 +16,14 @@ namespace lamplock::rp2040 {
 
 inline constexpr std::uint32_t stack_paint = 0x5aa55aa5;
 
-/// Fills what is not in use.
-[[gnu::always_inline]] inline void paint_stack() {
+/// Core 0 fills what is not in use, before core 1 has begun.
+[[gnu::always_inline]] inline void paint_stacks() {
   std::uint32_t* const pointer = [] {
     std::uint32_t* p;
     asm volatile("mov %0, sp" : "=r"(p));
     return p;
   }();
-  for (std::uint32_t* word = stack_bottom; word < pointer; ++word) *word = stack_paint;
+  for (std::uint32_t* word = second_stack_bottom; word < pointer; ++word) *word = stack_paint;
 }
 
 }  // namespace lamplock::rp2040

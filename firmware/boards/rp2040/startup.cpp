@@ -57,7 +57,7 @@ void start_image() {
   using namespace lamplock::rp2040;
   scb().vtor = reinterpret_cast<std::uintptr_t>(&image_vectors);
   for (std::uint32_t* word = bss_begin; word != bss_end; ++word) *word = 0;
-  paint_stack();
+  paint_stacks();
   main();
   __builtin_unreachable();
 }

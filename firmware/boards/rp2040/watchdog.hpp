@@ -1,8 +1,10 @@
 // The watchdog: restarts the chip unless everybody who matters is alive.
 //
-// In:  signatures of the e-stop, beat and fill interrupts and of the main loop.
-// Out: the counter fed, once all four have signed since the last time.
-// Who: sign() at any level (one store); service() from the main loop, every pass.
+// In:  signatures of the e-stop, beat and fill interrupts, of the main loop and of the planner:
+// core
+//      1 after each slice of a plan, the main loop while there is nothing to plan.
+// Out: the counter fed, once all five have signed since the last time.
+// Who: sign() at any level, on either core (one store); service() from the main loop, every pass.
 //
 // A watchdog reset starts everything again but the oscillators: pins become inputs, pulled down.
 // Without PSM_WDSEL it would reset nothing.
@@ -17,7 +19,7 @@
 namespace lamplock::rp2040 {
 
 /// Who has to sign.
-enum class Signer : std::uint8_t { estop, beat, fill, main_loop, count };
+enum class Signer : std::uint8_t { estop, beat, fill, main_loop, planner, count };
 
 /// What a restart by the watchdog starts again.
 inline void select_watchdog_reset() {

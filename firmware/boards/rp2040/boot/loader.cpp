@@ -12,6 +12,7 @@
 #include "firmware/boards/rp2040/registers/resets.hpp"
 #include "firmware/boards/rp2040/registers/watchdog.hpp"
 #include "firmware/boards/rp2040/rom.hpp"
+#include "firmware/boards/rp2040/second_core.hpp"
 #include "shared/wire/crc32.hpp"
 
 #define LAMPLOCK_LOADER [[gnu::section(".loader.text"), gnu::used]]
@@ -56,10 +57,13 @@ LAMPLOCK_LOADER void load_image() {
   set_bits(resets().reset,
            reset_bit::all & ~(reset_bit::io_qspi | reset_bit::pads_qspi | reset_bit::pll_sys |
                               reset_bit::pll_usb | reset_bit::syscfg));
+  // Core 1 may still run what is going to be overwritten, if only core 0 was restarted.
+  hold_second_core();
   start_clocks();
 
   const std::uint32_t* from = image_in_flash;
   for (std::uint32_t* to = image_begin; to <= image_crc; ++to) *to = *from++;
+  release_second_core();
   const std::uint32_t loader_crc = crc_words(loader_begin, loader_end, ~0u);
   if (~crc_words(image_begin, image_crc, loader_crc) != *image_crc)
     for (;;) reset_to_usb_boot();

@@ -103,4 +103,10 @@ class AllMasked {
 /// clear it, or each call would be followed by one that does not sleep.
 inline void wait_for_interrupt() { asm volatile("wfe\n sev\n wfe" ::: "memory"); }
 
+/// Sleeps until the other core has sent an event; not at all if one has come since the last call.
+inline void wait_for_event() { asm volatile("wfe" ::: "memory"); }
+
+/// To both cores.
+inline void send_event() { asm volatile("sev" ::: "memory"); }
+
 }  // namespace lamplock::rp2040

@@ -21,6 +21,7 @@ inline PsmRegisters& psm() { return *reinterpret_cast<PsmRegisters*>(0x40010000)
 namespace psm_bit {
 inline constexpr std::uint32_t rosc = 1u << 0;
 inline constexpr std::uint32_t xosc = 1u << 1;
+inline constexpr std::uint32_t proc1 = 1u << 16;
 inline constexpr std::uint32_t all = (1u << 17) - 1;
 }  // namespace psm_bit
 

@@ -22,7 +22,9 @@ struct SioRegisters {
   Register gpio_oe_clr;
   Register gpio_oe_xor;
   Register reserved_hi[8];  ///< of the flash pins
-  Register fifo[3];
+  Register fifo_st;
+  Register fifo_wr;
+  Register fifo_rd;
   Register spinlock_st;
   // The divider: 2.3.1.5.
   Register div_udividend;
@@ -33,7 +35,13 @@ struct SioRegisters {
   Register div_remainder;
 };
 static_assert(offsetof(SioRegisters, gpio_oe_xor) == 0x2c);
+static_assert(offsetof(SioRegisters, fifo_rd) == 0x58);
 static_assert(offsetof(SioRegisters, div_remainder) == 0x74);
+
+namespace fifo_field {
+inline constexpr std::uint32_t valid = 1u << 0;  // FIFO_ST: something to read
+inline constexpr std::uint32_t ready = 1u << 1;  // FIFO_ST: room to write
+}  // namespace fifo_field
 
 inline SioRegisters& sio() { return *reinterpret_cast<SioRegisters*>(0xd0000000); }
 
