@@ -3,9 +3,6 @@
 namespace lamplock::motion {
 namespace {
 
-/// Candidates of `k` beats and more lie 1 + k/16 beats apart: with the moves of improve.hpp within
-/// 0.2 % of the exact optimum where a way takes tens of beats.
-constexpr std::int32_t candidate_share = 16;
 /// From any start speed, 2 V/A beats more than at full speed are enough to brake and come back; and
 /// some for short ways.
 constexpr std::int32_t spare_beats = 64;
@@ -43,8 +40,8 @@ std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from,
   return 0;
 }
 
-void Beam::begin(const Window& window, std::uint32_t width) {
-  width_ = width;
+void Beam::begin(const Window& window, const Effort& effort) {
+  effort_ = effort;
   to_count_ = 1;
   to_[0] = Label{};
   to_[0].box = window.start;
@@ -69,7 +66,7 @@ void Beam::extend_label(const Window& window, std::uint32_t i, std::uint8_t pare
   Label label;
   label.parent = parent;
   for (std::int32_t beats = from.next; beats == from.next || beats <= last;
-       beats += 1 + beats / candidate_share) {
+       beats += 1 + beats / effort_.candidate_share) {
     if (beats > window.most_beats || too_late(from.total + beats, next)) return;
     if (beats == from.next) {
       label.box = from.next_box;
@@ -89,8 +86,8 @@ void Beam::extend_label(const Window& window, std::uint32_t i, std::uint8_t pare
 /// True if a label with this total, whatever its speeds, can neither push out nor outrank one of
 /// those kept; then neither can one with more beats.
 bool Beam::too_late(std::int32_t total, const Way* next) const {
-  if (to_count_ < width_) return false;
-  bool rest_kept = width_ == 1;
+  if (to_count_ < effort_.labels) return false;
+  bool rest_kept = effort_.labels == 1;
   for (std::uint32_t l = 0; l < to_count_; ++l) {
     if (total <= to_[l].total) return false;
     rest_kept = rest_kept || to_[l].may_rest;
@@ -127,7 +124,7 @@ void Beam::keep(const Window& window, Label& label, const Way* next) {
 /// The worst label, but not the best of those that may rest.
 std::uint32_t Beam::place_to_lose() const {
   const std::uint32_t last = to_count_ - 1;
-  if (width_ == 1 || !to_[last].may_rest) return last;
+  if (effort_.labels == 1 || !to_[last].may_rest) return last;
   for (std::uint32_t l = 0; l < last; ++l)
     if (to_[l].may_rest) return last;
   return last - 1;
@@ -138,11 +135,11 @@ void Beam::insert(const Label& label) {
     if (a.rank() != b.rank()) return a.rank() < b.rank();
     return width_qs(a.box) > width_qs(b.box);
   };
-  if (to_count_ == width_) {
+  if (to_count_ == effort_.labels) {
     const std::uint32_t out = place_to_lose();
     bool rest_kept = false;
     for (std::uint32_t l = 0; l < to_count_; ++l) rest_kept = rest_kept || to_[l].may_rest;
-    const bool needed = width_ != 1 && label.may_rest && !rest_kept;
+    const bool needed = effort_.labels != 1 && label.may_rest && !rest_kept;
     if (!needed && !better(label, to_[out])) return;
     for (std::uint32_t l = out; l + 1 < to_count_; ++l) to_[l] = to_[l + 1];
     --to_count_;

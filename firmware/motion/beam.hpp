@@ -20,18 +20,15 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/motion/effort.hpp"
 #include "firmware/motion/way.hpp"
 
 namespace lamplock::motion {
 
-/// Most labels kept per point.
-inline constexpr std::uint32_t most_labels = 8;
-
 /// Searches one window at a time.
 class Beam {
  public:
-  /// Begins a window with `width` labels per point, 1..most_labels.
-  void begin(const Window& window, std::uint32_t width);
+  void begin(const Window& window, const Effort& effort);
   /// Extends every label to point `i`; in order from 0. False: no way there.
   bool extend(const Window& window, std::uint32_t i);
   /// Beats of all ways of the best label, once the last point has been reached.
@@ -62,7 +59,7 @@ class Beam {
   void insert(const Label& label);
   std::uint32_t place_to_lose() const;
 
-  std::uint32_t width_ = 1;
+  Effort effort_;
   std::uint32_t from_count_ = 0, to_count_ = 0;
   std::array<Label, most_labels> from_{}, to_{};  ///< to_ is sorted, best first
   std::array<std::array<Trace, most_labels>, window_points> traces_{};

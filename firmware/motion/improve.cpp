@@ -3,14 +3,11 @@
 namespace lamplock::motion {
 namespace {
 
-/// Passes over the window with moves of one size, at most.
-constexpr std::int32_t most_passes = 1;
-
 /// Change of two neighbouring ways, in units of the size of a move.
 struct Move {
   std::int32_t first, second;
 };
-constexpr Move moves[] = {{-1, 0}, {1, -2}, {-2, 1}, {1, -3}, {-3, 1}};
+constexpr Move pair_moves[] = {{1, -2}, {-2, 1}};
 
 /// Boxes are rounded inwards: a speed on a bound needs a hair of width not to be lost on the way
 /// back. Far below the room that the planning limits leave (limits.cpp).
@@ -43,14 +40,14 @@ bool Improver::make_all_backwards(const Window& window, const Beats& beats) {
   return true;
 }
 
-bool Improver::begin(const Window& window, Beats& beats) {
+bool Improver::begin(const Window& window, const Effort& effort, Beats& beats) {
+  pairs_ = effort.pairs;
   std::int32_t most = 0;
   for (std::uint32_t i = 0; i < window.count; ++i)
     if (beats[i] > most) most = beats[i];
   size_ = 1;
   while (size_ * 4 <= most) size_ *= 2;
   at_ = 0;
-  passes_ = 0;
   improved_ = false;
   for (std::uint32_t i = 0; i < window.count; ++i)
     if (!make_forwards(window, beats, i)) return false;
@@ -94,7 +91,9 @@ bool Improver::try_move(const Window& window, Beats& beats, std::uint32_t i, std
 }
 
 bool Improver::try_moves(const Window& window, Beats& beats, std::uint32_t i) {
-  for (const Move& move : moves)
+  if (try_move(window, beats, i, -size_, 0)) return true;
+  if (!pairs_) return false;
+  for (const Move& move : pair_moves)
     if (try_move(window, beats, i, move.first * size_, move.second * size_)) return true;
   return false;
 }
@@ -105,13 +104,9 @@ bool Improver::advance(const Window& window, Beats& beats) {
   if (improved_) make_forwards(window, beats, at_);
   if (++at_ < window.count) return true;
   at_ = 0;
-  ++passes_;
   if (improved_) make_all_backwards(window, beats);
-  if (!improved_ || passes_ == most_passes) {
-    size_ = size_ * 2 / 3;
-    passes_ = 0;
-  }
   improved_ = false;
+  size_ = size_ * 2 / 3;
   return size_ != 0;
 }
 

@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/motion/effort.hpp"
 #include "firmware/motion/way.hpp"
 
 namespace lamplock::motion {
@@ -25,7 +26,8 @@ inline constexpr std::int32_t hair_qs = 4;
 class Improver {
  public:
   /// Begins with beats that can be done; false if boxes cannot be made (beats that cannot).
-  bool begin(const Window& window, std::array<std::int32_t, window_points>& beats);
+  bool begin(const Window& window, const Effort& effort,
+             std::array<std::int32_t, window_points>& beats);
   /// Tries moves at one way; false when there is nothing left to be done.
   bool advance(const Window& window, std::array<std::int32_t, window_points>& beats);
   /// Speeds at the end of a way that the start can reach.
@@ -49,10 +51,10 @@ class Improver {
   bool try_moves(const Window& window, Beats& beats, std::uint32_t i);
 
   std::array<Box, window_points> forwards_{}, backwards_{};
-  std::uint32_t at_ = 0;     ///< way to try next
-  std::int32_t size_ = 1;    ///< of a move, beats
-  std::int32_t passes_ = 0;  ///< with moves of this size
-  bool improved_ = false;    ///< in this pass: boxes forwards change from there on
+  std::uint32_t at_ = 0;   ///< way to try next
+  std::int32_t size_ = 1;  ///< of a move, beats
+  bool pairs_ = false;     ///< moves between two ways are tried
+  bool improved_ = false;  ///< in this pass: boxes forwards change from there on
 };
 
 }  // namespace lamplock::motion

@@ -11,10 +11,6 @@ constexpr std::uint32_t longest_segment_ticks = 0x7fffffff;
 constexpr std::int32_t beats_beyond_rest = 2;
 /// Share of a braking way that is left to rounding: 1/256.
 constexpr int ramp_share_bits = 8;
-/// A label more per point for so much time per point: what the board can afford (a label costs some
-/// 20 calls of reach() per point).
-constexpr std::uint32_t ticks_per_label = 2000 * (ticks_per_second / 1'000'000);
-
 /// What was possible when a plan ended with a speed must be so when the next one starts with it.
 constexpr std::int32_t start_slack_qs = 2 * hair_qs;
 
@@ -88,7 +84,7 @@ void Planner::begin(const PlanRequest& request) {
   }
   if (!set_up()) return;
   guide(window_);
-  beam_.begin(window_, beam_width());
+  beam_.begin(window_, effort());
   phase_ = Phase::search;
   at_ = 0;
 }
@@ -155,14 +151,18 @@ bool Planner::set_beats(Way& way, std::uint32_t i) const {
   return at_rest != 0;
 }
 
-/// Labels the board has time for: by the mean time per point of a window that stops everywhere.
-std::uint32_t Planner::beam_width() const {
-  if (request_->mode == JoinMode::start_stop || request_->count == 0) return 1;
+/// How long a way takes lies between what full speed and what two rests would need: about their
+/// geometric mean.
+Effort Planner::effort() const {
+  if (request_->mode == JoinMode::start_stop) return {};
   std::uint64_t beats = 0;
-  for (std::uint32_t i = 0; i < request_->count; ++i)
-    beats += static_cast<std::uint32_t>(window_.ways[i].last_beats);
-  const std::uint64_t labels = beats * limits_->beat_ticks / ticks_per_label / request_->count;
-  return labels < 1 ? 1 : labels > most_labels ? most_labels : static_cast<std::uint32_t>(labels);
+  for (std::uint32_t i = 0; i < request_->count; ++i) {
+    const Way& way = window_.ways[i];
+    beats += way.fixed_beats != 0 ? static_cast<std::uint32_t>(way.fixed_beats)
+                                  : isqrt(wide_product(static_cast<std::uint32_t>(way.first_beats),
+                                                       static_cast<std::uint32_t>(way.last_beats)));
+  }
+  return effort_for(beats * limits_->beat_ticks / request_->count);
 }
 
 bool Planner::advance() {
@@ -192,7 +192,7 @@ void Planner::search() {
   if (!beam_.extend(window_, at_)) return fail(at_);
   if (++at_ < request_->count) return;
   beam_.trace(window_, beats_);
-  if (!improver_.begin(window_, beats_)) return fail(0);
+  if (!improver_.begin(window_, effort(), beats_)) return fail(0);
   phase_ = Phase::improve;
 }
 

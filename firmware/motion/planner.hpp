@@ -62,7 +62,7 @@ class Planner {
   bool set_up_way(std::uint32_t i);
   SpeedRange allowed_speeds(const AxisLimits& axis, std::int32_t steps) const;
   bool set_beats(Way& way, std::uint32_t i) const;
-  std::uint32_t beam_width() const;
+  Effort effort() const;
   void search();
   void improve();
   void choose_speeds();
