@@ -149,7 +149,19 @@ bool JobRunner::window_ready() {
   const bool full = plan_.request().count == motion::window_points;
   plan_.request().rest_at_end =
       !full || other_beam || place_after(plan_.request().count).point == options_.points_total;
-  return full || all_known;
+  const bool rows = rows_known();
+  return all_known || (full && rows);
+}
+
+/// True if all points are known that a plan of the window may look at.
+bool JobRunner::rows_known() {
+  motion::PlanRequest& request = plan_.request();
+  const std::uint32_t behind = request.points[request.count - 1] + 1;
+  const std::uint32_t ahead = options_.points_total - behind;
+  const std::uint32_t wanted = ahead < motion::run_horizon ? ahead : motion::run_horizon;
+  const std::uint32_t known = queue_.end() - behind;
+  request.known_end = behind + (known < wanted ? known : wanted);
+  return known >= wanted || options_.mode != motion::JoinMode::free;
 }
 
 /// True if the machine has to stand before this target, for its beam to be made ready. `last` is

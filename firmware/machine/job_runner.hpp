@@ -146,6 +146,7 @@ class JobRunner {
   void go_back();
   bool may_plan();
   bool window_ready();
+  bool rows_known();
   bool needs_another_beam(const motion::Target& target, lamp::Beam& last);
   bool beam_ready();
   bool add_target(std::uint32_t point, std::uint32_t flashes);

@@ -23,12 +23,18 @@ using stepper::Segment;
 /// are enough: with more of them the plans are no shorter.
 inline constexpr std::uint32_t commit_points = window_points - 8;
 
+/// Points behind a window that are looked at for the length of a row (run_up.hpp).
+inline constexpr std::uint32_t run_horizon = 256;
+
 /// What a window is planned for.
 struct PlanRequest {
   const PointQueue* queue = nullptr;
   /// Indices into the queue, in order; one several times for as many flashes.
   std::array<std::uint32_t, window_points> points{};
   std::uint32_t count = 0;  ///< 1..window_points
+  /// Targets before this index may be looked at: the window's and those behind it. The same points
+  /// must always give the same plan: up to the horizon or the end of the job.
+  std::uint32_t known_end = 0;
   JoinMode mode = JoinMode::free;
   bool follows = false;          ///< the start is where the plan before ended, on the same way
   bool rest_at_end = true;       ///< no point is known behind the last one

@@ -1,6 +1,7 @@
 #include "firmware/motion/planner.hpp"
 
 #include "firmware/motion/profile.hpp"
+#include "firmware/motion/run_up.hpp"
 
 namespace lamplock::motion {
 namespace {
@@ -82,11 +83,22 @@ void Planner::begin(const PlanRequest& request) {
     const std::int32_t slack = v == 0 ? 0 : start_slack_qs;
     window_.start[index(a)] = {v - slack, v + slack};
   }
+  begin_search(request.mode == JoinMode::free);
+}
+
+void Planner::begin_search(bool run_ups) {
   if (!set_up()) return;
+  run_ups_ = run_ups && allow_run_ups(*request_, window_);
   guide(window_);
   beam_.begin(window_, effort());
   phase_ = Phase::search;
   at_ = 0;
+}
+
+/// A run-up may have no room: without it there is a way, if there is any.
+void Planner::give_up(std::uint32_t place) {
+  if (run_ups_) return begin_search(false);
+  fail(place);
 }
 
 void Planner::fail(std::uint32_t place) {
@@ -189,10 +201,10 @@ bool Planner::advance() {
 }
 
 void Planner::search() {
-  if (!beam_.extend(window_, at_)) return fail(at_);
+  if (!beam_.extend(window_, at_)) return give_up(at_);
   if (++at_ < request_->count) return;
   beam_.trace(window_, beats_);
-  if (!improver_.begin(window_, effort(), beats_)) return fail(0);
+  if (!improver_.begin(window_, effort(), beats_)) return give_up(0);
   phase_ = Phase::improve;
 }
 

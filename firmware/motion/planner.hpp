@@ -58,7 +58,9 @@ class Planner {
  private:
   enum class Phase : std::uint8_t { search, improve, speeds, segments, path, over };
 
+  void begin_search(bool run_ups);
   bool set_up();
+  void give_up(std::uint32_t place);
   bool set_up_way(std::uint32_t i);
   SpeedRange allowed_speeds(const AxisLimits& axis, std::int32_t steps) const;
   bool set_beats(Way& way, std::uint32_t i) const;
@@ -86,6 +88,7 @@ class Planner {
   Phase phase_ = Phase::over;
   Result result_ = Result::unreachable;
   std::uint32_t failed_ = 0;
+  bool run_ups_ = false;  ///< some speeds are allowed for run-ups only
   std::uint32_t at_ = 0;  ///< point or axis to go on with
   Window window_;
   PerAxis<std::int32_t> start_qs_{};  ///< speeds at the start, normalised and scaled

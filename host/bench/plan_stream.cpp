@@ -15,7 +15,7 @@ class Stream {
          const StreamOptions& options)
       : targets_(targets),
         total_(static_cast<std::uint32_t>(targets.size())),
-        ahead_(std::max(options.queued_at_once, window_points)),
+        ahead_(std::max(options.queued_at_once, window_points + motion::run_horizon)),
         queue_(std::make_unique<motion::PointQueue>()) {
     queue_->reset(0);
     request_.queue = queue_.get();
@@ -45,6 +45,7 @@ class Stream {
     for (std::uint32_t i = 0; i < request_.count; ++i) request_.points[i] = next_ + i;
     request_.follows = next_ != 0;
     request_.rest_at_end = next_ + request_.count == total_;
+    request_.known_end = std::min(next_ + request_.count + motion::run_horizon, total_);
   }
 
   void take(const motion::Planner& planner) {
