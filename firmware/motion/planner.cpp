@@ -88,10 +88,23 @@ void Planner::begin(const PlanRequest& request) {
 
 void Planner::begin_search(bool run_ups) {
   if (!set_up()) return;
+  const std::int32_t steady = run_ups ? steady_beats(window_, start_qs_) : 0;
+  if (steady != 0) return go_on_steadily(steady);
   run_ups_ = run_ups && allow_run_ups(*request_, window_);
   guide(window_);
   beam_.begin(window_, effort());
   phase_ = Phase::search;
+  at_ = 0;
+}
+
+/// In the middle of an even row: the speed stays.
+void Planner::go_on_steadily(std::int32_t beats) {
+  for (std::uint32_t i = 0; i < request_->count; ++i) {
+    beats_[i] = beats;
+    for (int a = 0; a < limits_->axes; ++a)
+      speed_qs_[i][index(a)] = mean_speed(window_.ways[1].displacement_qs[index(a)], beats).down_qs;
+  }
+  phase_ = Phase::segments;
   at_ = 0;
 }
 

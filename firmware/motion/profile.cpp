@@ -157,6 +157,11 @@ Int128 widen_by_phase(Excursion& e, Int128 way, std::int64_t speed, std::int64_t
 
 AxisProfile make_profile(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t ticks,
                          std::int64_t speed) {
+  if (v0 == 0 && v1 == 0 && distance == Int128(0)) {
+    AxisProfile still;
+    still.cruise_ticks = ticks;
+    return still;
+  }
   AxisProfile p = two_phases(distance, v0, v1, ticks);
   const std::int64_t peak = p.cruise_speed_q62();
   if (abs64(peak) > speed) p = three_phases(distance, v0, v1, ticks, peak < 0 ? -speed : speed);

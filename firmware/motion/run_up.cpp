@@ -1,5 +1,7 @@
 #include "firmware/motion/run_up.hpp"
 
+#include "firmware/motion/improve.hpp"
+
 namespace lamplock::motion {
 namespace {
 
@@ -165,6 +167,25 @@ bool allow_run_ups(const PlanRequest& request, Window& window) {
     i += row.ways > 1 ? row.ways : 1;
   }
   return any;
+}
+
+std::int32_t steady_beats(const Window& window, const PerAxis<std::int32_t>& start_qs) {
+  if (window.count < 2) return 0;
+  const Way& way = window.ways[1];
+  const std::int32_t beats = way.first_beats;
+  for (int a = 0; a < window.axes(); ++a) {
+    const std::int64_t d = way.displacement_qs[index(a)];
+    const std::int32_t speed = mean_speed(d, beats).down_qs;
+    if (abs64(window.ways[0].displacement_qs[index(a)] - d) > hair_qs) return 0;
+    if (abs64(std::int64_t{start_qs[index(a)]} - speed) > hair_qs) return 0;
+    for (std::uint32_t i = 0; i < window.count; ++i)
+      if ((i > 1 && window.ways[i].displacement_qs[index(a)] != d) ||
+          !window.ways[i].allowed[index(a)].contains(speed))
+        return 0;
+  }
+  for (std::uint32_t i = 0; i < window.count; ++i)
+    if (window.ways[i].fixed_beats != 0 || window.ways[i].first_beats != beats) return 0;
+  return beats;
 }
 
 }  // namespace lamplock::motion

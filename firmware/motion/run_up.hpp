@@ -24,4 +24,8 @@ namespace lamplock::motion {
 /// Narrows what is allowed at the first points of rows in the window; true if there is one.
 bool allow_run_ups(const PlanRequest& request, Window& window);
 
+/// Beats per way if the window is all of one row, its ways equal to the step, and the machine runs
+/// through it already: then nothing has to be searched, the speed stays. 0 if not.
+std::int32_t steady_beats(const Window& window, const PerAxis<std::int32_t>& start_qs);
+
 }  // namespace lamplock::motion
