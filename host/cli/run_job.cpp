@@ -117,7 +117,7 @@ void tell_timing(const sim::BoardTiming& timing, const Work& work, const BoardOp
   console.text(table);
   if (options.timing.empty()) return;
   write_whole(options.timing, [&](const std::filesystem::path& path) {
-    write_file(path, table + "\n" + timing.profile().text());
+    write_file(path, table + "\n" + timing.profile_text());
   });
 }
 

@@ -14,7 +14,7 @@ using boards::Role;
 constexpr unsigned sync_gpio = boards::gpio(Role::lamp_sync);
 constexpr unsigned q_switch_gpio = boards::gpio(Role::q_switch);
 constexpr unsigned tick_gpio = boards::gpio(Role::tick_line);
-/// What the image fills its stack with (firmware/boards/rp2040/stack.hpp).
+/// What the image fills its stacks with (firmware/boards/rp2040/stack.hpp).
 constexpr std::uint32_t stack_paint = 0x5aa55aa5;
 constexpr std::uint32_t sram_base = 0x2000'0000;
 constexpr std::uint32_t ram_total = 256 * 1024;
@@ -54,7 +54,10 @@ std::string format(const char* pattern, Values... values) {
 }  // namespace
 
 BoardTiming::BoardTiming(ChipBoard& board, const chip::Image& image)
-    : board_(board), image_(image), calls_(board.chip().core(0), image.symbols) {
+    : board_(board),
+      image_(image),
+      calls_(board.chip().core(0), image.symbols),
+      calls1_(board.chip().core(1), image.symbols) {
   board.chip().gpio().listen(static_cast<chip::PadListener&>(*this));
 }
 
@@ -110,11 +113,16 @@ TimingTable BoardTiming::table(Picoseconds delay) const {
     table.interrupt_load += load;
   }
   table.masked_longest_us = us(static_cast<double>(profile_.longest_masked()));
-  const std::uint32_t bottom = address_of(image_, "stack_bottom");
-  const std::uint32_t top = address_of(image_, "stack_top");
-  if (bottom < top) {
-    table.stack_size = top - bottom;
-    table.stack_used = stack_used(board_.chip().bus().memory_at(bottom).first(table.stack_size));
+  const auto& one = profile1_;
+  table.planner_load = 1 - static_cast<double>(one.asleep()) /
+                               static_cast<double>(std::max<chip::Cycle>(one.cycles(), 1));
+  for (const std::size_t core : {0u, 1u}) {
+    const std::string name = core == 0 ? "stack" : "second_stack";
+    const std::uint32_t bottom = address_of(image_, (name + "_bottom").c_str());
+    const std::uint32_t top = address_of(image_, (name + "_top").c_str());
+    if (bottom >= top) continue;
+    table.stacks[core].size = top - bottom;
+    table.stacks[core].used = stack_used(board_.chip().bus().memory_at(bottom).first(top - bottom));
   }
   table.ram_used = address_of(image_, "bss_end") - sram_base;
   table.ram_size = ram_total;
@@ -147,9 +155,11 @@ std::string timing_text(const TimingTable& t) {
                    each.name.c_str(), each.mean_us, each.longest_us, 100 * each.load);
   text += format("  interrupts off: at most %.2f us\n", t.masked_longest_us);
   text += format("  CPU load of interrupts: %.1f %%\n", 100 * t.interrupt_load);
-  text += format("  RAM %.1f of %.0f KiB, flash %.1f of %.0f KiB, stack %u of %u bytes\n",
-                 kib(t.ram_used), kib(t.ram_size), kib(t.flash_used), kib(t.flash_size),
-                 t.stack_used, t.stack_size);
+  text += format("  planner (core 1): %.1f %% of the time\n", 100 * t.planner_load);
+  text +=
+      format("  RAM %.1f of %.0f KiB, flash %.1f of %.0f KiB, stacks %u of %u and %u of %u bytes\n",
+             kib(t.ram_used), kib(t.ram_size), kib(t.flash_used), kib(t.flash_size),
+             t.stacks[0].used, t.stacks[0].size, t.stacks[1].used, t.stacks[1].size);
   for (const PinEdges& pin : t.pins)
     text += format(
         "  pin %-13s GPIO %2u: %9llu pulses, shortest high %8.3f us, low %8.3f us\n",

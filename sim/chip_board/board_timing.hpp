@@ -1,6 +1,6 @@
 // Timing of a board as its pins show it, to the cycle: shots, steps, every pin's edges.
 //
-// In:  edges of the pads, the interrupts of core 0, the memory of the stack.
+// In:  edges of the pads, what both cores do, the memory of their stacks.
 // Out: the numbers of the timing table. Listens from construction on; costs some ns an edge.
 //
 // Shot phase: Q-SWITCH rise less LAMP SYNC rise less the set delay. Step error: how far a STEP rise
@@ -44,7 +44,11 @@ struct TimingTable {
   std::vector<Interrupt> interrupts;
   double interrupt_load = 0;  ///< of all interrupts, nested ones once
   double masked_longest_us = 0;
-  std::uint32_t stack_used = 0, stack_size = 0;
+  double planner_load = 0;  ///< time core 1 is awake; the one core plans if it never is
+  struct Stack {
+    std::uint32_t used = 0, size = 0;
+  };
+  std::array<Stack, 2> stacks;  ///< of each core
   std::uint32_t ram_used = 0, ram_size = 0;
   std::uint32_t flash_used = 0, flash_size = 0;
   std::vector<PinEdges> pins;
@@ -59,7 +63,8 @@ class BoardTiming final : private chip::PadListener {
 
   /// With the delay from LAMP SYNC to Q-SWITCH that was set.
   TimingTable table(Picoseconds delay) const;
-  const chip::Profile& profile() const { return profile_; }
+  /// What both cores did with their time.
+  std::string profile_text() const { return profile_.text() + "\n" + profile1_.text(); }
 
  private:
   struct Pad {
@@ -72,8 +77,8 @@ class BoardTiming final : private chip::PadListener {
 
   ChipBoard& board_;
   const chip::Image& image_;
-  chip::ShadowStack calls_;
-  chip::Profile profile_{calls_};
+  chip::ShadowStack calls_, calls1_;
+  chip::Profile profile_{calls_}, profile1_{calls1_};
   std::array<Pad, chip::gpio_count> pads_{};
   std::vector<std::int64_t> phases_;  ///< cycles from LAMP SYNC to Q-SWITCH
   bool first_step_ = true;

@@ -12,6 +12,7 @@
 #include <random>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "host/error.hpp"
@@ -332,6 +333,25 @@ inline void expect_fired(const ChipRig& rig, const job::Job& job, std::size_t fi
     for (std::size_t axis = 0; axis < 3; ++axis)
       ASSERT_NEAR(shots[i].steps[axis], job.targets[first_point + i - first_shot].steps[axis], 1)
           << "shot " << i << " axis " << axis;
+}
+
+inline constexpr Picoseconds ps_per_tick = ps_per_us;
+/// From the tick to STEP on its pad (firmware: step_latency_clocks; found again by the first step).
+inline constexpr Picoseconds step_latency = 6 * 8 * sim::ps_per_ns;
+
+/// A step: its axis, tick and direction, counted from the lamp edge of the first shot. The lamp is
+/// steady and nominal, so that a tick is a microsecond.
+using Step = std::tuple<int, std::int64_t, std::int32_t>;
+
+inline std::vector<Step> steps_of(const PinMonitor& monitor, Picoseconds latency) {
+  std::vector<Step> steps;
+  const Picoseconds start = monitor.fires().front().edge;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const PinMonitor::Step& step : monitor.steps(axis)) {
+      const Picoseconds at = step.at - latency - start + ps_per_tick / 2;
+      steps.emplace_back(axis, at / ps_per_tick - (at < 0 ? 1 : 0), step.position);
+    }
+  return steps;
 }
 
 /// What the simulator itself has to complain about.

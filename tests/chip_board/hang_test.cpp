@@ -34,8 +34,8 @@ class Loss : public testing::Test {
     rig.board.chip().bus().write(address, instruction, Width::half, Master::core0,
                                  rig.core().cycle());
   }
-  void lose(ChipRig& rig, End end) {
-    sim::chip::Core& core = rig.core();
+  void lose(ChipRig& rig, End end, int id = 0) {
+    sim::chip::Core& core = rig.board.chip().core(id);
     constexpr std::uint16_t loop = 0xe7fe, undefined = 0xde00, load_r0 = 0x6800;
     put(rig, spare, end == End::undefined ? undefined : end == End::bad_load ? load_r0 : loop);
     constexpr std::uint32_t nowhere = 0x3000'0000;
@@ -144,6 +144,72 @@ TEST_F(Loss, WithAShotGivenOut) {
   ASSERT_NO_FATAL_FAILURE(restart(rig));
   EXPECT_EQ(rig.shots().size(), shots + 1);
   EXPECT_THAT(rig.heard, HasSubstr(told(1, shots, true)));
+}
+
+/// Until the second core is in the middle of a slice of a plan.
+void run_into_a_plan(ChipRig& rig) {
+  const sim::chip::Core& core = rig.board.chip().core(1);
+  for (int i = 0; i < 100'000 && core.idle(); ++i) rig.run(10 * ps_per_us);
+  ASSERT_FALSE(core.idle());
+}
+
+/// Nobody waits for it but the watchdog: the e-stop does not.
+TEST_F(Loss, OfTheSecondCoreInAPlan) {
+  const job::Profile profile = chip_profile();
+  const End ends[] = {End::spins_deaf, End::undefined, End::locked_up, End::bad_load,
+                      End::bad_jump};
+  for (int round = 0; round < scaled(5); ++round) {
+    const End end = ends[round % 5];
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    ChipRig rig(profile);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    RunningJob running(rig, job::make_job(chip_points(200, random_()), profile, {}), 7);
+    ASSERT_TRUE(running.run_until_fired(2 + random_() % 12));
+    open_gate(rig);
+    ASSERT_NO_FATAL_FAILURE(run_into_a_plan(rig));
+    rig.run(up_to(ps_per_ms));
+    ASSERT_NO_FATAL_FAILURE(run_into_a_plan(rig));
+    lose(rig, end, 1);
+    const Picoseconds lost = rig.now();
+    if (is_fault(end)) {
+      rig.run(contract);
+      EXPECT_EQ(rig.energy.levels(), 0u);
+    } else {
+      rig.run(up_to(20 * ps_per_ms));
+      open_gate(rig);
+      rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
+      rig.board.world().schedule(sim::Pin::estop, false, rig.now() + 5 * ps_per_ms);
+      rig.run(11 * ps_per_us);
+      EXPECT_EQ(rig.energy.levels(), 0u);
+    }
+    rig.run(60 * ps_per_ms);
+    EXPECT_FALSE(rig.step_high());
+    running.sender.stop();
+    ASSERT_NO_FATAL_FAILURE(restart(rig));
+    EXPECT_LT(rig.last_step() - lost, 30 * ps_per_ms);
+    EXPECT_THAT(rig.heard, HasSubstr(is_fault(end) ? "[MSG:Started by fault, pc 0x"
+                                                   : "[MSG:Started by watchdog"));
+    EXPECT_THAT(rig.heard, HasSubstr("job 7 first point not fired"));
+    EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
+    EXPECT_EQ(rig.answer("$X"), "ok\r\n");
+  }
+}
+
+/// With nothing to plan nobody misses it; with the next plan the watchdog does.
+TEST_F(Loss, OfTheSecondCoreAtRest) {
+  const job::Profile profile = chip_profile();
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  lose(rig, End::spins_deaf, 1);
+  rig.run(300 * ps_per_ms);
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+  RunningJob running(rig, job::make_job(chip_points(60, random_()), profile, {}), 1);
+  const Picoseconds end = rig.now() + 500 * ps_per_ms;
+  while (rig.now() < end && rig.board.chip().watchdog_resets() == 0 && running.sender.step()) {
+  }
+  running.sender.stop();
+  ASSERT_NO_FATAL_FAILURE(restart(rig));
+  EXPECT_EQ(rig.shots().size(), 0u);
 }
 
 /// In a hold none is given out, and the record knows it.
