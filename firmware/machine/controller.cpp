@@ -150,7 +150,7 @@ void Controller::set_trigger() {
     const std::uint32_t trigger_lead =
         (timing.delay_clocks + clocks_per_tick / 2) / clocks_per_tick;
     trigger.width_ticks = trigger_ticks;
-    const std::uint64_t head = runner_.generator().state().tick + trigger_lead;
+    const std::uint64_t head = runner_.generator().tick() + trigger_lead;
     trigger.first_tick = clock_.tick_of_beat(clock_.beat_at_or_after(head)) - trigger_lead;
     // No flash sooner after the last one of the old beat than the new beat allows.
     const std::uint64_t last = runner_.generator().last_trigger();

@@ -99,6 +99,8 @@ void JobRunner::go_back() {
     plan_state_ = generator_.segment().end;
     plan_beat_ = clock_.beat_at_or_after(plan_state_.tick);
     shots_.cancel_after(plan_beat_);
+  } else {
+    plan_state_ = generator_.state();  // axes with a shorter lead may still be on their way there
   }
   from_rest_ = !generator_.running() || plan_state_.at_rest();
   next_ = {queue_.begin(), 0};
@@ -118,7 +120,7 @@ std::uint32_t JobRunner::first_unfired() const {
 }
 
 std::uint64_t JobRunner::start_beat() const {
-  const std::uint64_t head = generator_.state().tick + start_margin_ticks;
+  const std::uint64_t head = generator_.head() + start_margin_ticks;
   return clock_.beat_at_or_after(plan_state_.tick > head ? plan_state_.tick : head);
 }
 
@@ -235,7 +237,7 @@ bool JobRunner::may_plan() {
   if (segments_.free() < room || shots_.free() < room) return false;
   if (received_ != queue_.end()) {
     received_ = queue_.end();
-    receive_tick_ = generator_.state().tick;
+    receive_tick_ = generator_.head();
   }
   if (window_ready()) {
     starving_ = false;
@@ -243,7 +245,7 @@ bool JobRunner::may_plan() {
   }
   if (next_.point == options_.points_total || !at_rest()) return false;
   // At rest the host has some time to complete a window; at the very start it is only late then.
-  const bool patient = generator_.state().tick < receive_tick_ + patience_ticks;
+  const bool patient = generator_.head() < receive_tick_ + patience_ticks;
   if (next_.point == first_ && patient) return false;
   if (!starving_ && next_.point != first_) ++starvations_;
   starving_ = true;
@@ -369,6 +371,7 @@ void JobRunner::brake() {
   // What lies before the head has been handed to the board and is judged by its edges.
   shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
   // Also where the speed is zero for a moment, at the start of a segment or at a turn.
+  plan_state_ = head;
   if (generator_.running()) {
     const stepper::Segment s = motion::make_brake(head, brake_limits_);
     generator_.replace(s);
@@ -384,7 +387,6 @@ void JobRunner::brake() {
 void JobRunner::halt() {
   hand_over_.recall();
   generator_.halt();
-  segments_.clear();
   provisional_ = 0;
   shots_.cancel_after(0);
   clock_.set_motion_end(0);

@@ -113,7 +113,9 @@ class JobRunner {
   void halt();
 
   /// True if nothing moves and nothing is committed.
-  bool at_rest() const { return !generator_.running() && segments_.empty(); }
+  bool at_rest() const {
+    return !generator_.running() && segments_.empty() && segments_.released();
+  }
   /// Every point of the job is done.
   bool complete() const { return queue_.begin() == options_.points_total; }
   /// First point that is not done, outcomes counted that prepare() has not read yet. Also beat
@@ -132,7 +134,7 @@ class JobRunner {
 
   // For the board's fill interrupt.
   void fill(stepper::TickBlock& block, std::uint32_t max_ticks) {
-    generator_.fill(segments_, block, max_ticks);
+    generator_.fill(block, max_ticks);
   }
   stepper::TickGenerator& generator() { return generator_; }
 
@@ -174,7 +176,7 @@ class JobRunner {
   bool waiting_for_beam_ = false;
   bool gone_to_ = false;  ///< the first way of the request only leads to its dwell
   std::uint32_t job_speed_ = full_job_speed;
-  stepper::TickGenerator generator_;
+  stepper::TickGenerator generator_{segments_};
   RunOptions options_;
   std::uint32_t first_ = 0;         ///< first point of the job
   Place next_;                      ///< first flash not committed

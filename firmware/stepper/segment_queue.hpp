@@ -3,6 +3,9 @@
 // One writer (main loop) and one reader (fill interrupt); indices are single words and only ever
 // grow, so neither side needs a lock. But the writer may take back what the reader has not begun;
 // it must do so with the fill interrupt masked (a few instructions).
+//
+//   released | begun, still read | not begun: front() ...
+//            kept_               begun()                 end
 #pragma once
 
 #include <array>
@@ -17,21 +20,32 @@ class SegmentQueue {
  public:
   static constexpr std::uint32_t capacity = 64;
 
-  std::uint32_t size() const { return end_ - begin_; }
-  std::uint32_t free() const { return capacity - size(); }
-  bool empty() const { return begin_ == end_; }
+  /// Segments that have not begun.
+  std::uint32_t size() const { return end_ - begun_; }
+  std::uint32_t free() const { return capacity - (end_ - kept_); }
+  bool empty() const { return begun_ == end_; }
+  /// Nothing that has begun is read any more.
+  bool released() const { return kept_ == begun_; }
 
-  void push(const Segment& s) { slots_[end_ % capacity] = s, end_ = end_ + 1; }
-  const Segment& front() const { return slots_[begin_ % capacity]; }
-  void pop() { begin_ = begin_ + 1; }
+  void push(const Segment& s) { at(end_) = s, end_ = end_ + 1; }
+  const Segment& front() const { return at(begun_); }
+  /// The front begins; it stays until it is released.
+  void begin_front() { begun_ = begun_ + 1; }
+  /// Index of the front; those before it have begun.
+  std::uint32_t begun() const { return begun_; }
+  const Segment& at(std::uint32_t i) const { return slots_[i % capacity]; }
+  Segment& at(std::uint32_t i) { return slots_[i % capacity]; }
+  /// What has begun before this index is not read any more.
+  void release(std::uint32_t before) { kept_ = before; }
   /// Takes back the last `count` segments, all of which the reader has not begun.
   void take_back(std::uint32_t count) { end_ = end_ - count; }
-  /// Takes back every segment.
-  void clear() { end_ = begin_; }
+  /// Takes back every segment that has not begun.
+  void clear() { end_ = begun_; }
 
  private:
   std::array<Segment, capacity> slots_{};
-  std::uint32_t begin_ = 0;
+  std::uint32_t kept_ = 0;
+  std::uint32_t begun_ = 0;
   std::uint32_t end_ = 0;
 };
 

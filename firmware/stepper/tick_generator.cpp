@@ -5,66 +5,144 @@ namespace {
 constexpr std::uint32_t forever = 0xffffffffu;
 }  // namespace
 
-TickGenerator::TickGenerator() { set_position({}); }
+TickGenerator::TickGenerator(SegmentQueue& queue) : queue_(queue) {
+  for (Run& r : runs_) stand(r);
+  set_position({});
+}
 
 void TickGenerator::set_position(const StepPosition& steps) {
-  for (int a = 0; a < max_axes; ++a) {
-    runs_[index(a)] = Run{};
+  for (int a = 0; a < max_axes; ++a)
     runs_[index(a)].run.position_q64 = middle_of_step(steps[index(a)]);
-    runs_[index(a)].left = forever;
+}
+
+void TickGenerator::set_leads(const PerAxis<std::uint32_t>& ticks) {
+  lead_ = 0;
+  for (int a = 0; a < max_axes; ++a) {
+    runs_[index(a)].at.lead = ticks[index(a)];
+    if (ticks[index(a)] > lead_) lead_ = ticks[index(a)];
   }
 }
 
 MotionState TickGenerator::state() const {
-  if (running_ && left_ == 0) return segment_.end;  // between two segments
+  if (running_ && left_ == 0) return segment().end;  // between two segments
   MotionState state;
-  state.tick = tick_;
+  state.tick = head();
   for (int a = 0; a < max_axes; ++a) {
-    const AxisRun& run = runs_[index(a)].run;
+    Run r = runs_[index(a)];
+    run_to_head(r, a);
     // The rate is the speed in the middle of a tick; the speed at its start is half an A less.
-    state.axis[index(a)] = {run.position_q64, run.rate_q62 - run.accel_q62 / 2};
+    state.axis[index(a)] = {r.run.position_q64, r.run.rate_q62 - r.run.accel_q62 / 2};
   }
   return state;
 }
 
-void TickGenerator::load(const Segment& segment) {
-  segment_ = segment;
-  running_ = true;
-  left_ = segment.ticks;
-  old_window_ = window_;
-  window_ = Window{};
-  if (segment.shot.present) {
-    const std::uint64_t centre = segment.end_tick() - arm_lead_ticks_;
-    window_ = {centre - segment.shot.half_window_ticks, centre + segment.shot.half_window_ticks};
-  }
-  for (int a = 0; a < max_axes; ++a) {
-    runs_[index(a)].piece = 0;
-    next_piece(a);
+/// What fill() will do with an axis until it is where the longest lead is.
+void TickGenerator::run_to_head(Run& r, int a) const {
+  std::uint64_t tick = tick_ + r.at.lead;
+  for (;;) {
+    enter(r, a, tick);
+    auto ticks = static_cast<std::uint32_t>(head() - tick);
+    if (ticks == 0) return;
+    ticks = limit_by(r.at, tick, ticks < r.left ? ticks : r.left);
+    go_on(r, a, ticks);
+    tick += ticks;
   }
 }
 
-void TickGenerator::replace(const Segment& segment) {
+/// The head goes on to the next segment.
+void TickGenerator::begin_segment() {
+  if (running_ && left_ == 0) {
+    const bool follows = !queue_.empty() && queue_.front().start_tick == head();
+    if (!follows && !segment().end.at_rest()) underrun_ = true;
+    running_ = false;
+  }
+  if (running_ || queue_.empty() || queue_.front().start_tick > head()) return;
+  // Run late, it would arm its shots where the machine is not.
+  if (queue_.front().start_tick < head()) {
+    underrun_ = true;
+  } else {
+    left_ = queue_.front().ticks;
+    queue_.begin_front();
+    running_ = true;
+  }
+}
+
+/// True if a segment begins at `tick`. A brake may have cut it to nothing.
+bool TickGenerator::enter(Reader& reader, std::uint64_t tick) const {
+  for (; reader.segment != queue_.begun(); ++reader.segment) {
+    const Segment& s = queue_.at(reader.segment);
+    if (s.start_tick != tick) return false;
+    reader.left = s.ticks;
+    if (s.ticks != 0) return true;
+  }
+  return false;
+}
+
+void TickGenerator::enter(Run& r, int a, std::uint64_t tick) const {
+  if (r.at.left != 0 || !enter(r.at, tick)) return;
+  r.piece = 0;
+  next_piece(r, a);
+}
+
+void TickGenerator::open_window() {
+  const Segment& segment = queue_.at(lattice_.segment);
+  old_window_ = window_;
   window_ = Window{};
-  load(segment);
-  old_window_ = Window{};
+  if (!segment.shot.present) return;
+  const std::uint64_t centre = segment.end_tick() - arm_lead_ticks_;
+  window_ = {centre - segment.shot.half_window_ticks, centre + segment.shot.half_window_ticks};
+  if (segment.end_tick() <= cut_tick_) window_.cut(cut_tick_);
+}
+
+/// The segment at the head ends `ticks` earlier; true if the reader is no longer in it.
+bool TickGenerator::shorten(Reader& reader, std::uint32_t ticks) const {
+  if (reader.left == 0 || reader.segment + 1 != queue_.begun()) return false;
+  reader.left -= ticks;
+  if (reader.left != 0) return false;
+  ++reader.segment;
+  return true;
+}
+
+void TickGenerator::replace(const Segment& segment) {
+  cut_tick_ = head();
+  window_.cut(cut_tick_);
+  old_window_.cut(cut_tick_);
+  if (running_ && left_ != 0) {
+    Segment& cut = queue_.at(queue_.begun() - 1);
+    cut.ticks -= left_;
+    cut.shot.present = false;
+    for (Run& r : runs_) {
+      if (shorten(r.at, left_)) stand(r);
+      if (r.at.left != 0 && r.left > r.at.left) r.left = r.at.left;
+    }
+    shorten(lattice_, left_);
+  }
+  queue_.push(segment);
+  queue_.begin_front();
+  running_ = true;
+  left_ = segment.ticks;
 }
 
 void TickGenerator::halt() {
   running_ = underrun_ = false;
   window_ = old_window_ = Window{};
-  stand();
-}
-
-void TickGenerator::stand() {
+  queue_.clear();
+  const auto leave = [this](Reader& reader) { reader.segment = queue_.begun(), reader.left = 0; };
   for (Run& r : runs_) {
-    r.run.rate_q62 = r.run.accel_q62 = 0;
-    r.left = forever;
+    stand(r);
+    leave(r.at);
   }
+  leave(lattice_);
+  queue_.release(queue_.begun());
 }
 
-void TickGenerator::next_piece(int a) {
-  Run& r = runs_[index(a)];
-  const AxisProfile& p = segment_.axis[index(a)];
+void TickGenerator::stand(Run& r) {
+  r.run.rate_q62 = r.run.accel_q62 = 0;
+  r.left = forever;
+}
+
+void TickGenerator::next_piece(Run& r, int a) const {
+  const AxisProfile& p = queue_.at(r.at.segment).axis[index(a)];
   // Pieces: lead up to its turn, rest of the lead, cruise, tail up to its turn, rest of the tail.
   r.left = 0;
   while (r.left == 0 && r.piece < 5) {
@@ -92,24 +170,31 @@ void TickGenerator::next_piece(int a) {
         break;
     }
   }
-  if (r.left == 0) {
-    r.run.rate_q62 = r.run.accel_q62 = 0;
-    r.left = forever;
-  }
+  // An axis that stands has no pieces; a brake may have cut the segment.
+  if (r.left == 0) stand(r);
+  if (r.left > r.at.left) r.left = r.at.left;
 }
 
-std::uint32_t TickGenerator::limit_to(std::uint64_t change, std::uint32_t ticks) const {
-  return change > tick_ && change - tick_ < ticks ? static_cast<std::uint32_t>(change - tick_)
-                                                  : ticks;
+std::uint32_t TickGenerator::limit_to(std::uint64_t change, std::uint64_t tick,
+                                      std::uint32_t ticks) {
+  return change > tick && change - tick < ticks ? static_cast<std::uint32_t>(change - tick) : ticks;
+}
+
+/// Up to the end of the segment that a reader at `tick` is in, or to the beginning of the next.
+std::uint32_t TickGenerator::limit_by(const Reader& reader, std::uint64_t tick,
+                                      std::uint32_t ticks) const {
+  if (reader.left != 0) return reader.left < ticks ? reader.left : ticks;
+  if (reader.segment == queue_.begun()) return ticks;
+  return limit_to(queue_.at(reader.segment).start_tick, tick, ticks);
 }
 
 std::uint32_t TickGenerator::limit_by_bits(std::uint32_t ticks) const {
-  ticks = limit_to(window_.on, ticks);
-  ticks = limit_to(window_.off, ticks);
-  ticks = limit_to(old_window_.off, ticks);
+  ticks = limit_to(window_.on, tick_, ticks);
+  ticks = limit_to(window_.off, tick_, ticks);
+  ticks = limit_to(old_window_.off, tick_, ticks);
   if (trigger_.period_ticks == 0) return ticks;
-  ticks = limit_to(trigger_on_, ticks);
-  return limit_to(trigger_on_ + trigger_.width_ticks, ticks);
+  ticks = limit_to(trigger_on_, tick_, ticks);
+  return limit_to(trigger_on_ + trigger_.width_ticks, tick_, ticks);
 }
 
 std::uint8_t TickGenerator::bits() const {
@@ -121,55 +206,57 @@ std::uint8_t TickGenerator::bits() const {
   return bits;
 }
 
+void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
+  if (r.run.rate_q62 != 0 || r.run.accel_q62 != 0) {
+    r.run.position_q64 = r.run.position_after(ticks);
+    r.run.rate_q62 += r.run.accel_q62 * static_cast<std::int64_t>(ticks);
+  }
+  if (r.at.left == 0) return;
+  r.at.left -= ticks;
+  r.left -= ticks;
+  if (r.left != 0) return;
+  if (r.at.left != 0) return next_piece(r, a);
+  ++r.at.segment;
+  stand(r);
+}
+
 void TickGenerator::advance(std::uint32_t ticks) {
   tick_ += ticks;
-  for (int a = 0; a < max_axes; ++a) {
-    Run& r = runs_[index(a)];
-    if (r.run.rate_q62 != 0 || r.run.accel_q62 != 0) {
-      r.run.position_q64 = r.run.position_after(ticks);
-      r.run.rate_q62 += r.run.accel_q62 * static_cast<std::int64_t>(ticks);
-    }
-    if (r.left != forever) r.left -= ticks;
+  for (int a = 0; a < max_axes; ++a) go_on(runs_[index(a)], a, ticks);
+  if (running_) left_ -= ticks;
+  if (lattice_.left != 0) {
+    lattice_.left -= ticks;
+    if (lattice_.left == 0) ++lattice_.segment;
   }
+  // The end of the segment at the head is asked for until the next one begins.
+  const bool at_end = running_ && lattice_.segment == queue_.begun();
+  queue_.release(lattice_.segment - (at_end ? 1 : 0));
   if (trigger_.period_ticks == 0) return;
   if (trigger_on_ < tick_) last_trigger_ = trigger_on_;
   while (trigger_on_ + trigger_.width_ticks <= tick_) trigger_on_ += trigger_.period_ticks;
 }
 
-void TickGenerator::fill(SegmentQueue& queue, TickBlock& block, std::uint32_t max_ticks) {
-  if (running_ && left_ == 0) {
-    const bool follows = !queue.empty() && queue.front().start_tick == tick_;
-    if (!follows) {
-      if (!segment_.end.at_rest()) underrun_ = true;
-      stand();
-    }
-    running_ = false;
-  }
-  if (!running_ && !queue.empty() && queue.front().start_tick <= tick_) {
-    // Run late, it would arm its shots where the machine is not.
-    if (queue.front().start_tick < tick_) {
-      underrun_ = true;
-    } else {
-      load(queue.front());
-      queue.pop();
-    }
-  }
+void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
+  begin_segment();
   std::uint32_t ticks = max_ticks;
   if (running_ && left_ < ticks) ticks = left_;
-  if (!running_ && !queue.empty()) ticks = limit_to(queue.front().start_tick, ticks);
-  for (const Run& r : runs_)
-    if (r.left < ticks) ticks = r.left;
+  if (!running_ && !queue_.empty()) ticks = limit_to(queue_.front().start_tick, head(), ticks);
+  for (int a = 0; a < max_axes; ++a) {
+    Run& r = runs_[index(a)];
+    const std::uint64_t tick = tick_ + r.at.lead;
+    enter(r, a, tick);
+    ticks = r.at.left != 0 ? (r.left < ticks ? r.left : ticks) : limit_by(r.at, tick, ticks);
+  }
+  if (lattice_.left == 0 && enter(lattice_, tick_)) open_window();
+  ticks = limit_by(lattice_, tick_, ticks);
   ticks = limit_by_bits(ticks);
 
   block.first_tick = tick_;
   block.ticks = ticks;
   block.bits = bits();
-  block.moving = running_;
+  block.moving = lattice_.segment != queue_.begun();
   for (int a = 0; a < max_axes; ++a) block.axis[index(a)] = runs_[index(a)].run;
   advance(ticks);
-  if (running_) left_ -= ticks;
-  for (int a = 0; a < max_axes; ++a)
-    if (runs_[index(a)].left == 0) next_piece(a);
 }
 
 }  // namespace lamplock::stepper

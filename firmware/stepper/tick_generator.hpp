@@ -8,6 +8,15 @@
 // Each axis distributes its steps over the ticks by its own accumulator; nothing ties a minor axis
 // to a major one. Remainders stay in the 64-bit fraction and are carried from block to block and
 // from segment to segment for as long as the machine is powered.
+//
+// A drive follows its steps late. So each axis reads the segments a lead of its own ahead of the
+// lattice, the lag of its drive: what its drive does at tick t of the lattice is what was planned
+// for t. The axis with the longest lead begins segments, the lattice, whose bits have none,
+// releases them; in between they stay in the queue. Planning and braking deal with the head, the
+// tick up to which the longest lead has read: where that axis is, all will be.
+//
+//   ticks:   released | read by axes with a lead ... | may be replanned
+//                     tick()                         head() = tick() + longest lead
 #pragma once
 
 #include <cstdint>
@@ -27,7 +36,10 @@ struct TriggerPattern {
 /// Runs segments. All times are ticks of the lattice.
 class TickGenerator {
  public:
-  TickGenerator();
+  explicit TickGenerator(SegmentQueue& queue);
+
+  /// How many ticks each axis is ahead of the lattice; only while nothing moves at all.
+  void set_leads(const PerAxis<std::uint32_t>& ticks);
 
   /// How the arm window is shifted: the shot is decided `ticks` before it is fired.
   void set_arm_lead(std::uint32_t ticks) { arm_lead_ticks_ = ticks; }
@@ -40,49 +52,74 @@ class TickGenerator {
   std::uint64_t last_trigger() const { return last_trigger_; }
 
   /// Next block, at most `max_ticks` long.
-  void fill(SegmentQueue& queue, TickBlock& block, std::uint32_t max_ticks);
+  void fill(TickBlock& block, std::uint32_t max_ticks);
 
-  /// State at the next tick to be filled.
+  /// The next tick of the lattice to be filled.
+  std::uint64_t tick() const { return tick_; }
+  /// The first tick that no axis has read.
+  std::uint64_t head() const { return tick_ + lead_; }
+  /// State of all axes at the head (main loop: runs ahead of what was filled).
   MotionState state() const;
-  /// True if a segment is being run.
+  /// True if a segment is being run at the head.
   bool running() const { return running_; }
   /// Motion has ended with speed, or a segment came after its time: a fault, until halt().
   bool underrun() const { return underrun_; }
-  /// The segment being run; valid while running().
-  const Segment& segment() const { return segment_; }
+  /// The segment being run at the head; valid while running().
+  const Segment& segment() const { return queue_.at(queue_.begun() - 1); }
 
-  /// Replaces what is being run (brake). The segment starts at state(). Fill interrupt masked.
+  /// Replaces what is being run from the head on (brake). The segment starts at state(), the queue
+  /// holds nothing that has not begun. Fill interrupt masked.
   void replace(const Segment& segment);
-  /// Stops dead where the machine is (e-stop): speed is lost, position kept.
+  /// Stops dead where the machine is (e-stop): speed is lost, position kept, the queue emptied.
   void halt();
   /// Sets the position of every axis; at rest only (power-up, after a dead stop).
   void set_position(const StepPosition& steps);
 
  private:
+  /// Where somebody is in the segments that have begun.
+  struct Reader {
+    std::uint32_t lead = 0;     ///< ticks ahead of the lattice
+    std::uint32_t segment = 0;  ///< index of the one it is in, or else of the next
+    std::uint32_t left = 0;     ///< ticks left in it; 0 = in none
+  };
   struct Run {
     AxisRun run;
+    Reader at;
     std::uint32_t left = 0;  ///< ticks left in this piece
     int piece = 0;           ///< which piece comes next
   };
   struct Window {
     std::uint64_t on = 0, off = 0;
+    void cut(std::uint64_t tick) {
+      if (off > tick) off = tick;
+    }
   };
 
-  void stand();
-  void load(const Segment& segment);
-  void next_piece(int axis);
-  std::uint32_t limit_to(std::uint64_t change_tick, std::uint32_t ticks) const;
+  void begin_segment();
+  bool enter(Reader& reader, std::uint64_t tick) const;
+  void enter(Run& run, int axis, std::uint64_t tick) const;
+  void next_piece(Run& run, int axis) const;
+  void go_on(Run& run, int axis, std::uint32_t ticks) const;
+  void run_to_head(Run& run, int axis) const;
+  bool shorten(Reader& reader, std::uint32_t ticks) const;
+  static void stand(Run& run);
+  void open_window();
+  static std::uint32_t limit_to(std::uint64_t change, std::uint64_t tick, std::uint32_t ticks);
+  std::uint32_t limit_by(const Reader& reader, std::uint64_t tick, std::uint32_t ticks) const;
   std::uint32_t limit_by_bits(std::uint32_t ticks) const;
   std::uint8_t bits() const;
   void advance(std::uint32_t ticks);
 
+  SegmentQueue& queue_;
   std::uint64_t tick_ = 0;
+  std::uint32_t lead_ = 0;  ///< of the axis with the longest
   bool running_ = false;
   bool underrun_ = false;
-  std::uint32_t left_ = 0;  ///< ticks left in the segment
-  Segment segment_;
+  std::uint32_t left_ = 0;  ///< ticks left in the segment at the head
   PerAxis<Run> runs_{};
+  Reader lattice_;  ///< bits have no lead
   Window window_, old_window_;
+  std::uint64_t cut_tick_ = 0;  ///< where the last brake began: no window from before goes on there
   std::uint32_t arm_lead_ticks_ = 0;
   TriggerPattern trigger_;
   std::uint64_t trigger_on_ = 0;    ///< tick of the next or present trigger pulse

@@ -154,7 +154,7 @@ void run(TickGenerator& generator, const std::vector<Segment>& segments, std::si
     while (fed < segments.size() && queue.free() != 0) queue.push(segments[fed++]);
     const auto most =
         static_cast<std::uint32_t>(std::min<std::uint64_t>(max_ticks, tick - board.tick()));
-    generator.fill(queue, block, most);
+    generator.fill(block, most);
     ASSERT_LE(block.ticks, most);
     ASSERT_NO_FATAL_FAILURE(board.play(block));
     if (after_block) after_block();
@@ -165,8 +165,8 @@ TEST(TickGenerator, EndsEverySegmentExactlyWhereItWasPlanned) {
   std::mt19937_64 random(61);
   for (int i = 0; i < test::scaled(10); ++i) {
     const std::vector<Segment> segments = shifted(plan(fast_chain(random, 100)), 1000);
-    TickGenerator generator;
     SegmentQueue queue;
+    TickGenerator generator(queue);
     NaiveBoard board;
     std::size_t fed = 0;
     for (const Segment& s : segments) {
@@ -192,8 +192,8 @@ TEST(TickGenerator, CarriesRemaindersThroughTenThousandSegments) {
   const auto points = static_cast<std::size_t>(test::scaled(10'000));
   const test::Chain chain = fast_chain(random, points, 2);
   const std::vector<Segment> segments = plan(chain);
-  TickGenerator generator;
   SegmentQueue queue;
+  TickGenerator generator(queue);
   NaiveBoard board;
   std::size_t fed = 0;
   int off_the_middle = 0;
@@ -220,10 +220,10 @@ TEST(TickGenerator, GivesTheSameStepsAndBitsHoweverItIsAsked) {
     std::vector<Step> steps;
     std::vector<BitsChange> bits;
     for (const std::uint32_t max_ticks : {16384u, 1u, 7u, 16u, 1000u}) {
-      TickGenerator generator;
+      SegmentQueue queue;
+      TickGenerator generator(queue);
       generator.set_arm_lead(5);
       generator.set_trigger({400, 20, 130});
-      SegmentQueue queue;
       NaiveBoard board;
       std::size_t fed = 0;
       ASSERT_NO_FATAL_FAILURE(
@@ -246,10 +246,10 @@ TEST(TickGenerator, ArmsAndTriggersAtTheExactTicks) {
     const std::vector<Segment> segments = shifted(plan(fast_chain(random, 50)), 900);
     const std::uint32_t lead = static_cast<std::uint32_t>(random() % 30);
     const TriggerPattern trigger{300, 40, 77};
-    TickGenerator generator;
+    SegmentQueue queue;
+    TickGenerator generator(queue);
     generator.set_arm_lead(lead);
     generator.set_trigger(trigger);
-    SegmentQueue queue;
     NaiveBoard board;
     std::size_t fed = 0;
     const std::uint64_t end = segments.back().end.tick + 1000;
@@ -280,8 +280,8 @@ TEST(TickGenerator, BrakesFromAnyTickWithoutAJump) {
   for (int i = 0; i < test::scaled(100); ++i) {
     const test::Chain chain = fast_chain(random, 24);
     const std::vector<Segment> segments = plan(chain);
-    TickGenerator generator;
     SegmentQueue queue;
+    TickGenerator generator(queue);
     NaiveBoard board;
     std::size_t fed = 0;
     const std::uint64_t at = random() % segments.back().end.tick;
@@ -293,7 +293,7 @@ TEST(TickGenerator, BrakesFromAnyTickWithoutAJump) {
     generator.replace(brake);
     fed = segments.size();
     TickBlock block;
-    generator.fill(queue, block, 1);
+    generator.fill(block, 1);
     for (int a = 0; a < chain.limits.axes; ++a) {
       // First rate of the brake: the speed at that tick, half a tick of braking later.
       ASSERT_EQ(native(block.axis[index(a)].position_q64),
@@ -315,8 +315,8 @@ TEST(TickGenerator, AShotThatWasTakenBackIsNotArmed) {
   test::Chain chain = fast_chain(random, 4, 1);
   for (motion::Target& t : chain.targets) t.shots = 1;
   const std::vector<Segment> segments = plan(chain);
-  TickGenerator generator;
   SegmentQueue queue;
+  TickGenerator generator(queue);
   NaiveBoard board;
   std::size_t fed = 0;
   // In the middle of an open window: braking or halting closes it.
@@ -337,8 +337,8 @@ TEST(TickGenerator, ReportsMotionThatEndsWithSpeed) {
   while (segments[moving_end].end.at_rest()) ++moving_end;
   const std::vector<Segment> cut(segments.begin(),
                                  segments.begin() + static_cast<std::ptrdiff_t>(moving_end) + 1);
-  TickGenerator generator;
   SegmentQueue queue;
+  TickGenerator generator(queue);
   NaiveBoard board;
   std::size_t fed = 0;
   ASSERT_NO_FATAL_FAILURE(run(generator, cut, fed, queue, board, cut.back().end.tick, 100));
@@ -350,8 +350,8 @@ TEST(TickGenerator, ReportsMotionThatEndsWithSpeed) {
 TEST(TickGenerator, HaltsDeadAndKeepsThePosition) {
   std::mt19937_64 random(68);
   const std::vector<Segment> segments = plan(fast_chain(random, 30));
-  TickGenerator generator;
   SegmentQueue queue;
+  TickGenerator generator(queue);
   NaiveBoard board;
   std::size_t fed = 0;
   const std::uint64_t at = segments.back().end.tick / 2;
@@ -369,8 +369,8 @@ TEST(TickGenerator, HaltsDeadAndKeepsThePosition) {
 TEST(TickGenerator, StandsUntilASegmentStarts) {
   std::mt19937_64 random(69);
   const std::vector<Segment> segments = shifted(plan(fast_chain(random, 5)), 12'345);
-  TickGenerator generator;
   SegmentQueue queue;
+  TickGenerator generator(queue);
   NaiveBoard board;
   std::size_t fed = 0;
   ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, 12'345, 1000));
