@@ -36,6 +36,20 @@ MotionState TickGenerator::state() const {
   return state;
 }
 
+inline void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
+  if (r.at.left == 0) return;
+  if (r.run.rate_q62 != 0 || r.run.accel_q62 != 0) {
+    r.run.position_q64 = r.run.position_after(ticks);
+    r.run.rate_q62 += r.run.accel_q62 * static_cast<std::int64_t>(ticks);
+  }
+  r.at.left -= ticks;
+  r.left -= ticks;
+  if (r.left != 0) return;
+  if (r.at.left != 0) return next_piece(r, a);
+  ++r.at.segment;
+  stand(r);
+}
+
 /// What fill() will do with an axis until it is where the longest lead is.
 void TickGenerator::run_to_head(Run& r, int a) const {
   std::uint64_t tick = tick_ + r.at.lead;
@@ -206,23 +220,10 @@ std::uint8_t TickGenerator::bits() const {
   return bits;
 }
 
-void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
-  if (r.run.rate_q62 != 0 || r.run.accel_q62 != 0) {
-    r.run.position_q64 = r.run.position_after(ticks);
-    r.run.rate_q62 += r.run.accel_q62 * static_cast<std::int64_t>(ticks);
-  }
-  if (r.at.left == 0) return;
-  r.at.left -= ticks;
-  r.left -= ticks;
-  if (r.left != 0) return;
-  if (r.at.left != 0) return next_piece(r, a);
-  ++r.at.segment;
-  stand(r);
-}
-
 void TickGenerator::advance(std::uint32_t ticks) {
   tick_ += ticks;
-  for (int a = 0; a < max_axes; ++a) go_on(runs_[index(a)], a, ticks);
+  for (int a = 0; a < max_axes; ++a)
+    if (runs_[index(a)].at.left != 0) go_on(runs_[index(a)], a, ticks);
   if (running_) left_ -= ticks;
   if (lattice_.left != 0) {
     lattice_.left -= ticks;
@@ -236,16 +237,23 @@ void TickGenerator::advance(std::uint32_t ticks) {
   while (trigger_on_ + trigger_.width_ticks <= tick_) trigger_on_ += trigger_.period_ticks;
 }
 
+/// An axis goes into the segment that begins now, or waits for the next.
+std::uint32_t TickGenerator::wait(Run& r, int a, std::uint32_t ticks) const {
+  const std::uint64_t tick = tick_ + r.at.lead;
+  enter(r, a, tick);
+  return limit_by(r.at, tick, ticks);
+}
+
 void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
   begin_segment();
+  const std::uint32_t begun = queue_.begun();
   std::uint32_t ticks = max_ticks;
   if (running_ && left_ < ticks) ticks = left_;
   if (!running_ && !queue_.empty()) ticks = limit_to(queue_.front().start_tick, head(), ticks);
   for (int a = 0; a < max_axes; ++a) {
     Run& r = runs_[index(a)];
-    const std::uint64_t tick = tick_ + r.at.lead;
-    enter(r, a, tick);
-    ticks = r.at.left != 0 ? (r.left < ticks ? r.left : ticks) : limit_by(r.at, tick, ticks);
+    if (r.at.left == 0 && r.at.segment != begun) ticks = wait(r, a, ticks);
+    if (r.left < ticks) ticks = r.left;
   }
   if (lattice_.left == 0 && enter(lattice_, tick_)) open_window();
   ticks = limit_by(lattice_, tick_, ticks);

@@ -58,6 +58,8 @@ class TickGenerator {
   std::uint64_t tick() const { return tick_; }
   /// The first tick that no axis has read.
   std::uint64_t head() const { return tick_ + lead_; }
+  /// Ticks that the axis with the longest lead is ahead.
+  std::uint32_t lead() const { return lead_; }
   /// State of all axes at the head (main loop: runs ahead of what was filled).
   MotionState state() const;
   /// True if a segment is being run at the head.
@@ -106,6 +108,7 @@ class TickGenerator {
   void open_window();
   static std::uint32_t limit_to(std::uint64_t change, std::uint64_t tick, std::uint32_t ticks);
   std::uint32_t limit_by(const Reader& reader, std::uint64_t tick, std::uint32_t ticks) const;
+  std::uint32_t wait(Run& run, int axis, std::uint32_t ticks) const;
   std::uint32_t limit_by_bits(std::uint32_t ticks) const;
   std::uint8_t bits() const;
   void advance(std::uint32_t ticks);
