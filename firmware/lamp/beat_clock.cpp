@@ -112,6 +112,11 @@ void BeatClock::set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16) 
   least_.set(tick_, from_tick, std::int64_t{tick_q16} * (nominal_tick_q32 >> 16));
 }
 
+std::uint32_t BeatClock::ticks_in(std::uint32_t clocks) const {
+  const auto tick_q16 = static_cast<std::uint32_t>(tick_q32_ >> 16);
+  return static_cast<std::uint32_t>(((std::uint64_t{clocks} << 16) + tick_q16 / 2) / tick_q16);
+}
+
 void BeatClock::set_tick_length(std::uint64_t from_tick, std::uint32_t tick_q16) {
   if (mode_ != LampMode::master) return;
   const std::int64_t spread = longest_tick_q16_ - full_tick_q16;
@@ -415,7 +420,7 @@ std::int64_t BeatClock::steered(std::int64_t length, std::uint32_t ticks) {
   }
   if (!moving) return length;
   // Rather a lattice that lags than motion above its limits.
-  const std::int64_t least = (least_.at(tick_) * ticks) >> 16;
+  const std::int64_t least = (least_.most(tick_, tick_ + ticks + lead_ticks_) * ticks) >> 16;
   return length < least ? least : length;
 }
 

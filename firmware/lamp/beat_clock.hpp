@@ -81,6 +81,10 @@ class BeatClock {
   /// Motion from this tick on has limits made for ticks no shorter than that (shortest_tick_q16()
   /// as it was); up to there holds what was said before. `from_tick` begins a beat.
   void set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16);
+  /// Steps leave up to so many ticks before the ticks that they are planned for; at rest only.
+  void set_lead(std::uint32_t ticks) { lead_ticks_ = ticks; }
+  /// Ticks as they are now that take about as long as these clocks (main loop: divides).
+  std::uint32_t ticks_in(std::uint32_t clocks) const;
 
   /// As master: ticks from this one on, which begins a beat, have this length over the nominal one;
   /// what was said for that tick and later ones is forgotten. At most longest_tick_q16(), at least
@@ -186,6 +190,7 @@ class BeatClock {
   ClockQ16 clock_q16_ = 0;     ///< the same with its fraction
   std::int64_t tick_q32_ = 0;  ///< tracked length of a tick, clocks
   std::uint64_t motion_end_tick_ = 0;
+  std::uint32_t lead_ticks_ = 0;
   /// A length of ticks in clocks, by tick: the first one holds now, the others from theirs on.
   template <std::size_t places>
   class Schedule {
@@ -198,6 +203,13 @@ class BeatClock {
         --count_;
       }
       return steps_[0].q32;
+    }
+    /// The most from tick `now`, which only grows, to the one before `until`.
+    std::int64_t most(std::uint64_t now, std::uint64_t until) {
+      std::int64_t q32 = at(now);
+      for (std::uint32_t i = 1; i < count_; ++i)
+        if (steps_[i].from_tick < until && steps_[i].q32 > q32) q32 = steps_[i].q32;
+      return q32;
     }
     /// Forgets what was to change from that tick on.
     void keep(std::uint64_t from_tick) {
