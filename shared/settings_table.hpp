@@ -2,7 +2,7 @@
 //
 // Firmware, host, documentation and tests read this table and nothing else. Numbers are those of
 // grbl 1.1 where grbl has the setting, our own ones start at 900, in blocks: 900 beat, 920 laser
-// protection, 940 work space, 960 axes, 980 link, 990 board.
+// protection, 940 work space, 960 axes, 980 link, 990 board, 1070 drives.
 // Values are kept in thousandths of the unit (`milli`) as 32-bit integers: exact, printable with
 // three decimals, no floating point.
 #pragma once
@@ -68,6 +68,10 @@ enum class Id : std::uint8_t {
   speed_jump_a,
   dead_man,
   pin_map,
+  drive_lag_x,
+  drive_lag_y,
+  drive_lag_z,
+  drive_lag_a,
   count
 };
 inline constexpr std::size_t setting_count = static_cast<std::size_t>(Id::count);
@@ -172,6 +176,10 @@ inline constexpr std::array<Row, setting_count> table{{
      "what the pins of the board are for, from its next start on: 0 glass, 1 cut (fourth axis, "
      "UART, "
      "a limit switch for each axis)"},
+    {1071, "drive_lag_x", "us", 0, 5'000'000, 0, false, "how late X follows its steps"},
+    {1072, "drive_lag_y", "us", 0, 5'000'000, 0, false, "how late Y follows its steps"},
+    {1073, "drive_lag_z", "us", 0, 5'000'000, 0, false, "how late Z follows its steps"},
+    {1074, "drive_lag_a", "us", 0, 5'000'000, 0, false, "how late A follows its steps"},
 }};
 
 /// Row of a setting.

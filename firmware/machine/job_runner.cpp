@@ -29,6 +29,12 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   next_ = {first, 0};
   starvations_ = misses_ = 0;
   job_speed_ = full_job_speed;
+  for (int a = 0; a < max_axes; ++a) {
+    const std::int32_t lag_ns =
+        a < values.whole(settings::Id::axes) ? values.milli(settings::Id::drive_lag_x, a) : 0;
+    lag_clocks_[index(a)] = static_cast<std::uint32_t>(lag_ns) / 1000 * clocks_per_us +
+                            static_cast<std::uint32_t>(lag_ns) % 1000 * clocks_per_us / 1000;
+  }
   plan_.begin_job(values, clock_.beat_ticks(), options.shortest_tick_q16);
   brake_limits_ = plan_.brake_limits();
 }
@@ -119,6 +125,14 @@ std::uint32_t JobRunner::first_unfired() const {
   return point;
 }
 
+// What a tick takes may have changed since the last start.
+void JobRunner::set_leads() {
+  PerAxis<std::uint32_t> leads{};
+  for (int a = 0; a < max_axes; ++a) leads[index(a)] = clock_.ticks_in(lag_clocks_[index(a)]);
+  generator_.set_leads(leads);
+  clock_.set_lead(generator_.lead());
+}
+
 std::uint64_t JobRunner::start_beat() const {
   const std::uint64_t head = generator_.head() + start_margin_ticks;
   return clock_.beat_at_or_after(plan_state_.tick > head ? plan_state_.tick : head);
@@ -129,7 +143,10 @@ bool JobRunner::prepare_start() {
   if (!from_rest_) return true;
   if (!clock_.settled()) return false;
   // Motion that is committed and ends at rest may still be running.
-  if (at_rest()) plan_state_ = generator_.state();
+  if (at_rest()) {
+    set_leads();
+    plan_state_ = generator_.state();
+  }
   plan_beat_ = start_beat();
   plan_state_.tick = clock_.tick_of_beat(plan_beat_);
   for (stepper::AxisState& axis : plan_state_.axis) axis.speed_q62 = 0;
@@ -271,7 +288,9 @@ bool JobRunner::prepare(bool go) {
   request.least_beats = options_.least_beats;
   request.start = plan_state_;
   request.follows = !astray_;
-  plan_.start({shortest_tick_q16(), job_speed_}, clock_.longest_tick_q16());
+  // Axes with different leads never stand at the same tick: no other length can begin there.
+  plan_.start({shortest_tick_q16(), job_speed_},
+              generator_.lead() == 0 ? clock_.longest_tick_q16() : full_tick_q16);
   hand_over_.hand_out();
   return true;
 }

@@ -156,6 +156,7 @@ class JobRunner {
   Place place_after(std::uint32_t count) const;
   bool prepare_start();
   std::uint64_t start_beat() const;
+  void set_leads();
   void start_later();
   void commit_plan();
   void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);
@@ -178,11 +179,12 @@ class JobRunner {
   std::uint32_t job_speed_ = full_job_speed;
   stepper::TickGenerator generator_{segments_};
   RunOptions options_;
-  std::uint32_t first_ = 0;         ///< first point of the job
-  Place next_;                      ///< first flash not committed
-  std::uint32_t received_ = 0;      ///< end of the queue when it last grew
-  std::uint64_t receive_tick_ = 0;  ///< and when that was
-  bool from_rest_ = true;           ///< the next window starts on a fresh beat
+  PerAxis<std::uint32_t> lag_clocks_{};  ///< of the drives
+  std::uint32_t first_ = 0;              ///< first point of the job
+  Place next_;                           ///< first flash not committed
+  std::uint32_t received_ = 0;           ///< end of the queue when it last grew
+  std::uint64_t receive_tick_ = 0;       ///< and when that was
+  bool from_rest_ = true;                ///< the next window starts on a fresh beat
   bool returning_ = false;
   bool astray_ = true;   ///< the next window does not start at the target before it
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet
