@@ -16,7 +16,7 @@
 
 namespace lamplock::sim {
 
-/// Where the machine stood at the lattice tick of a shot's beat: the position without the jitter
+/// Where the loads were at the lattice tick of a shot's beat: the position without the jitter
 /// of the lamp.
 struct LatticeShot {
   std::uint64_t beat = 0;

@@ -34,6 +34,7 @@ struct Options {
   bool json = false;
   MachineOptions machine;
   LampFaults faults;
+  SimulatedDrives drives;
 };
 
 /// The board's ports. Whoever spoke last is answered.
@@ -106,6 +107,7 @@ Exit simulate(const Options& options) {
   const settings::Values values = options.machine.profile().settings;
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(values);
+  world.drives = options.drives.drives();
   Ports ports(options);
   const SimulatedBoard made = make_board(options.board, options.image, values, world);
   sim::Board& board = *made.board;
@@ -154,6 +156,7 @@ void add_sim(CLI::App& program, Action& action) {
   options->machine.add_machine(*app);
   options->machine.add_overrides(*app);
   options->faults.add(*app);
+  options->drives.add(*app);
   app->callback([options, &action] { action = [options] { return simulate(*options); }; });
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -28,6 +29,7 @@ constexpr const char* machine_group = "Machine";
 constexpr const char* points_group = "Points";
 constexpr const char* board_group = "Board";
 constexpr const char* lamp_group = "Lamp of a simulated board";
+constexpr const char* drives_group = "Drives of a simulated board";
 
 struct NamedLampMode {
   const char* name;
@@ -223,6 +225,21 @@ sim::LampConfig LampFaults::lamp(const settings::Values& values) const {
   return config;
 }
 
+void SimulatedDrives::add(CLI::App& app) {
+  app.add_option("--drive-lag", lag_us, "How late each axis follows its steps, X first")
+      ->delimiter(',')
+      ->expected(1, max_axes)
+      ->check(CLI::Range(0.0, settings::row(Id::drive_lag_x).max_milli / milli_per_unit))
+      ->type_name("US,US,...")
+      ->group(drives_group);
+}
+
+sim::DriveConfig SimulatedDrives::drives() const {
+  sim::DriveConfig config;
+  std::copy(lag_us.begin(), lag_us.end(), config.lag_us.begin());
+  return config;
+}
+
 void BoardOptions::add_choice(CLI::App& app) {
   app.add_option("--board", board,
                  "virtual: the firmware core on a virtual clock, fast; chip: the flash image, "
@@ -274,6 +291,7 @@ void BoardOptions::add_job(CLI::App& app) {
       ->type_name("FILE")
       ->group(board_group);
   faults.add(app);
+  drives.add(app);
 }
 
 void BoardOptions::check() const {
@@ -295,6 +313,7 @@ void BoardOptions::check() const {
   if (!vcd.empty()) only_simulated("--vcd");
   if (!shots.empty()) only_simulated("--shots");
   if (faults.any()) only_simulated("--jitter, --wander, --dropouts, --runts");
+  if (drives.any()) only_simulated("--drive-lag");
   if (!dry && !yes && ::isatty(STDIN_FILENO) != 1)
     throw Error(Exit::bad_input, "--board " + board, "nobody is there to permit the first shot",
                 "run it in a terminal, or give --yes or --dry");

@@ -14,6 +14,7 @@
 #include "host/job/profile.hpp"
 #include "host/model/input.hpp"
 #include "host/order/order.hpp"
+#include "sim/world/drives.hpp"
 #include "sim/world/lamp.hpp"
 
 namespace lamplock::cli {
@@ -83,6 +84,15 @@ struct LampFaults {
   sim::LampConfig lamp(const settings::Values& values) const;
 };
 
+/// The drives of a simulated board.
+struct SimulatedDrives {
+  std::vector<double> lag_us{};  ///< by axis
+
+  void add(CLI::App& app);
+  bool any() const { return !lag_us.empty(); }
+  sim::DriveConfig drives() const;
+};
+
 /// Where a job runs and what is left of it.
 struct BoardOptions {
   std::string board = "virtual", image{};
@@ -91,11 +101,12 @@ struct BoardOptions {
   bool yes = false, dry = false, json = false;
   std::string report{}, vcd{}, shots{}, timing{};
   LampFaults faults{};
+  SimulatedDrives drives{};
 
   void add_choice(CLI::App& app);     ///< --board, --image
   void add_board(CLI::App& app);      ///< these, --yes, --json
   void add_job_speed(CLI::App& app);  ///< --job-speed
-  /// --from, --fired, --job-speed, --dry, --report, --vcd, --shots and the lamp's faults
+  /// --from, --fired, --job-speed, --dry, --report, --vcd, --shots and what is simulated
   void add_job(CLI::App& app);
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// Refuses what the board cannot do, before any work is done. Throws Error(bad_input).

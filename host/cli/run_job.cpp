@@ -124,6 +124,7 @@ void tell_timing(const sim::BoardTiming& timing, const Work& work, const BoardOp
 Outcome run_simulated(const Work& work, const BoardOptions& options, Console& console) {
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(work.job.settings);
+  world.drives = options.drives.drives();
   const SimulatedBoard made = make_board(options.board, options.image, work.job.settings, world);
   sim::Board& board = *made.board;
   std::optional<PinTrace> trace;

@@ -32,6 +32,8 @@ VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& wo
     bus_.listen(pin, *this);
   for (int channel = 0; channel < beam_channels; ++channel)
     bus_.listen(photosensor_pin(channel), *this);
+  for (int axis = 0; axis < max_axes; ++axis)
+    longest_lag_ = std::max(longest_lag_, world_->drives().lag(axis));
 }
 
 VirtualBoard::~VirtualBoard() = default;
@@ -186,10 +188,9 @@ void VirtualBoard::play(Picoseconds until) {
     play_block(block, std::min(end, to_tick));
     if (end > to_tick) break;
     recent_blocks_.push_back(block);
-    if (recent_blocks_.size() > remembered_blocks) recent_blocks_.pop_front();
     blocks_.pop_front();
   }
-  ticks_.drop_before(played_);
+  forget();
   // A block that begins right here changes the bits now.
   if (bits_change_ <= until) {
     if (!blocks_.empty() && blocks_.front().first_tick <= played_ && blocks_.front().bits != bits_)
@@ -197,6 +198,17 @@ void VirtualBoard::play(Picoseconds until) {
     bits_change_ = never;
     feed_lattice();
   }
+}
+
+/// What nobody can ask for any more.
+void VirtualBoard::forget() {
+  // A tick is not shorter than three quarters of a microsecond.
+  const auto lag_ticks = static_cast<std::uint64_t>(longest_lag_ / (ps_per_us * 3 / 4));
+  const std::uint64_t before = played_ > lag_ticks ? played_ - lag_ticks : 0;
+  while (recent_blocks_.size() > remembered_blocks &&
+         recent_blocks_[recent_blocks_.size() - remembered_blocks].first_tick < before)
+    recent_blocks_.pop_front();
+  ticks_.drop_before(before);
 }
 
 void VirtualBoard::begin_block(const stepper::TickBlock& block) {
@@ -244,6 +256,18 @@ StepPosition VirtualBoard::position_at_tick(std::uint64_t tick) const {
   return steps;
 }
 
+/// The loads at a tick of the lattice: as far as the steps were that lie a lag earlier.
+StepPosition VirtualBoard::load_at_tick(std::uint64_t tick) const {
+  StepPosition steps = position_at_tick(tick);
+  for (int axis = 0; axis < max_axes; ++axis) {
+    const Picoseconds lag = world_->drives().lag(axis);
+    if (lag == 0) continue;
+    const std::uint64_t before = ticks_.first_tick_from(ticks_.time_of(tick) - lag);
+    steps[index(axis)] = position_at_tick(before)[index(axis)];
+  }
+  return steps;
+}
+
 void VirtualBoard::decide() {
   const bool loaded = token_held_ && controller_->outputs().fire_enable &&
                       played_ >= token_.not_before_tick && played_ < token_.expires_tick;
@@ -261,7 +285,7 @@ void VirtualBoard::report_shot(bool fired) {
   if (!shot_.fired) return;
   if (fired) {
     const std::uint64_t tick = controller_->clock().tick_of_beat(token_.beat);
-    lattice_shots_.push_back({token_.beat, position_at_tick(tick)});
+    lattice_shots_.push_back({token_.beat, load_at_tick(tick)});
   }
   shot_.fired = false;
   controller_->lamp_edge(shot_.edge_clock, fired, true);

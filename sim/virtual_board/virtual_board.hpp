@@ -61,6 +61,7 @@ class VirtualBoard final : public Board, private PinListener {
   void main_loop();
   void feed_lattice();
   void play(Picoseconds until);
+  void forget();
   void begin_block(const stepper::TickBlock& block);
   void play_block(const stepper::TickBlock& block, std::uint64_t to_tick);
   void step_axis(int axis, const stepper::TickBlock& block, std::uint64_t to_tick);
@@ -73,6 +74,7 @@ class VirtualBoard final : public Board, private PinListener {
   void apply_beam();
   void stop_dead();
   StepPosition position_at_tick(std::uint64_t tick) const;
+  StepPosition load_at_tick(std::uint64_t tick) const;
 
   settings::Values stored_;
   PinBus bus_;
@@ -92,6 +94,7 @@ class VirtualBoard final : public Board, private PinListener {
   Verdict shot_;  ///< decided, its pulse has not begun
   bool own_edges_ = false;
   Picoseconds step_pulse_ = 0;
+  Picoseconds longest_lag_ = 0;  ///< of the drives: so far back the board's ticks are asked for
   Picoseconds now_ = 0;
   Picoseconds next_service_ = 0;
   Picoseconds planning_time_ = 0;

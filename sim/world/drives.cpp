@@ -20,6 +20,8 @@ Drives::Drives(const DriveConfig& config, PinBus& bus)
     bus.listen(step_pin(axis), *this);
     bus.listen(dir_pin(axis), *this);
     axes_[static_cast<std::size_t>(axis)].direction = bus.level(dir_pin(axis)) ? -1 : 1;
+    lag_[static_cast<std::size_t>(axis)] =
+        from_ns(1000 * config.lag_us[static_cast<std::size_t>(axis)]);
   }
 }
 
@@ -31,17 +33,17 @@ StepPosition Drives::position() const {
 }
 
 StepPosition Drives::position_at(Picoseconds at) const {
-  const auto undo = [at](const Axis& axis) {
+  const auto undo = [at](const Axis& axis, Picoseconds lag) {
     std::int32_t position = axis.position;
     for (std::uint32_t back = 1; back <= remembered_steps; ++back) {
       const Step& step = axis.recent[(axis.steps - back) % remembered_steps];
-      if (step.at <= at) break;  // also ends at slots never written: they are long ago
+      if (step.at + lag <= at) break;  // also ends at slots never written: they are long ago
       position = step.position_before;
     }
     return position;
   };
   StepPosition result{};
-  std::transform(axes_.begin(), axes_.end(), result.begin(), undo);
+  std::transform(axes_.begin(), axes_.end(), lag_.begin(), result.begin(), undo);
   return result;
 }
 

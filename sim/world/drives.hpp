@@ -2,8 +2,9 @@
 //
 // In:  STEP and DIR of four axes. A rising edge of STEP moves one step, DIR high is negative.
 //      The changes of one axis come in order of time; axes may come one after the other.
-// Out: the position, now or at a time not long ago, and counts of pulses that a real drive would
-//      have lost: too short, too fast, DIR changed too close before STEP.
+// Out: the position of the load, now or at a time not long ago, and counts of pulses that a real
+//      drive would have lost: too short, too fast, DIR changed too close before STEP.
+// The load follows the steps late, by a pure delay of its axis: servo, filter or closed loop.
 // Who: the bus calls pin_changed() for every edge; no allocation, a few nanoseconds.
 #pragma once
 
@@ -22,6 +23,7 @@ struct DriveConfig {
   double min_pulse_ns = 400;   ///< STEP high
   double min_period_ns = 900;  ///< rising edge to rising edge
   double dir_setup_ns = 200;   ///< DIR stable before the rising edge of STEP
+  PerAxis<double> lag_us{};    ///< STEP to movement of the load
 };
 
 /// Pulses outside what a drive can follow. They are counted as steps all the same.
@@ -43,12 +45,14 @@ class Drives final : public PinListener {
   /// Steps counted since power-up.
   StepPosition position() const;
 
-  /// Position just after everything that happened up to and including `at`. Reaches back
+  /// Load just after everything that has moved it up to and including `at`. Reaches back
   /// `remembered_steps` steps per axis; further back it gives the oldest position it knows.
   StepPosition position_at(Picoseconds at) const;
 
   const DriveFaults& faults(int axis) const { return axes_[static_cast<std::size_t>(axis)].faults; }
   std::uint64_t total_faults() const;
+  /// How late the load of an axis follows.
+  Picoseconds lag(int axis) const { return lag_[static_cast<std::size_t>(axis)]; }
 
   void pin_changed(Pin pin, bool level, Picoseconds at) override {
     const auto line = static_cast<std::size_t>(pin);
@@ -95,6 +99,7 @@ class Drives final : public PinListener {
   Picoseconds min_pulse_;
   Picoseconds min_period_;
   Picoseconds dir_setup_;
+  PerAxis<Picoseconds> lag_{};
   PerAxis<Axis> axes_{};
 };
 
