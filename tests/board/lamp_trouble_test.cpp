@@ -12,10 +12,15 @@ class ScriptedLamp : public testing::Test {
  protected:
   void run(const LampScript& script, int seed, JoinMode mode) {
     profile_ = lamp_profile();
+    sim::WorldConfig world = dark_world();
+    if (seed % 3 == 0) {
+      set_lag(profile_, {0, 3000, 150});
+      world.drives = world_for(profile_).drives;
+    }
     job::JobOptions options;
     options.mode = mode;
     job_ = job::make_job(histogram_walk(500, static_cast<std::uint64_t>(seed)), profile_, options);
-    rig_ = std::make_unique<Rig>(profile_.settings, dark_world());
+    rig_ = std::make_unique<Rig>(profile_.settings, world);
     script.connect(rig_->board);
     result_ = run_job(*rig_, job_);
     ASSERT_EQ(result_.end, link::JobEnd::done);

@@ -22,12 +22,15 @@ class Disturbed : public testing::Test {
     const auto number = static_cast<std::uint64_t>(seed);
     random_.seed(number);
     profile_ = lamp_profile();
+    const bool jitter = seed % 4 >= 2;
+    // A lag is turned into ticks at rest; a lamp that wanders after that makes long ones wrong.
+    if (seed % 5 == 4) set_lag(profile_, {150, 0, jitter ? 300.0 : 4000.0});
+    if (seed % 5 == 2) set_lag(profile_, {0, jitter ? 200.0 : 900.0, 100});
     job::JobOptions options;
     options.mode = both_modes[seed % 2];
     job_ =
         job::make_job(seed % 3 == 0 ? wild_points(20, number) : histogram_walk(job_points, number),
                       profile_, options);
-    const bool jitter = seed % 4 >= 2;
     rig_ = std::make_unique<Rig>(profile_, sim::LampConfig{.jitter_us = jitter ? 20.0 : 0.0,
                                                            .wander = jitter ? 0.01 : 0.0,
                                                            .seed = number + 1});

@@ -41,12 +41,25 @@ inline job::Profile lamp_profile(double hz = 100,
   return profile;
 }
 
+/// The world that such a machine is made for.
 inline sim::WorldConfig world_for(const job::Profile& profile, sim::LampConfig lamp = {}) {
   lamp.frequency_hz = profile.settings.milli(Id::lamp_frequency) / 1000.0;
   lamp.triggered = profile.settings.whole(Id::lamp_mode) != 1;
   sim::WorldConfig world;
   world.lamp = lamp;
+  for (int axis = 0; axis < max_axes; ++axis)
+    world.drives.lag_us[static_cast<std::size_t>(axis)] =
+        profile.settings.milli(Id::drive_lag_x, axis) / 1000.0;
   return world;
+}
+
+/// Drives that follow so late, X first, and a machine that knows it.
+inline void set_lag(job::Profile& profile, std::initializer_list<double> lag_us) {
+  Id id = Id::drive_lag_x;
+  for (const double us : lag_us) {
+    job::state_setting(profile, id, us, "test");
+    id = settings::for_axis(id, 1);
+  }
 }
 
 /// Points that ask a lot: long ways through the whole work space, its very corners, the same point
