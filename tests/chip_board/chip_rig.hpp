@@ -48,6 +48,9 @@ inline job::Profile chip_profile(double lamp_hz = 500) {
 inline sim::WorldConfig chip_world(const job::Profile& profile) {
   sim::WorldConfig world;
   world.lamp.frequency_hz = profile.settings.milli(Id::lamp_frequency) / 1000.0;
+  for (int axis = 0; axis < max_axes; ++axis)
+    world.drives.lag_us[static_cast<std::size_t>(axis)] =
+        profile.settings.milli(Id::drive_lag_x, axis) / 1000.0;
   return world;
 }
 

@@ -8,11 +8,22 @@
 namespace lamplock::test {
 namespace {
 
+struct Join {
+  motion::JoinMode mode;
+  bool lag;
+};
+
 TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
-  for (const auto mode : {motion::JoinMode::free, motion::JoinMode::start_stop}) {
-    const job::Profile profile = chip_profile(100);
+  for (const Join& join :
+       {Join{motion::JoinMode::free, false}, Join{motion::JoinMode::start_stop, false},
+        Join{motion::JoinMode::free, true}}) {
+    job::Profile profile = chip_profile(100);
+    if (join.lag) {
+      job::state_setting(profile, Id::drive_lag_x, 150, "test");
+      job::state_setting(profile, Id::drive_lag_y, 5000, "test");
+    }
     job::JobOptions options;
-    options.mode = mode;
+    options.mode = join.mode;
     const job::Job job =
         job::make_job(histogram_walk(static_cast<std::size_t>(scaled(60)), 9), profile, options);
     sim::VirtualBoard board(profile.settings, chip_world(profile));
@@ -35,6 +46,8 @@ TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
       ASSERT_EQ(rig.shots()[i].beat - rig.shots()[0].beat,
                 virtual_shots[i].beat - virtual_shots[0].beat)
           << "shot " << i;
+    for (std::size_t i = 0; i < virtual_shots.size(); ++i)
+      ASSERT_EQ(virtual_shots[i].steps, job.targets[i].steps) << "shot " << i;
     expect_no_violations(rig);
   }
 }

@@ -310,6 +310,112 @@ TEST(TickGenerator, BrakesFromAnyTickWithoutAJump) {
   }
 }
 
+/// Leads as drives may ask for: none, equal ones, as long as many segments.
+PerAxis<std::uint32_t> random_leads(std::mt19937_64& random) {
+  PerAxis<std::uint32_t> leads{};
+  const std::uint32_t most = random() % 2 == 0 ? 5000 : 60;
+  for (std::uint32_t& lead : leads)
+    if (random() % 4 != 0) lead = static_cast<std::uint32_t>(random() % (most + 1));
+  if (random() % 5 == 0) leads[1] = leads[0];
+  return leads;
+}
+
+std::vector<Step> earlier(std::vector<Step> steps, const PerAxis<std::uint32_t>& leads) {
+  for (Step& s : steps) s.tick -= leads[index(s.axis)];
+  std::sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) {
+    return a.tick != b.tick ? a.tick < b.tick : a.axis < b.axis;
+  });
+  return steps;
+}
+
+/// A generator with its queue and a board.
+struct Machine {
+  SegmentQueue queue;
+  TickGenerator generator{queue};
+  NaiveBoard board;
+  std::size_t fed = 0;
+  void run_to(const std::vector<Segment>& segments, std::uint64_t tick) {
+    ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, tick, 1000));
+  }
+  void brake(const motion::Limits& limits, std::size_t all) {
+    queue.clear();
+    fed = all;
+    if (generator.running()) generator.replace(motion::make_brake(generator.state(), limits));
+  }
+};
+
+TEST(TickGenerator, AnAxisWithALeadTakesTheSameStepsSoMuchEarlier) {
+  std::mt19937_64 random(71);
+  for (int i = 0; i < test::scaled(10); ++i) {
+    const std::vector<Segment> segments = shifted(plan(fast_chain(random, 100)), 6000);
+    const std::uint64_t end = segments.back().end.tick + 1000;
+    Machine plain, ahead;
+    const PerAxis<std::uint32_t> leads = random_leads(random);
+    ahead.generator.set_leads(leads);
+    for (Machine* machine : {&plain, &ahead}) machine->generator.set_arm_lead(5);
+    ASSERT_NO_FATAL_FAILURE(plain.run_to(segments, end));
+    ASSERT_NO_FATAL_FAILURE(ahead.run_to(segments, end));
+    ASSERT_GT(plain.board.steps().size(), 100u);
+    EXPECT_EQ(ahead.board.sorted_steps(), earlier(plain.board.steps(), leads));
+    EXPECT_EQ(ahead.board.bits(), plain.board.bits());
+    EXPECT_FALSE(ahead.generator.underrun());
+    EXPECT_TRUE(ahead.queue.released());
+  }
+}
+
+TEST(TickGenerator, BrakesFromTheHeadOnWhateverTheLeads) {
+  std::mt19937_64 random(72);
+  for (int i = 0; i < test::scaled(100); ++i) {
+    const test::Chain chain = fast_chain(random, 24);
+    const std::vector<Segment> segments = shifted(plan(chain), 6000);
+    Machine plain, ahead;
+    const PerAxis<std::uint32_t> leads = random_leads(random);
+    ahead.generator.set_leads(leads);
+    const std::uint32_t lead = ahead.generator.lead();
+    std::uint64_t at = 1000 + random() % segments.back().end.tick;
+    // Braking once more, while some axes have not come to the first brake.
+    for (int brakes = 0; brakes < 3; ++brakes) {
+      ASSERT_NO_FATAL_FAILURE(ahead.run_to(segments, at));
+      ASSERT_NO_FATAL_FAILURE(plain.run_to(segments, at + lead));
+      const MotionState state = ahead.generator.state(), wanted = plain.generator.state();
+      ASSERT_EQ(ahead.generator.running(), plain.generator.running());
+      ASSERT_EQ(state.tick, wanted.tick);
+      for (int a = 0; a < max_axes; ++a) {
+        const AxisState& is = state.axis[index(a)];
+        ASSERT_EQ(native(is.position_q64), native(wanted.axis[index(a)].position_q64));
+        ASSERT_EQ(is.speed_q62, wanted.axis[index(a)].speed_q62);
+      }
+      for (Machine* machine : {&plain, &ahead}) machine->brake(chain.limits, segments.size());
+      at += random() % 3 == 0 ? 0 : random() % 500;
+    }
+    ASSERT_NO_FATAL_FAILURE(ahead.run_to(segments, at + 100'000));
+    ASSERT_NO_FATAL_FAILURE(plain.run_to(segments, at + 100'000));
+    ASSERT_EQ(ahead.board.sorted_steps(), earlier(plain.board.steps(), leads));
+    EXPECT_FALSE(ahead.generator.underrun());
+    EXPECT_TRUE(ahead.queue.released());
+  }
+}
+
+TEST(TickGenerator, HaltsEachAxisWhereItsStepsAre) {
+  std::mt19937_64 random(73);
+  for (int i = 0; i < test::scaled(20); ++i) {
+    const std::vector<Segment> segments = shifted(plan(fast_chain(random, 24)), 6000);
+    Machine machine;
+    machine.generator.set_leads(random_leads(random));
+    ASSERT_NO_FATAL_FAILURE(machine.run_to(segments, 1000 + random() % segments.back().end.tick));
+    machine.generator.halt();
+    machine.fed = segments.size();
+    EXPECT_TRUE(machine.queue.released() && machine.queue.empty());
+    const MotionState state = machine.generator.state();
+    EXPECT_TRUE(state.at_rest());
+    for (int a = 0; a < max_axes; ++a)
+      EXPECT_EQ(state.axis[index(a)].step(), machine.board.counted(a));
+    const std::size_t steps = machine.board.steps().size();
+    ASSERT_NO_FATAL_FAILURE(machine.run_to(segments, machine.board.tick() + 20'000));
+    EXPECT_EQ(machine.board.steps().size(), steps);
+  }
+}
+
 TEST(TickGenerator, AShotThatWasTakenBackIsNotArmed) {
   std::mt19937_64 random(66);
   test::Chain chain = fast_chain(random, 4, 1);
