@@ -24,6 +24,10 @@
 // lamp runs at another frequency. Outside the lock range there is no lock, and without a lock no
 // shot and no motion.
 //
+// The lattice tick of a beat is where the loads are at their point. Steps leave before the tick
+// that they are planned for, by the lag of their drive (stepper/tick_generator.hpp); lattice and
+// lamp know nothing of it, but no tick may be too short for motion that has begun so much earlier.
+//
 // On a free beat a tick is exactly nominal. As master too, unless the planner asks for another
 // length (set_tick_length()): segments are whole beats in ticks, so a way that takes 1.02 beats is
 // made in one beat of ticks that are 2 % longer. Limits in ticks rise with the length of the tick

@@ -229,7 +229,8 @@ void SimulatedDrives::add(CLI::App& app) {
   app.add_option("--drive-lag", lag_us, "How late each axis follows its steps, X first")
       ->delimiter(',')
       ->expected(1, max_axes)
-      ->check(CLI::Range(0.0, settings::row(Id::drive_lag_x).max_milli / milli_per_unit))
+      ->check(CLI::Range(0.0, settings::row(Id::drive_lag_x).max_milli / milli_per_unit)
+                  .description(""))
       ->type_name("US,US,...")
       ->group(drives_group);
 }
