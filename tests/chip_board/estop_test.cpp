@@ -26,6 +26,9 @@ class Stops : public testing::Test {
 
 TEST_F(Stops, EmergencyStopAtRandomMoments) {
   const job::Profile profile = chip_profile();
+  // Steps of X leave earlier: the position counts those that have.
+  job::Profile lagging = profile;
+  job::state_setting(lagging, Id::drive_lag_x, 2300, "test");
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   using sim::ps_per_ns;
@@ -34,7 +37,8 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
   for (int round = 0; round < scaled(12); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     const std::size_t fired = rig.shots().size();
-    RunningJob running(rig, job::make_job(chip_points(60, random_()), profile, {}),
+    const job::Profile& machine = round % 2 == 0 ? profile : lagging;
+    RunningJob running(rig, job::make_job(chip_points(60, random_()), machine, {}),
                        static_cast<std::uint32_t>(round + 1));
     ASSERT_NO_FATAL_FAILURE(run_into(running));
     if (round % 3 == 0) {  // in the middle of a pulse
