@@ -176,10 +176,10 @@ inline constexpr std::array<Row, setting_count> table{{
      "what the pins of the board are for, from its next start on: 0 glass, 1 cut (fourth axis, "
      "UART, "
      "a limit switch for each axis)"},
-    {1071, "drive_lag_x", "us", 0, 5'000'000, 0, false, "how late X follows its steps"},
-    {1072, "drive_lag_y", "us", 0, 5'000'000, 0, false, "how late Y follows its steps"},
-    {1073, "drive_lag_z", "us", 0, 5'000'000, 0, false, "how late Z follows its steps"},
-    {1074, "drive_lag_a", "us", 0, 5'000'000, 0, false, "how late A follows its steps"},
+    {1071, "drive_lag_x", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
+    {1072, "drive_lag_y", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
+    {1073, "drive_lag_z", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
+    {1074, "drive_lag_a", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
 }};
 
 /// Row of a setting.

@@ -54,10 +54,9 @@ inline void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
 void TickGenerator::run_to_head(Run& r, int a) const {
   std::uint64_t tick = tick_ + r.at.lead;
   for (;;) {
-    enter(r, a, tick);
-    auto ticks = static_cast<std::uint32_t>(head() - tick);
+    std::uint32_t ticks = wait(r, a, tick, static_cast<std::uint32_t>(head() - tick));
     if (ticks == 0) return;
-    ticks = limit_by(r.at, tick, ticks < r.left ? ticks : r.left);
+    if (r.left < ticks) ticks = r.left;
     go_on(r, a, ticks);
     tick += ticks;
   }
@@ -92,10 +91,14 @@ bool TickGenerator::enter(Reader& reader, std::uint64_t tick) const {
   return false;
 }
 
-void TickGenerator::enter(Run& r, int a, std::uint64_t tick) const {
-  if (r.at.left != 0 || !enter(r.at, tick)) return;
-  r.piece = 0;
-  next_piece(r, a);
+/// An axis goes into the segment that begins at `tick`, or waits for the next: how many ticks of
+/// the same it has before it.
+std::uint32_t TickGenerator::wait(Run& r, int a, std::uint64_t tick, std::uint32_t ticks) const {
+  if (r.at.left == 0 && enter(r.at, tick)) {
+    r.piece = 0;
+    next_piece(r, a);
+  }
+  return limit_by(r.at, tick, ticks);
 }
 
 void TickGenerator::open_window() {
@@ -237,13 +240,6 @@ void TickGenerator::advance(std::uint32_t ticks) {
   while (trigger_on_ + trigger_.width_ticks <= tick_) trigger_on_ += trigger_.period_ticks;
 }
 
-/// An axis goes into the segment that begins now, or waits for the next.
-std::uint32_t TickGenerator::wait(Run& r, int a, std::uint32_t ticks) const {
-  const std::uint64_t tick = tick_ + r.at.lead;
-  enter(r, a, tick);
-  return limit_by(r.at, tick, ticks);
-}
-
 void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
   begin_segment();
   const std::uint32_t begun = queue_.begun();
@@ -252,7 +248,7 @@ void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
   if (!running_ && !queue_.empty()) ticks = limit_to(queue_.front().start_tick, head(), ticks);
   for (int a = 0; a < max_axes; ++a) {
     Run& r = runs_[index(a)];
-    if (r.at.left == 0 && r.at.segment != begun) ticks = wait(r, a, ticks);
+    if (r.at.left == 0 && r.at.segment != begun) ticks = wait(r, a, tick_ + r.at.lead, ticks);
     if (r.left < ticks) ticks = r.left;
   }
   if (lattice_.left == 0 && enter(lattice_, tick_)) open_window();

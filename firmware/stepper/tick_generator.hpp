@@ -36,10 +36,10 @@ struct TriggerPattern {
 /// Runs segments. All times are ticks of the lattice.
 class TickGenerator {
  public:
-  explicit TickGenerator(SegmentQueue& queue);
+  [[gnu::cold]] explicit TickGenerator(SegmentQueue& queue);
 
   /// How many ticks each axis is ahead of the lattice; only while nothing moves at all.
-  void set_leads(const PerAxis<std::uint32_t>& ticks);
+  [[gnu::cold]] void set_leads(const PerAxis<std::uint32_t>& ticks);
 
   /// How the arm window is shifted: the shot is decided `ticks` before it is fired.
   void set_arm_lead(std::uint32_t ticks) { arm_lead_ticks_ = ticks; }
@@ -61,7 +61,7 @@ class TickGenerator {
   /// Ticks that the axis with the longest lead is ahead.
   std::uint32_t lead() const { return lead_; }
   /// State of all axes at the head (main loop: runs ahead of what was filled).
-  MotionState state() const;
+  [[gnu::cold]] MotionState state() const;
   /// True if a segment is being run at the head.
   bool running() const { return running_; }
   /// Motion has ended with speed, or a segment came after its time: a fault, until halt().
@@ -71,9 +71,9 @@ class TickGenerator {
 
   /// Replaces what is being run from the head on (brake). The segment starts at state(), the queue
   /// holds nothing that has not begun. Fill interrupt masked.
-  void replace(const Segment& segment);
+  [[gnu::cold]] void replace(const Segment& segment);
   /// Stops dead where the machine is (e-stop): speed is lost, position kept, the queue emptied.
-  void halt();
+  [[gnu::cold]] void halt();
   /// Sets the position of every axis; at rest only (power-up, after a dead stop).
   void set_position(const StepPosition& steps);
 
@@ -99,16 +99,15 @@ class TickGenerator {
 
   void begin_segment();
   bool enter(Reader& reader, std::uint64_t tick) const;
-  void enter(Run& run, int axis, std::uint64_t tick) const;
   void next_piece(Run& run, int axis) const;
   void go_on(Run& run, int axis, std::uint32_t ticks) const;
-  void run_to_head(Run& run, int axis) const;
-  bool shorten(Reader& reader, std::uint32_t ticks) const;
+  [[gnu::cold]] void run_to_head(Run& run, int axis) const;
+  [[gnu::cold]] bool shorten(Reader& reader, std::uint32_t ticks) const;
   static void stand(Run& run);
   void open_window();
   static std::uint32_t limit_to(std::uint64_t change, std::uint64_t tick, std::uint32_t ticks);
   std::uint32_t limit_by(const Reader& reader, std::uint64_t tick, std::uint32_t ticks) const;
-  std::uint32_t wait(Run& run, int axis, std::uint32_t ticks) const;
+  std::uint32_t wait(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
   std::uint32_t limit_by_bits(std::uint32_t ticks) const;
   std::uint8_t bits() const;
   void advance(std::uint32_t ticks);
