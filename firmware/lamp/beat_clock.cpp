@@ -1,6 +1,7 @@
 #include "firmware/lamp/beat_clock.hpp"
 
 #include <array>
+#include <bit>
 #include <cstddef>
 
 #include "shared/beat.hpp"
@@ -14,7 +15,7 @@ using settings::LampMode;
 
 constexpr std::int64_t nominal_tick_q32 = std::int64_t{clocks_per_tick} << 32;
 /// How far a tick may be stretched while nothing moves: a quarter.
-constexpr std::int64_t rest_slew_q32 = one_q32 / 4;
+constexpr int rest_slew_bits = 2;
 /// Edges that fit no beat since the last good beat, or beats without an edge, until the lock counts
 /// as lost.
 constexpr std::uint32_t strays_to_loss = 6;
@@ -74,6 +75,32 @@ std::int64_t clamped(std::int64_t x, std::int64_t low, std::int64_t high) {
   return x < low ? low : x > high ? high : x;
 }
 
+/// x * f / 2^32, rounded down, for x >= 0.
+std::int64_t share_q32(std::int64_t x, std::uint32_t f) {
+  const auto high = static_cast<std::uint32_t>(x >> 32);
+  const std::uint64_t low = wide_product(static_cast<std::uint32_t>(x), f) >> 32;
+  return static_cast<std::int64_t>(high == 0 ? low : low + wide_product(high, f));
+}
+
+/// x * g / 2^16 for a gain of 0..1, rounded.
+std::int64_t share_q16(std::int64_t x, std::int32_t gain_q16) {
+  const std::int64_t size = abs64(x);
+  if (size >= one_q32) return mul_q32(x, std::int64_t{gain_q16} << 16);
+  const auto share = static_cast<std::int64_t>(
+      wide_product(static_cast<std::uint32_t>(size), static_cast<std::uint32_t>(gain_q16)) >> 16);
+  return x < 0 ? -share : share;
+}
+
+/// Length of some ticks. Spans of boards take two products of 32 bits: a tick is shorter than 256
+/// clocks.
+constexpr std::uint32_t short_span_ticks = 256;
+std::int64_t length_q16(std::int64_t tick_q32, std::uint32_t ticks) {
+  if (ticks > short_span_ticks) return (tick_q32 * ticks) >> 16;
+  const auto tick_q16 = static_cast<std::uint32_t>(tick_q32 >> 16);
+  const std::uint32_t rest = static_cast<std::uint32_t>(tick_q32) & 0xffff;
+  return std::int64_t{tick_q16 * ticks + (rest * ticks >> 16)};
+}
+
 /// A setting in us (kept in thousandths) to clocks, Q16.
 std::int64_t us_to_clocks_q16(std::int32_t milli_us) {
   return mul_div(std::int64_t{milli_us} << 16, clocks_per_us, 1000);
@@ -90,8 +117,9 @@ void BeatClock::configure(const settings::Values& values) {
   range_q16_ = mul_div(nominal_q16_, values.milli(Id::lock_range), 100'000);
   jitter_q16_ = us_to_clocks_q16(values.milli(Id::lamp_jitter));
   delay_q16_ = us_to_clocks_q16(values.milli(Id::q_switch_delay));
-  per_beat_q48_ = (std::int64_t{1} << 48) / beat_ticks_;
-  slew_q32_ = mul_div(values.milli(Id::slew_limit), one_q32, 100'000);
+  inverse_bits_ = static_cast<int>(std::bit_width(beat_ticks_)) - 1;
+  inverse_ = static_cast<std::uint32_t>((std::uint64_t{1} << (31 + inverse_bits_)) / beat_ticks_);
+  slew_q32_ = static_cast<std::uint32_t>(mul_div(values.milli(Id::slew_limit), one_q32, 100'000));
   lock_edges_ = static_cast<std::uint32_t>(values.whole(Id::lock_edges));
   set_gains(values);
   set_gates(values);
@@ -146,7 +174,8 @@ void BeatClock::set_gains(const settings::Values& values) {
       isqrt(static_cast<std::uint64_t>(8 * index_q16 * 65536 + index_q16 * index_q16));
   const std::int64_t r_q16 = (4 * 65536 + index_q16 - root) / 4;
   const std::int64_t rest = 65536 - r_q16;
-  steady_ = {65536 - ((r_q16 * r_q16) >> 16), (2 * rest * rest) >> 16};
+  steady_ = {static_cast<std::int32_t>(65536 - ((r_q16 * r_q16) >> 16)),
+             static_cast<std::int32_t>((2 * rest * rest) >> 16)};
 }
 
 void BeatClock::set_gates(const settings::Values& values) {
@@ -159,6 +188,7 @@ void BeatClock::set_gates(const settings::Values& values) {
   const std::int64_t steady_error_q16 =
       mul_div(change_q16, 65536, static_cast<std::uint32_t>(steady_.period_q16));
   innovation_q16_ = steady_error_q16 > 2 * change_q16 ? steady_error_q16 : 2 * change_q16;
+  gate_q16_ = gate_q16(0);
 }
 
 EdgeInfo BeatClock::edge(std::uint64_t clock) {
@@ -174,10 +204,9 @@ EdgeInfo BeatClock::nearest_beat(ClockQ16 clock_q16) {
   const std::uint32_t left = beat_ticks_ - tick_in_beat_;
   const ClockQ16 shot_q16 = clock_q16 + static_cast<ClockQ16>(delay_q16_);
   // The next beat to get a time, if the present one keeps its length, and from there back.
-  const auto rest_q16 = Int128::product(length_.at(tick_), left) >> 16;
+  const std::int64_t rest_q16 = (length_.at(tick_) * left) >> 16;
   std::uint64_t beat = beat_ + 1;
-  std::int64_t off_q16 =
-      difference(shot_q16, clock_q16_ + static_cast<ClockQ16>(rest_q16.to_int64()));
+  std::int64_t off_q16 = difference(shot_q16, clock_q16_ + static_cast<ClockQ16>(rest_q16));
   for (std::uint32_t back = 0;
        off_q16 < -beat_q16 / 2 && back < beat_starts_.size() && beat != origin_beat_; ++back) {
     --beat;
@@ -201,19 +230,30 @@ EdgeInfo BeatClock::nearest_beat(ClockQ16 clock_q16) {
   return info;
 }
 
-BeatClock::Gains BeatClock::gains() const {
-  return {line_.phase_q16 > steady_.phase_q16 ? line_.phase_q16 : steady_.phase_q16,
-          line_.period_q16 > steady_.period_q16 ? line_.period_q16 : steady_.period_q16};
+/// As after so many edges of a line.
+void BeatClock::set_line(std::uint32_t edges) {
+  line_edges_ = edges;
+  line_ = edges < 2 ? Gains{65536, 65536}
+                    : Gains{line_table[edges].phase_q16, line_table[edges].period_q16};
+  choose_gains();
+}
+
+void BeatClock::choose_gains() {
+  gains_ = {line_.phase_q16 > steady_.phase_q16 ? line_.phase_q16 : steady_.phase_q16,
+            line_.period_q16 > steady_.period_q16 ? line_.period_q16 : steady_.period_q16};
 }
 
 void BeatClock::next_gains() {
-  if (++line_edges_ < line_table_size) {
-    line_ = {line_table[line_edges_].phase_q16, line_table[line_edges_].period_q16};
+  if (line_edges_ + 1 < line_table_size) {
+    set_line(line_edges_ + 1);
     return;
   }
+  // They only fall: below the steady ones they have done their part.
+  if (line_.phase_q16 <= steady_.phase_q16 && line_.period_q16 <= steady_.period_q16) return;
   // With g = 4/n the next one is 4/(n+1) = g - g^2/4 + ..., and 6/n^2 = 3 g^2 / 8.
-  const std::int64_t square_q16 = (line_.phase_q16 * line_.phase_q16) >> 16;
+  const std::int32_t square_q16 = (line_.phase_q16 * line_.phase_q16) >> 16;
   line_ = {line_.phase_q16 - (square_q16 >> 2), (3 * square_q16) >> 3};
+  choose_gains();
 }
 
 /// How far from its prediction an edge may be. The weights of the past edges in a prediction add
@@ -231,14 +271,15 @@ bool BeatClock::near_nominal(std::int64_t interval_q16, std::int64_t slack_q16) 
 
 /// The estimate of the period is as uncertain as its gain lets jitter in.
 bool BeatClock::outside_range() const {
-  const Gains g = gains();
-  const std::int64_t most_q16 = g.phase_q16 > g.period_q16 ? g.phase_q16 : g.period_q16;
-  return !near_nominal(period_q16_, (jitter_q16_ * most_q16) >> 16);
+  const std::int32_t most_q16 =
+      gains_.phase_q16 > gains_.period_q16 ? gains_.phase_q16 : gains_.period_q16;
+  return !near_nominal(period_q16_, share_q16(jitter_q16_, most_q16));
 }
 
 void BeatClock::start_line(ClockQ16 now) {
   last_edge_q16_ = now;
-  good_edges_ = line_edges_ = 1;
+  good_edges_ = 1;
+  set_line(1);
   crowded_ = false;
 }
 
@@ -248,8 +289,7 @@ void BeatClock::draw_line(ClockQ16 now, std::int64_t period_q16, std::uint32_t e
   edge_before_q16_ = now - static_cast<ClockQ16>(period_q16);
   last_edge_q16_ = now;
   good_edges_ = edges;
-  line_edges_ = edges - 1;
-  next_gains();
+  set_line(edges);
 }
 
 EdgeInfo BeatClock::acquire(ClockQ16 now) {
@@ -257,7 +297,7 @@ EdgeInfo BeatClock::acquire(ClockQ16 now) {
   const std::int64_t interval = difference(now, last_edge_q16_);
   if (good_edges_ > 1) {
     const std::int64_t error = difference(now, predicted_q16_);
-    const std::int64_t gate = gate_q16(0), quarter = period_q16_ / 4;
+    const std::int64_t gate = gate_q16_, quarter = period_q16_ / 4;
     if (abs64(error) <= (gate < quarter ? gate : quarter)) {
       next_gains();
       follow(error, 0);
@@ -290,11 +330,14 @@ EdgeInfo BeatClock::acquire(ClockQ16 now) {
 }
 
 void BeatClock::lock() {
-  tick_q32_ = (Int128::product(period_q16_, per_beat_q48_) >> 32).to_int64();
+  tick_q32_ = tick_of_period_q32(period_q16_);
   predicted_beat_ = beat_;
+  aim();
   // Number the beats such that the lattice has the shortest way to go.
-  while (lattice_error_q16() > period_q16_ / 2) ++predicted_beat_;
-  while (lattice_error_q16() < -period_q16_ / 2 && predicted_beat_ > 0) --predicted_beat_;
+  std::int64_t error = lattice_error_q16();
+  for (; error > period_q16_ / 2; error -= period_q16_) ++predicted_beat_;
+  for (; error < -period_q16_ / 2 && predicted_beat_ > 0; error += period_q16_) --predicted_beat_;
+  aim();
   locked_ = true;
   on_lamp_ = false;
   strays_in_a_row_ = stray_rhythm_ = odd_beats_ = 0;
@@ -317,9 +360,10 @@ EdgeInfo BeatClock::track(ClockQ16 now) {
     ++info.missed;
   }
   // Never more than a quarter beat, and a lamp a little worse than its settings is forgiven.
-  std::int64_t gate = gate_q16(info.missed);
-  if (gate < period_q16_ / 32) gate = period_q16_ / 32;
-  if (gate > period_q16_ / 4) gate = period_q16_ / 4;
+  const std::int64_t expected = info.missed == 0 ? gate_q16_ : gate_q16(info.missed);
+  std::int64_t gate = expected;
+  if (gate < period_q16_ >> 5) gate = period_q16_ >> 5;
+  if (gate > period_q16_ >> 2) gate = period_q16_ >> 2;
   if (abs64(error) > gate) return stray(now, error);
   info.valid = true;
   info.beat = predicted_beat_ + info.missed;
@@ -329,12 +373,13 @@ EdgeInfo BeatClock::track(ClockQ16 now) {
   // One edge in one beat, as it should be.
   if (!crowded_ && info.missed == 0) strays_in_a_row_ = odd_beats_ = 0;
   crowded_ = false;
-  follow_jump(now, error, info.missed);
+  follow_jump(now, error, info.missed, expected);
   if (outside_range() || odd_beats_ >= odd_beats_to_loss) {
     lose();
     return info;
   }
-  tick_q32_ = (Int128::product(period_q16_, per_beat_q48_) >> 32).to_int64();
+  tick_q32_ = tick_of_period_q32(period_q16_);
+  aim();
   return info;
 }
 
@@ -359,46 +404,60 @@ EdgeInfo BeatClock::stray(ClockQ16 now, std::int64_t error) {
 }
 
 /// Edges that stay off to one side are a jump inside the gate: a new line through the last three.
-void BeatClock::follow_jump(ClockQ16 now, std::int64_t error, std::uint32_t missed) {
-  const std::int64_t gate = gate_q16(0);
+/// `gate` is that of so many missed beats.
+void BeatClock::follow_jump(ClockQ16 now, std::int64_t error, std::uint32_t missed,
+                            std::int64_t gate) {
   if (missed != 0 || abs64(error) <= gate)
     far_off_ = 0;
   else if (error > 0)
     far_off_ = far_off_ > 0 ? far_off_ + 1 : 1;
   else
     far_off_ = far_off_ < 0 ? far_off_ - 1 : -1;
-  const std::int64_t period = difference(now, edge_before_q16_) / 2;
-  if ((far_off_ >= far_off_to_jump || far_off_ <= -far_off_to_jump) &&
-      near_nominal(period, jitter_q16_)) {
-    draw_line(now, period, far_off_to_jump);
-    far_off_ = 0;
-    return;
+  if (far_off_ >= far_off_to_jump || far_off_ <= -far_off_to_jump) {
+    const std::int64_t period = difference(now, edge_before_q16_) / 2;
+    if (near_nominal(period, jitter_q16_)) {
+      draw_line(now, period, far_off_to_jump);
+      far_off_ = 0;
+      return;
+    }
   }
   // An outlier, say a second edge just before the next first one, must not throw the tracker off.
-  const std::int64_t most = gate_q16(missed);
   next_gains();
-  follow(clamped(error, -most, most), missed);
+  follow(clamped(error, -gate, gate), missed);
   edge_before_q16_ = last_edge_q16_;
   last_edge_q16_ = now;
 }
 
 void BeatClock::follow(std::int64_t error, std::uint32_t missed) {
+  if (missed == 0) {
+    period_q16_ += share_q16(error, gains_.period_q16);
+    predicted_q16_ += static_cast<ClockQ16>(share_q16(error, gains_.phase_q16) + period_q16_);
+    return;
+  }
   // Over a gap of several beats an error of the period adds up, one of the phase does not.
-  const Gains g = gains();
-  const std::int64_t beats = std::int64_t{missed} + 1;
-  std::int64_t phase_q16 = g.phase_q16 * beats;
-  if (phase_q16 > 65536) phase_q16 = 65536;
+  const auto beats = static_cast<std::int32_t>(missed) + 1;
+  const std::int32_t phase_q16 =
+      gains_.phase_q16 < 65536 / beats ? gains_.phase_q16 * beats : 65536;
   const std::int64_t passed = period_q16_ * missed;
-  period_q16_ += (((error * g.period_q16) >> 16) * inverse_q16[missed + 1]) >> 16;
-  predicted_q16_ += static_cast<ClockQ16>(passed + ((error * phase_q16) >> 16) + period_q16_);
+  period_q16_ += share_q16(share_q16(error, gains_.period_q16), inverse_q16[missed + 1]);
+  predicted_q16_ += static_cast<ClockQ16>(passed + share_q16(error, phase_q16) + period_q16_);
 }
 
-std::int64_t BeatClock::lattice_error_q16() const {
-  // Where tick_ should be minus where it is: the line through the predicted edge.
-  const auto beats = static_cast<std::int64_t>(beat_ - predicted_beat_);
-  const std::int64_t inside = (Int128::product(tick_q32_, tick_in_beat_) >> 16).to_int64();
-  return difference(predicted_q16_, clock_q16_) + delay_q16_ + beats * period_q16_ + inside;
+std::int64_t BeatClock::tick_of_period_q32(std::int64_t period_q16) const {
+  // period 2^16 / N = period inverse / 2^(15 + bits): 2^32 of it in the product.
+  const int left = 17 - inverse_bits_;
+  return share_q32(left >= 0 ? period_q16 << left : period_q16 >> -left, inverse_);
 }
+
+/// The line through the predicted edge, at the beginning of the present beat and at tick_.
+void BeatClock::aim() {
+  const auto beats = static_cast<std::int64_t>(beat_ - predicted_beat_);
+  beat_aim_q16_ = predicted_q16_ + static_cast<ClockQ16>(delay_q16_) +
+                  static_cast<ClockQ16>(beats * period_q16_);
+  aim_q16_ = beat_aim_q16_ + static_cast<ClockQ16>((tick_q32_ * tick_in_beat_) >> 16);
+}
+
+std::int64_t BeatClock::lattice_error_q16() const { return difference(aim_q16_, clock_q16_); }
 
 bool BeatClock::settled() const {
   if (mode_ != LampMode::slave) return true;
@@ -410,17 +469,18 @@ std::int64_t BeatClock::steered(std::int64_t length, std::uint32_t ticks) {
   if (mode_ == LampMode::slave && locked_) {
     const std::int64_t error = lattice_error_q16();
     // A lattice that could not follow shows the beat before or after that of the lamp some day.
-    if (beat_ > predicted_beat_ + missed_to_loss || (on_lamp_ && abs64(error) > period_q16_ / 4))
+    if (beat_ > predicted_beat_ + missed_to_loss || (on_lamp_ && abs64(error) > period_q16_ >> 2))
       lose();
     if (abs64(error) < settled_q16) on_lamp_ = true;
-    const std::int64_t most = mul_q32(length, moving ? slew_q32_ : rest_slew_q32);
+    const std::int64_t most = moving ? share_q32(length, slew_q32_) : length >> rest_slew_bits;
     // Never more than a quarter off nominal, however far the lamp is: boards rely on that.
-    const std::int64_t nominal = (nominal_tick_q32 * ticks) >> 16, quarter = nominal >> 2;
+    const std::int64_t nominal = length_q16(nominal_tick_q32, ticks), quarter = nominal >> 2;
     length = clamped(length + clamped(error, -most, most), nominal - quarter, nominal + quarter);
   }
   if (!moving) return length;
   // Rather a lattice that lags than motion above its limits.
-  const std::int64_t least = (least_.most(tick_, tick_ + ticks + lead_ticks_) * ticks) >> 16;
+  const std::int64_t least =
+      length_q16(least_.most(tick_, tick_ + ticks + lead_ticks_), ticks);
   return length < least ? least : length;
 }
 
@@ -431,7 +491,8 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
   span.ticks = max_ticks < left ? max_ticks : left;
   if (tick_in_beat_ == 0) beat_starts_[start_place(beat_)] = clock_q16_;
   const std::int64_t tick_q32 = mode_ == LampMode::master ? length_.at(tick_) : tick_q32_;
-  const std::int64_t length = steered((tick_q32 * span.ticks) >> 16, span.ticks);
+  const std::int64_t free_length = length_q16(tick_q32, span.ticks);
+  const std::int64_t length = steered(free_length, span.ticks);
   span.first_clock = clock_;
   span.clocks =
       static_cast<std::uint32_t>((static_cast<ClockQ16>(length) + (clock_q16_ & 0xffff)) >> 16);
@@ -439,9 +500,12 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
   clock_q16_ += static_cast<ClockQ16>(length);
   tick_ += span.ticks;
   tick_in_beat_ += span.ticks;
+  aim_q16_ += static_cast<ClockQ16>(free_length);
   if (tick_in_beat_ == beat_ticks_) {
     tick_in_beat_ = 0;
     ++beat_;
+    beat_aim_q16_ += static_cast<ClockQ16>(period_q16_);
+    aim_q16_ = beat_aim_q16_;
   }
   return span;
 }
@@ -454,8 +518,7 @@ std::uint32_t BeatClock::shortest_tick_q16() const {
   const std::int64_t drift = planned_beats * drift_q32_;
   const std::int64_t shortest =
       tick - mul_q32(tick, slew_q32_ + (drift > slew_q32_ ? drift : slew_q32_));
-  const std::int64_t range_end =
-      (Int128::product(nominal_q16_ - range_q16_, per_beat_q48_) >> 32).to_int64();
+  const std::int64_t range_end = tick_of_period_q32(nominal_q16_ - range_q16_);
   const std::int64_t floor = range_end - mul_q32(range_end, slew_q32_);
   return static_cast<std::uint32_t>(((shortest > floor ? shortest : floor) >> 16) /
                                     clocks_per_tick);

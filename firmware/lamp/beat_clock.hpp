@@ -3,7 +3,9 @@
 // In:  accepted LAMP SYNC edges with their time in system clocks (beat interrupt).
 // Out: spans of ticks with their length in clocks (timing interrupt, up to 1 ms ahead), such that
 //      the lattice tick of beat k falls on edge k + delay; the beat number of every edge.
-// Budget: no division outside configure(); a handful of 64-bit products per edge or span.
+// Budget: no division outside configure(); 4 us a span, 8 us an edge on the board. So what changes
+// with an edge only (length of a tick, where the beats should begin) is worked out there, a span
+// adds to it; products of a span fit 32 bits.
 //
 //   edge k-1           edge k             edge k+1 (predicted)
 //      |--- period ------|------ period -----|
@@ -124,15 +126,16 @@ class BeatClock {
   using ClockQ16 = std::uint64_t;
   /// Shares of the error of an edge, Q16, that go into phase and period.
   struct Gains {
-    std::int64_t phase_q16 = 0;
-    std::int64_t period_q16 = 0;
+    std::int32_t phase_q16 = 0;
+    std::int32_t period_q16 = 0;
   };
 
   void set_gains(const settings::Values& values);
   void set_gates(const settings::Values& values);
   void set_longest_tick(const settings::Values& values);
-  Gains gains() const;
+  void set_line(std::uint32_t edges);
   void next_gains();
+  void choose_gains();
   std::int64_t gate_q16(std::uint32_t missed) const;
   bool near_nominal(std::int64_t interval_q16, std::int64_t slack_q16) const;
 
@@ -140,27 +143,31 @@ class BeatClock {
   EdgeInfo track(ClockQ16 now);
   EdgeInfo stray(ClockQ16 now, std::int64_t error);
   void follow(std::int64_t error, std::uint32_t missed);
-  void follow_jump(ClockQ16 now, std::int64_t error, std::uint32_t missed);
+  void follow_jump(ClockQ16 now, std::int64_t error, std::uint32_t missed, std::int64_t gate);
   void start_line(ClockQ16 now);
   void draw_line(ClockQ16 now, std::int64_t period_q16, std::uint32_t edges);
   void lock();
   void lose();
   bool outside_range() const;
+  std::int64_t tick_of_period_q32(std::int64_t period_q16) const;
+  void aim();
   std::int64_t lattice_error_q16() const;
   std::int64_t steered(std::int64_t length_q16, std::uint32_t ticks);
   EdgeInfo nearest_beat(ClockQ16 clock_q16);
 
   settings::LampMode mode_ = settings::LampMode::free_beat;
   std::uint32_t beat_ticks_ = 1;
-  std::int64_t nominal_q16_ = 0;   ///< clocks per beat
-  std::int64_t range_q16_ = 0;     ///< how far the period may be from nominal, clocks
-  std::int64_t jitter_q16_ = 0;    ///< clocks
-  std::int64_t delay_q16_ = 0;     ///< edge to shot, clocks
-  std::int64_t per_beat_q48_ = 0;  ///< 1 / N
-  std::int64_t slew_q32_ = 0;      ///< share of a tick
-  std::int64_t drift_q32_ = 0;     ///< share of the period, per beat
+  std::int64_t nominal_q16_ = 0;  ///< clocks per beat
+  std::int64_t range_q16_ = 0;    ///< how far the period may be from nominal, clocks
+  std::int64_t jitter_q16_ = 0;   ///< clocks
+  std::int64_t delay_q16_ = 0;    ///< edge to shot, clocks
+  std::uint32_t inverse_ = 0;     ///< 2^(31 + inverse_bits_) / N: at most 2^31
+  int inverse_bits_ = 0;
+  std::uint32_t slew_q32_ = 0;  ///< share of a tick
+  std::int64_t drift_q32_ = 0;  ///< share of the period, per beat
   Gains steady_;
   std::int64_t innovation_q16_ = 0;  ///< error that steady drift alone leaves
+  std::int64_t gate_q16_ = 0;        ///< gate_q16(0)
   std::uint32_t lock_edges_ = 0;
 
   // The lamp.
@@ -168,6 +175,7 @@ class BeatClock {
   std::uint32_t good_edges_ = 0;  ///< in the present line, while looking for the lock
   std::uint32_t line_edges_ = 0;  ///< the same for the gains, which stop falling some day
   Gains line_;                    ///< of a least squares line through these
+  Gains gains_;                   ///< in use: the larger ones of line_ and steady_
   ClockQ16 last_edge_q16_ = 0;    ///< that belonged to the rhythm
   ClockQ16 edge_before_q16_ = 0;
   std::int64_t period_q16_ = 0;        ///< tracked
@@ -193,6 +201,8 @@ class BeatClock {
   std::uint64_t clock_ = 0;    ///< time of tick_, whole clocks
   ClockQ16 clock_q16_ = 0;     ///< the same with its fraction
   std::int64_t tick_q32_ = 0;  ///< tracked length of a tick, clocks
+  ClockQ16 beat_aim_q16_ = 0;  ///< where the present beat should have begun
+  ClockQ16 aim_q16_ = 0;       ///< where tick_ should be; both mean nothing without a lock
   std::uint64_t motion_end_tick_ = 0;
   std::uint32_t lead_ticks_ = 0;
   /// A length of ticks in clocks, by tick: the first one holds now, the others from theirs on.
