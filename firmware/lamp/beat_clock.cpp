@@ -82,24 +82,25 @@ std::int64_t share_q32(std::int64_t x, std::uint32_t f) {
   return static_cast<std::int64_t>(high == 0 ? low : low + wide_product(high, f));
 }
 
-/// x * g / 2^16 for a gain of 0..1, rounded.
-std::int64_t share_q16(std::int64_t x, std::int32_t gain_q16) {
-  const std::int64_t size = abs64(x);
-  if (size >= one_q32) return mul_q32(x, std::int64_t{gain_q16} << 16);
-  const auto share = static_cast<std::int64_t>(
-      wide_product(static_cast<std::uint32_t>(size), static_cast<std::uint32_t>(gain_q16)) >> 16);
-  return x < 0 ? -share : share;
+/// x * g / 2^16 for a gain of 0..2, rounded down.
+inline std::int64_t share_q16(std::int64_t x, std::int32_t gain_q16) {
+  const std::uint32_t low = static_cast<std::uint32_t>(x) & 0xffff;
+  const std::uint32_t low_share = (low >> 1) * static_cast<std::uint32_t>(gain_q16) >> 15;
+  constexpr std::int64_t near_q16 = std::int64_t{1} << 30;  // errors of less than 131 us
+  if (x >= -near_q16 && x < near_q16)
+    return std::int64_t{static_cast<std::int32_t>(x >> 16) * gain_q16} + low_share;
+  return (x >> 16) * gain_q16 + low_share;
 }
 
-/// Length of some ticks. Spans of boards take two products of 32 bits: a tick is shorter than 256
-/// clocks.
-constexpr std::uint32_t short_span_ticks = 256;
-std::int64_t length_q16(std::int64_t tick_q32, std::uint32_t ticks) {
-  if (ticks > short_span_ticks) return (tick_q32 * ticks) >> 16;
+/// Clocks of a run of ticks, Q16; there may be so many that a quarter more still fits 32 bits: a
+/// tick is shorter than 160 clocks. Two products of 32 bits.
+constexpr std::uint32_t most_run_ticks = 256;
+inline std::uint32_t run_q16(std::int64_t tick_q32, std::uint32_t ticks) {
   const auto tick_q16 = static_cast<std::uint32_t>(tick_q32 >> 16);
   const std::uint32_t rest = static_cast<std::uint32_t>(tick_q32) & 0xffff;
-  return std::int64_t{tick_q16 * ticks + (rest * ticks >> 16)};
+  return tick_q16 * ticks + (rest * ticks >> 16);
 }
+constexpr std::uint32_t nominal_tick_q16 = nominal_tick_q32 >> 16;
 
 /// A setting in us (kept in thousandths) to clocks, Q16.
 std::int64_t us_to_clocks_q16(std::int32_t milli_us) {
@@ -241,6 +242,8 @@ void BeatClock::set_line(std::uint32_t edges) {
 void BeatClock::choose_gains() {
   gains_ = {line_.phase_q16 > steady_.phase_q16 ? line_.phase_q16 : steady_.phase_q16,
             line_.period_q16 > steady_.period_q16 ? line_.period_q16 : steady_.period_q16};
+  uncertain_q16_ = share_q16(
+      jitter_q16_, gains_.phase_q16 > gains_.period_q16 ? gains_.phase_q16 : gains_.period_q16);
 }
 
 void BeatClock::next_gains() {
@@ -269,12 +272,7 @@ bool BeatClock::near_nominal(std::int64_t interval_q16, std::int64_t slack_q16) 
   return abs64(interval_q16 - nominal_q16_) <= range_q16_ + slack_q16;
 }
 
-/// The estimate of the period is as uncertain as its gain lets jitter in.
-bool BeatClock::outside_range() const {
-  const std::int32_t most_q16 =
-      gains_.phase_q16 > gains_.period_q16 ? gains_.phase_q16 : gains_.period_q16;
-  return !near_nominal(period_q16_, share_q16(jitter_q16_, most_q16));
-}
+bool BeatClock::outside_range() const { return !near_nominal(period_q16_, uncertain_q16_); }
 
 void BeatClock::start_line(ClockQ16 now) {
   last_edge_q16_ = now;
@@ -464,43 +462,60 @@ bool BeatClock::settled() const {
   return locked_ && abs64(lattice_error_q16()) < settled_q16 + jitter_q16_ / 2;
 }
 
-std::int64_t BeatClock::steered(std::int64_t length, std::uint32_t ticks) {
+/// Length of a run of ticks out of 2^fold that follow each other, bent towards the lamp.
+std::uint32_t BeatClock::steered(std::uint32_t length, std::uint32_t ticks, int fold) {
   const bool moving = tick_ < motion_end_tick_;
   if (mode_ == LampMode::slave && locked_) {
-    const std::int64_t error = lattice_error_q16();
+    std::int64_t all = lattice_error_q16();
     // A lattice that could not follow shows the beat before or after that of the lamp some day.
-    if (beat_ > predicted_beat_ + missed_to_loss || (on_lamp_ && abs64(error) > period_q16_ >> 2))
+    if (tick_in_beat_ == 0 &&
+        (beat_ > predicted_beat_ + missed_to_loss || (on_lamp_ && abs64(all) > period_q16_ >> 2)))
       lose();
-    if (abs64(error) < settled_q16) on_lamp_ = true;
-    const std::int64_t most = moving ? share_q32(length, slew_q32_) : length >> rest_slew_bits;
+    if (abs64(all) < settled_q16) on_lamp_ = true;
+    if (fold != 0) all >>= fold;
+    constexpr std::int32_t largest = 0x7fffffff;
+    const std::int32_t error = all == static_cast<std::int32_t>(all)
+                                   ? static_cast<std::int32_t>(all)
+                               : all < 0 ? -largest
+                                         : largest;
+    const auto most = static_cast<std::int32_t>(
+        moving ? static_cast<std::uint32_t>(wide_product(length, slew_q32_) >> 32)
+               : length >> rest_slew_bits);
+    length += static_cast<std::uint32_t>(error < -most ? -most : error > most ? most : error);
     // Never more than a quarter off nominal, however far the lamp is: boards rely on that.
-    const std::int64_t nominal = length_q16(nominal_tick_q32, ticks), quarter = nominal >> 2;
-    length = clamped(length + clamped(error, -most, most), nominal - quarter, nominal + quarter);
+    const std::uint32_t low = nominal_tick_q16 / 4 * 3 * ticks;
+    const std::uint32_t high = nominal_tick_q16 / 4 * 5 * ticks;
+    if (length < low) length = low;
+    if (length > high) length = high;
   }
   if (!moving) return length;
   // Rather a lattice that lags than motion above its limits.
-  const std::int64_t least =
-      length_q16(least_.most(tick_, tick_ + ticks + lead_ticks_), ticks);
+  const std::uint32_t least =
+      run_q16(least_.most(tick_, tick_ + ticks + lead_ticks_), ticks);
   return length < least ? least : length;
 }
 
 TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
-  TickSpan span;
   const std::uint32_t left = beat_ticks_ - tick_in_beat_;
+  std::uint32_t run = max_ticks < left ? max_ticks : left;
+  // Longer than any board asks for: runs that are all alike.
+  int fold = 0;
+  for (; run > most_run_ticks; run >>= 1) ++fold;
+  TickSpan span;
   span.first_tick = tick_;
-  span.ticks = max_ticks < left ? max_ticks : left;
+  span.ticks = run << fold;
   if (tick_in_beat_ == 0) beat_starts_[start_place(beat_)] = clock_q16_;
   const std::int64_t tick_q32 = mode_ == LampMode::master ? length_.at(tick_) : tick_q32_;
-  const std::int64_t free_length = length_q16(tick_q32, span.ticks);
-  const std::int64_t length = steered(free_length, span.ticks);
+  const std::uint32_t free_run = run_q16(tick_q32, run);
+  ClockQ16 free_length = free_run, length = steered(free_run, run, fold);
+  if (fold != 0) free_length <<= fold, length <<= fold;
   span.first_clock = clock_;
-  span.clocks =
-      static_cast<std::uint32_t>((static_cast<ClockQ16>(length) + (clock_q16_ & 0xffff)) >> 16);
+  span.clocks = static_cast<std::uint32_t>((length + (clock_q16_ & 0xffff)) >> 16);
   clock_ += span.clocks;
-  clock_q16_ += static_cast<ClockQ16>(length);
+  clock_q16_ += length;
   tick_ += span.ticks;
   tick_in_beat_ += span.ticks;
-  aim_q16_ += static_cast<ClockQ16>(free_length);
+  aim_q16_ += free_length;
   if (tick_in_beat_ == beat_ticks_) {
     tick_in_beat_ = 0;
     ++beat_;

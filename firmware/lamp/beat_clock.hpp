@@ -152,18 +152,34 @@ class BeatClock {
   std::int64_t tick_of_period_q32(std::int64_t period_q16) const;
   void aim();
   std::int64_t lattice_error_q16() const;
-  std::int64_t steered(std::int64_t length_q16, std::uint32_t ticks);
+  std::uint32_t steered(std::uint32_t length_q16, std::uint32_t ticks, int fold);
   EdgeInfo nearest_beat(ClockQ16 clock_q16);
 
+  // What every span needs comes first, where the instructions of the board reach it.
   settings::LampMode mode_ = settings::LampMode::free_beat;
+  bool locked_ = false;
+  bool on_lamp_ = false;  ///< the lattice has caught up with the lamp since the lock
   std::uint32_t beat_ticks_ = 1;
+  std::uint32_t tick_in_beat_ = 0;
+  std::uint32_t slew_q32_ = 0;  ///< share of a tick
+  std::uint64_t tick_ = 0;
+  std::uint64_t motion_end_tick_ = 0;
+  std::uint64_t beat_ = 0;            ///< beat that tick_ is in
+  std::uint64_t clock_ = 0;           ///< time of tick_, whole clocks
+  ClockQ16 clock_q16_ = 0;            ///< the same with its fraction
+  std::int64_t tick_q32_ = 0;         ///< tracked length of a tick, clocks
+  ClockQ16 aim_q16_ = 0;              ///< where tick_ should be; both mean nothing without a lock
+  ClockQ16 beat_aim_q16_ = 0;         ///< where the present beat should have begun
+  std::int64_t period_q16_ = 0;       ///< tracked
+  std::uint64_t predicted_beat_ = 0;  ///< its number
+
+  // Settings.
   std::int64_t nominal_q16_ = 0;  ///< clocks per beat
   std::int64_t range_q16_ = 0;    ///< how far the period may be from nominal, clocks
   std::int64_t jitter_q16_ = 0;   ///< clocks
   std::int64_t delay_q16_ = 0;    ///< edge to shot, clocks
   std::uint32_t inverse_ = 0;     ///< 2^(31 + inverse_bits_) / N: at most 2^31
   int inverse_bits_ = 0;
-  std::uint32_t slew_q32_ = 0;  ///< share of a tick
   std::int64_t drift_q32_ = 0;  ///< share of the period, per beat
   Gains steady_;
   std::int64_t innovation_q16_ = 0;  ///< error that steady drift alone leaves
@@ -171,20 +187,17 @@ class BeatClock {
   std::uint32_t lock_edges_ = 0;
 
   // The lamp.
-  bool locked_ = false;
-  std::uint32_t good_edges_ = 0;  ///< in the present line, while looking for the lock
-  std::uint32_t line_edges_ = 0;  ///< the same for the gains, which stop falling some day
-  Gains line_;                    ///< of a least squares line through these
-  Gains gains_;                   ///< in use: the larger ones of line_ and steady_
-  ClockQ16 last_edge_q16_ = 0;    ///< that belonged to the rhythm
+  std::uint32_t good_edges_ = 0;    ///< in the present line, while looking for the lock
+  std::uint32_t line_edges_ = 0;    ///< the same for the gains, which stop falling some day
+  Gains line_;                      ///< of a least squares line through these
+  Gains gains_;                     ///< in use: the larger ones of line_ and steady_
+  std::int64_t uncertain_q16_ = 0;  ///< of the period: as much of the jitter as a gain lets in
+  ClockQ16 last_edge_q16_ = 0;      ///< that belonged to the rhythm
   ClockQ16 edge_before_q16_ = 0;
-  std::int64_t period_q16_ = 0;        ///< tracked
   ClockQ16 predicted_q16_ = 0;         ///< next edge
-  std::uint64_t predicted_beat_ = 0;   ///< its number
   std::uint32_t strays_in_a_row_ = 0;  ///< since the last beat with one edge
   std::uint32_t stray_rhythm_ = 0;     ///< how many of these are a period apart
   ClockQ16 first_stray_q16_ = 0, last_stray_q16_ = 0;
-  bool on_lamp_ = false;         ///< the lattice has caught up with the lamp since the lock
   bool crowded_ = false;         ///< an edge in the middle of this beat
   std::uint32_t odd_beats_ = 0;  ///< beats in a row with none or several edges
   std::int32_t far_off_ = 0;     ///< edges in a row too early (negative) or too late
@@ -193,17 +206,8 @@ class BeatClock {
   std::uint32_t losses_ = 0;
 
   // The lattice.
-  std::uint64_t tick_ = 0;
   std::uint64_t origin_tick_ = 0;  ///< where the present beats began to be counted
   std::uint64_t origin_beat_ = 0;  ///< and the number of that beat
-  std::uint64_t beat_ = 0;         ///< beat that tick_ is in
-  std::uint32_t tick_in_beat_ = 0;
-  std::uint64_t clock_ = 0;    ///< time of tick_, whole clocks
-  ClockQ16 clock_q16_ = 0;     ///< the same with its fraction
-  std::int64_t tick_q32_ = 0;  ///< tracked length of a tick, clocks
-  ClockQ16 beat_aim_q16_ = 0;  ///< where the present beat should have begun
-  ClockQ16 aim_q16_ = 0;       ///< where tick_ should be; both mean nothing without a lock
-  std::uint64_t motion_end_tick_ = 0;
   std::uint32_t lead_ticks_ = 0;
   /// A length of ticks in clocks, by tick: the first one holds now, the others from theirs on.
   template <std::size_t places>
