@@ -76,7 +76,7 @@ std::int64_t clamped(std::int64_t x, std::int64_t low, std::int64_t high) {
 }
 
 /// x * f / 2^32, rounded down, for x >= 0.
-std::int64_t share_q32(std::int64_t x, std::uint32_t f) {
+[[gnu::noinline]] std::int64_t share_q32(std::int64_t x, std::uint32_t f) {
   const auto high = static_cast<std::uint32_t>(x >> 32);
   const std::uint64_t low = wide_product(static_cast<std::uint32_t>(x), f) >> 32;
   return static_cast<std::int64_t>(high == 0 ? low : low + wide_product(high, f));
@@ -434,8 +434,8 @@ void BeatClock::follow(std::int64_t error, std::uint32_t missed) {
   }
   // Over a gap of several beats an error of the period adds up, one of the phase does not.
   const auto beats = static_cast<std::int32_t>(missed) + 1;
-  const std::int32_t phase_q16 =
-      gains_.phase_q16 < 65536 / beats ? gains_.phase_q16 * beats : 65536;
+  std::int32_t phase_q16 = gains_.phase_q16 * beats;
+  if (phase_q16 > 65536) phase_q16 = 65536;
   const std::int64_t passed = period_q16_ * missed;
   period_q16_ += share_q16(share_q16(error, gains_.period_q16), inverse_q16[missed + 1]);
   predicted_q16_ += static_cast<ClockQ16>(passed + share_q16(error, phase_q16) + period_q16_);
@@ -532,9 +532,10 @@ std::uint32_t BeatClock::shortest_tick_q16() const {
   // stays inside its range.
   const std::int64_t drift = planned_beats * drift_q32_;
   const std::int64_t shortest =
-      tick - mul_q32(tick, slew_q32_ + (drift > slew_q32_ ? drift : slew_q32_));
+      tick - share_q32(tick, slew_q32_) -
+      share_q32(tick, drift > slew_q32_ ? static_cast<std::uint32_t>(drift) : slew_q32_);
   const std::int64_t range_end = tick_of_period_q32(nominal_q16_ - range_q16_);
-  const std::int64_t floor = range_end - mul_q32(range_end, slew_q32_);
+  const std::int64_t floor = range_end - share_q32(range_end, slew_q32_);
   return static_cast<std::uint32_t>(((shortest > floor ? shortest : floor) >> 16) /
                                     clocks_per_tick);
 }

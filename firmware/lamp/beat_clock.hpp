@@ -110,6 +110,7 @@ class BeatClock {
     return origin_beat_ + (tick - origin_tick_ + beat_ticks_ - 1) / beat_ticks_;
   }
   std::uint64_t next_tick() const { return tick_; }  ///< first tick without a length
+  std::uint64_t next_beat() const { return beat_; }  ///< beat that next_tick() is in
   bool locked() const { return locked_; }
   /// Locked, and the lattice has caught up with the lamp: motion may begin.
   bool settled() const;

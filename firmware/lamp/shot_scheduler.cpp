@@ -16,9 +16,11 @@ void BeatLedger::count(BeatReason reason, std::uint32_t beats) {
     return;
   }
   shots_ += beats;
+  const bool no_pending = pending_beats_ == 0;
   beats_ += pending_beats_ + beats;
   pending_beats_ = 0;
   total_[static_cast<std::size_t>(BeatReason::fired)] += beats;
+  if (no_pending) return;
   for (std::size_t i = 0; i < total_.size(); ++i) {
     total_[i] += pending_[i];
     pending_[i] = 0;
@@ -171,6 +173,7 @@ bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock) {
   for (std::uint32_t i = begin_; i != end_; ++i) {
     Plan& p = at(i);
     if (!p.shot || p.issued) continue;
+    if (p.last_beat > clock.next_beat() + 1) return false;  // as below, quicker
     const std::uint64_t tick = clock.tick_of_beat(p.last_beat);
     // Too late to be loaded in time: the beat passes, edge() reports the miss.
     if (tick + p.half_window_ticks <= clock.next_tick() && clock.next_tick() > tick) return false;

@@ -119,6 +119,8 @@ class ShotScheduler {
   const CheckCounts& checks() const { return checks_; }
   /// The board holds a token, or has fired on one and not yet said so.
   bool token_out() const { return token_out_; }
+  /// photosensors() wants to know what they say and when.
+  bool wants_answer() const { return check_.pending; }
   /// A shot was fired that waits for its photosensor to be done.
   bool check_pending() const { return check_.pending && rules_.check == ShotCheck::repeat; }
   /// A shot may still be counted, or sent back.

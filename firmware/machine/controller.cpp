@@ -128,17 +128,6 @@ FireTiming Controller::fire_timing() const {
           clock_.mode() == settings::LampMode::free_beat};
 }
 
-Outputs Controller::outputs() const {
-  Outputs outputs;
-  outputs.drives_enable = state_ != MachineState::estop;
-  outputs.fire_enable = shots_.permitted();
-  // These outlast the permission by the shot that the hardware has decided, not in an alarm.
-  if (state_ == MachineState::alarm || state_ == MachineState::estop) return outputs;
-  outputs.shutters = shots_.beam().shutters();
-  outputs.attenuator = shots_.beam().attenuator();
-  return outputs;
-}
-
 void Controller::set_trigger() {
   const FireTiming timing = fire_timing();
   // The shot is decided earlier than it is fired: the arm window moves by the difference.

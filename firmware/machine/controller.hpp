@@ -156,7 +156,16 @@ class Controller {
   bool next_token(lamp::FireToken& token) { return shots_.next_token(token, clock_); }
   void token_expired() { shots_.token_expired(); }
 
-  Outputs outputs() const;
+  Outputs outputs() const {
+    Outputs outputs;
+    outputs.drives_enable = state_ != wire::MachineState::estop;
+    outputs.fire_enable = shots_.permitted();
+    // These outlast the permission by the shot that the hardware has decided, not in an alarm.
+    if (state_ == wire::MachineState::alarm || state_ == wire::MachineState::estop) return outputs;
+    outputs.shutters = shots_.beam().shutters();
+    outputs.attenuator = shots_.beam().attenuator();
+    return outputs;
+  }
   FireTiming fire_timing() const;
   const settings::Values& values() const { return values_; }
   wire::MachineState state() const { return state_; }

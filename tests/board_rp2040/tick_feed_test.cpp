@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::uint32_t high = 63;
 
+std::uint32_t lower(std::uint64_t x) { return static_cast<std::uint32_t>(x); }
+
 /// Clocks between rises, as TICK makes them.
 std::vector<std::uint32_t> lengths_of(std::uint32_t word) {
   const std::uint32_t low = (word >> 16) + pio::tick_low_overhead;
@@ -72,7 +74,7 @@ TEST(TickFeed, NeverGivesATickALengthWhoseStepsAreNotFilled) {
   EXPECT_LT(feed.words(), tick_ring_words);
   const std::uint64_t end = feed.end_tick();
   const std::uint32_t words = feed.words();
-  feed.feed(feed.end_clock() + 1, 100'000, next_span);
+  feed.feed(lower(feed.end_clock() + 1), 100'000, next_span);
   EXPECT_TRUE(feed.starved());
   // TICK has read past them: words that follow would count as ticks that never begin.
   EXPECT_EQ(feed.words(), words);
@@ -88,7 +90,7 @@ TEST(TickFeed, FindsTicksAndClocksAgain) {
   std::uint64_t tick = 5, clock = 900;
   feed.begin(tick, clock, 10, high);
   for (int n = 0; n < test::scaled(400); ++n) {
-    feed.feed(clock, ~std::uint64_t{0} >> 1, [&](std::uint32_t) {
+    feed.feed(lower(clock), lower(feed.end_tick() + 100'000), [&](std::uint32_t) {
       const lamp::TickSpan span = random_span(random, tick, clock);
       line.push(span);
       tick += span.ticks, clock += span.clocks;
@@ -109,13 +111,42 @@ TEST(TickFeed, FindsTicksAndClocksAgain) {
   }
 }
 
+TEST(TickFeed, FollowsTheTicksThatHaveBegun) {
+  // Over the wrap of the lower halves, looked at every now and then.
+  std::mt19937_64 random(5);
+  auto ring = std::make_unique<TickRing>();
+  TickFeed feed(*ring);
+  std::uint64_t tick = ~std::uint32_t{0} - 20'000ull, clock = 3 * (1ull << 32) - 1'000'000;
+  feed.begin(tick, clock, 10, high);
+  const auto next_span = [&](std::uint32_t) {
+    const lamp::TickSpan span = random_span(random, tick, clock);
+    tick += span.ticks, clock += span.clocks;
+    return span;
+  };
+  feed.feed(lower(clock), lower(tick + 100'000), next_span);
+  std::uint64_t now = clock - 200'000;
+  EXPECT_EQ(feed.tick_before(lower(now)), ~std::uint32_t{0} - 20'000);
+  now = clock - feed_lead_clocks;
+  for (int n = 0; n < test::scaled(4000); ++n) {
+    feed.feed(lower(now), lower(feed.end_tick() + 100'000), next_span,
+              1 + static_cast<std::uint32_t>(n) % 3);
+    const std::uint64_t at = feed.tick_at(now);
+    const std::uint32_t behind = lower(at) - feed.tick_before(lower(now));
+    ASSERT_LT(behind, feed_span_ticks);
+    now += random() % 12'000;
+    if (now + read_ahead_clocks > feed.end_clock()) now = feed.end_clock() - read_ahead_clocks;
+  }
+  EXPECT_GT(feed.end_clock(), 3 * (1ull << 32));
+  EXPECT_FALSE(feed.starved());
+}
+
 TEST(TickFeed, CountsTheTicksBegunFromTheWordsTaken) {
   std::mt19937_64 random(4);
   auto ring = std::make_unique<TickRing>();
   TickFeed feed(*ring);
   std::uint64_t tick = 1, clock = 0;
   feed.begin(tick, clock, 10, high);
-  feed.feed(clock, 1u << 30, [&](std::uint32_t) {
+  feed.feed(lower(clock), 1u << 30, [&](std::uint32_t) {
     const lamp::TickSpan span = random_span(random, tick, clock);
     tick += span.ticks, clock += span.clocks;
     return span;

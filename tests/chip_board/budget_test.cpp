@@ -32,7 +32,7 @@ TEST(Budgets, OverAJobWithABusyLink) {
   EXPECT_LE(measured.longest_masked(), cycles_per_us);
   // real_time.hpp; what nests in them is counted too.
   const std::map<std::string, double> budget_us{
-      {"IO_BANK0", 1.25}, {"TIMER_1", 75}, {"PIO0_0", 75}};
+      {"IO_BANK0", 1.25}, {"TIMER_1", 40}, {"PIO0_0", 50}};
   const std::string fill = "exception 42";  // 16 + 26
   int found = 0;
   for (const sim::chip::ProfileEntry& entry : measured.exceptions()) {

@@ -164,6 +164,7 @@ void Board::enter_loader() {
 }  // namespace lamplock::rp2040
 
 void estop_irq() { lamplock::rp2040::board().estop_interrupt(); }
+void edge_irq() { lamplock::rp2040::board().edge_interrupt(); }
 void beat_irq() { lamplock::rp2040::board().beat_interrupt(); }
 void usb_irq() { lamplock::rp2040::board().usb_interrupt(); }
 void uart_irq() { lamplock::rp2040::board().uart_interrupt(); }

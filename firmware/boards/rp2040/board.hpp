@@ -50,8 +50,20 @@ class Board {
     clear_bits(io_bank0().proc0_intf[estop_word], estop_edge);
     watchdog_.sign(Signer::estop);
   }
+  void edge_interrupt() {
+    real_time_.edge_interrupt(core_);
+    note_shots();
+  }
   void beat_interrupt() {
     real_time_.beat_interrupt(core_);
+    note_shots();
+    watchdog_.sign(Signer::beat);
+    // The e-stop's interrupt comes when it is pressed only: it is called up to sign. From here, for
+    // from the main loop it would keep that from sleeping.
+    if (!watchdog_.has_signed(Signer::estop))
+      set_bits(io_bank0().proc0_intf[estop_word], estop_edge);
+  }
+  void note_shots() {
     // A shot that was fired must not be fired again, however this run ends; one that is given out
     // the hardware fires by itself.
     const std::uint32_t shots = core_.shots().ledger().shots();
@@ -61,11 +73,6 @@ class Board {
       noted_shot_out_ = shot_out;
       note_job();
     }
-    watchdog_.sign(Signer::beat);
-    // The e-stop's interrupt comes when it is pressed only: it is called up to sign. From here, for
-    // from the main loop it would keep that from sleeping.
-    if (!watchdog_.has_signed(Signer::estop))
-      set_bits(io_bank0().proc0_intf[estop_word], estop_edge);
   }
   void fill_interrupt() {
     real_time_.fill_interrupt(core_);

@@ -9,6 +9,7 @@
 
 extern "C" {
 void estop_irq();
+void edge_irq();
 void beat_irq();
 void usb_irq();
 void uart_irq();
@@ -29,7 +30,7 @@ struct InterruptEntry {
 /// Switch; result of FIRE; lengths of ticks and tokens; links; fill, pended by software.
 inline constexpr std::array interrupt_entries{
     InterruptEntry{Irq::io_bank0, Level::estop, estop_irq},
-    InterruptEntry{Irq::pio0_0, Level::beat, beat_irq},
+    InterruptEntry{Irq::pio0_0, Level::beat, edge_irq},
     InterruptEntry{Irq::timer_1, Level::beat, beat_irq},
     InterruptEntry{Irq::usbctrl, Level::link, usb_irq},
     InterruptEntry{Irq::uart0, Level::link, uart_irq},

@@ -14,10 +14,10 @@ constexpr std::uint32_t fill_lead_ticks = 2000;
 constexpr std::uint32_t most_block_ticks = 1024;
 /// Between two alarms: what has to be tried again must not take all the time.
 constexpr std::uint32_t least_wait_us = 5;
-constexpr std::uint64_t beat_period_clocks = 100 * clocks_per_us;
+constexpr std::uint32_t beat_period_us = 100;
 /// Spans fed in one beat interrupt, so that none takes too long; while more are missing the next
 /// interrupt follows at once.
-constexpr std::uint32_t most_spans = 2;
+constexpr std::uint32_t most_spans = 1;
 constexpr std::uint32_t all_spans = ~0u;
 /// From the decision to start the lattice to its first tick: filling the rings takes longer than
 /// anything else.
@@ -60,6 +60,7 @@ void RealTime::start_pads() const {
 
 void RealTime::start(machine::Controller& core) {
   start_us_ = microseconds();
+  now_us_ = static_cast<std::uint32_t>(start_us_);
   start_pads();
   lattice_.start(map_);
   fire_.start();
@@ -98,7 +99,8 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
   // The rise of the first tick is cut to measure by its low time: from here to there.
   feed_.begin(tick, clock, 1, high);
   fill_interrupt(core);
-  feed_.feed(clock, expander_.end_tick(), [&core](std::uint32_t n) { return core.next_span(n); });
+  feed_.feed(static_cast<std::uint32_t>(clock), filled_end_,
+             [&core](std::uint32_t n) { return core.next_span(n); });
   timed_end_ = static_cast<std::uint32_t>(feed_.end_tick());
   fill_interrupt(core);
   // First tick: STEP leaves step_latency behind the tick line.
@@ -113,7 +115,8 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
   fire_.restart();
   set_bits(pio0().irq0_inte, pio_intr::rx_not_empty(fire_machine.number));
   set_bits(timer().inte, 1u << beat_alarm);
-  set_alarm(now());
+  beam_.forget();  // an e-stop has closed it
+  set_alarm(least_wait_us);
 }
 
 void RealTime::go(std::uint64_t at_us) {
@@ -128,25 +131,31 @@ void RealTime::go(std::uint64_t at_us) {
   lattice_.go();
 }
 
-void RealTime::set_alarm(std::uint64_t clock) const {
-  // No division at this level.
-  const std::uint64_t present = microseconds();
-  const std::uint64_t from = (present - start_us_) * clocks_per_us;
-  std::uint32_t wait_us = least_wait_us;
-  if (clock > from) {
-    const auto ahead = static_cast<std::uint32_t>(
-        clock - from < beat_period_clocks ? clock - from : beat_period_clocks);
-    wait_us += ahead * 8389 >> 20;  // 8389 / 2^20 = 1 / 124.99
-  }
-  const std::uint32_t at = static_cast<std::uint32_t>(present) + wait_us;
-  timer().alarm[beat_alarm] = at;
+/// From this moment on: the other levels get that time.
+void RealTime::set_alarm(std::uint32_t wait_us) {
+  alarm_us_ = timer().timerawl + wait_us;
+  timer().alarm[beat_alarm] = alarm_us_;
   // It matches on equality: should the time have passed meanwhile, pend the interrupt by hand.
-  if (static_cast<std::int32_t>(timer().timerawl - at) >= 0) nvic().ispr = irq_bit(Irq::timer_1);
+  if (static_cast<std::int32_t>(timer().timerawl - alarm_us_) >= 0)
+    nvic().ispr = irq_bit(Irq::timer_1);
+}
+
+/// Sooner than the alarm is set to, if the token wants that.
+void RealTime::call_for_token() {
+  std::uint64_t clock = 0;
+  if (!fire_.next_clock(clock)) return;
+  std::uint32_t wait_us = least_wait_us;
+  if (clock > now_) {
+    if (clock - now_ >= beat_period_us * clocks_per_us) return;
+    // No division at this level: 8389 / 2^20 = 1 / 124.99.
+    wait_us += static_cast<std::uint32_t>(clock - now_) * 8389 >> 20;
+  }
+  if (static_cast<std::int32_t>(alarm_us_ - now_us_ - wait_us) > 0) set_alarm(wait_us);
 }
 
 bool RealTime::feed_spans(machine::Controller& core, std::uint32_t most) {
   const bool enough = feed_.feed(
-      now(), widen(filled_end_, feed_.end_tick()),
+      static_cast<std::uint32_t>(now()), filled_end_,
       [&core](std::uint32_t n) { return core.next_span(n); }, most);
   timed_end_ = static_cast<std::uint32_t>(feed_.end_tick());
   return enough;
@@ -156,25 +165,41 @@ void RealTime::top_up(machine::Controller& core) {
   if (!estop_.is_cut()) feed_spans(core, all_spans);
 }
 
-void RealTime::beat_interrupt(machine::Controller& core) {
-  timer().intr = 1u << beat_alarm;
+void RealTime::tell_answers(machine::Controller& core) {
+  if (core.shots().wants_answer()) core.photosensors(answered_, now());
+  answered_ = 0;
+}
+
+void RealTime::edge_interrupt(machine::Controller& core) {
   if (estop_.is_cut()) {
     // A result that nobody reads would call us for ever; begin() lets it interrupt again.
     clear_bits(pio0().irq0_inte, pio_intr::rx_not_empty(fire_machine.number));
     return;
   }
   // Before the results: an answer that has been caught belongs to a shot that FIRE has told of.
-  const std::uint8_t answered = beam_.answered();
+  catch_answers();
   fire_.service(core, [this] { return now(); });
-  core.photosensors(answered, now());
+  tell_answers(core);
   apply_beam(core);
+  call_for_token();
+}
+
+void RealTime::beat_interrupt(machine::Controller& core) {
+  timer().intr = 1u << beat_alarm;
+  if (estop_.is_cut()) return;
+  catch_answers();
+  // A result that is there by now has its own interrupt next, and perhaps that answer and the
+  // token.
+  const bool result = FireUnit::has_result();
+  if (!result) tell_answers(core);
   const bool enough = feed_spans(core, most_spans);
   const std::uint64_t present = now();
-  played_ = static_cast<std::uint32_t>(feed_.tick_before(present));
+  played_ = feed_.tick_before(static_cast<std::uint32_t>(present));
   nvic().ispr = irq_bit(Irq::spare_0);
-  std::uint64_t next = enough ? present + beat_period_clocks : present, token = 0;
-  if (fire_.next_clock(token) && token < next) next = token;
-  set_alarm(next);
+  if (!result) fire_.handle_token(core, present);
+  apply_beam(core);
+  set_alarm(enough ? beat_period_us : least_wait_us);
+  if (!result) call_for_token();
 }
 
 void RealTime::fill_interrupt(machine::Controller& core) {
@@ -230,10 +255,6 @@ void RealTime::apply_outputs(const machine::Controller& core) {
     estop_.release_pads();
   else
     estop_.hold_pads();
-}
-
-void RealTime::apply_beam(const machine::Controller& core) {
-  beam_.apply(core.outputs(), [this] { return estop_.is_cut(); });
 }
 
 void RealTime::poll(machine::Controller& core) {

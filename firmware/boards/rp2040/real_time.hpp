@@ -6,7 +6,8 @@
 //   function           called from                              budget
 //   start              main loop, once, interrupts masked       3 ms
 //   estop_interrupt    IO_IRQ_BANK0, priority 0                 1.25 us, off after 0.5 us
-//   beat_interrupt     PIO0_IRQ_0, TIMER_IRQ_1, priority 1      75 us
+//   edge_interrupt     PIO0_IRQ_0, priority 1                   50 us
+//   beat_interrupt     TIMER_IRQ_1, priority 1                  40 us
 //   fill_interrupt     interrupt 26, priority 3                 25 % of the time in motion, a third
 //                                                               with what interrupts it
 //   poll               main loop, every 1 ms, beat and fill masked at the NVIC; 3 ms when it
@@ -54,14 +55,21 @@ class RealTime {
   void start(machine::Controller& core);
 
   void estop_interrupt() { estop_.interrupt(); }
+  void edge_interrupt(machine::Controller& core);
   void beat_interrupt(machine::Controller& core);
   void fill_interrupt(machine::Controller& core);
   /// Main loop with beat and fill masked, before it keeps them so for long: the full lead of ticks.
   void top_up(machine::Controller& core);
   void poll(machine::Controller& core);
 
-  /// Present clock of the core, at most 1 us behind.
-  std::uint64_t now() const { return (microseconds() - start_us_) * clocks_per_us; }
+  /// Present clock of the core, at most 1 us behind. Beat and fill masked, or at their level; more
+  /// often than every 34 s.
+  std::uint64_t now() {
+    const std::uint32_t us = timer().timerawl;
+    now_ += (us - now_us_) * clocks_per_us;
+    now_us_ = us;
+    return now_;
+  }
 
  private:
   void start_pads() const;
@@ -72,9 +80,14 @@ class RealTime {
   void stop_dead(machine::Controller& core);
   void input_changed(machine::Controller& core, machine::Input input, bool active);
   void apply_outputs(const machine::Controller& core);
-  void apply_beam(const machine::Controller& core);
+  [[gnu::noinline]] void apply_beam(const machine::Controller& core) {
+    beam_.apply(core.outputs(), [this] { return estop_.is_cut(); });
+  }
   std::uint32_t high_clocks(const machine::Controller& core) const;
-  void set_alarm(std::uint64_t clock) const;
+  void catch_answers() { answered_ = static_cast<std::uint8_t>(answered_ | beam_.answered()); }
+  void tell_answers(machine::Controller& core);
+  void set_alarm(std::uint32_t wait_us);
+  void call_for_token();
 
   // In the order of their alignment: no gaps between them.
   TickRing tick_ring_;
@@ -90,11 +103,15 @@ class RealTime {
   Estop estop_;
   Inputs inputs_;
   std::uint64_t start_us_ = 0;
+  std::uint64_t now_ = 0;       ///< present clock when it was last asked for
+  std::uint32_t now_us_ = 0;    ///< and the lower half of the timer then
+  std::uint32_t alarm_us_ = 0;  ///< what the alarm is set to, the same
   // What the two levels tell each other, single words: the lower halves of two tick numbers.
   volatile std::uint32_t filled_end_ = 0;  ///< written by fill, read by beat
   volatile std::uint32_t timed_end_ = 0;   ///< written by beat, read by fill
   volatile std::uint32_t played_ = 0;      ///< written by beat, read by fill
   bool pads_released_ = false;
+  std::uint8_t answered_ = 0;  ///< photosensors of which the core has not heard
 };
 
 }  // namespace lamplock::rp2040

@@ -6,6 +6,9 @@
 //      may have changed outputs(). answered(): beat interrupt, before the results of FIRE are read.
 //      close(): any level.
 //
+// apply() touches the pins only where something else is wanted than the last time; after close() by
+// an e-stop forget() makes it put everything out again.
+//
 // A photosensor's pulse of 10 us need not be seen while it lasts: the edge register of the pin
 // keeps it, interrupt or not, until it is read here 100 us later at most. So an answer may come up
 // to 100 us too late, or belong to something up to 100 us before the shot.
@@ -48,8 +51,11 @@ class BeamOutput {
   /// `is_cut()`: an e-stop has closed everything and is not in order yet.
   template <class IsCut>
   void apply(const machine::Outputs& outputs, IsCut&& is_cut) {
+    const std::uint32_t wanted = std::uint32_t{outputs.attenuator} << 8 | outputs.shutters;
+    if (wanted == applied_) return;
     const AllMasked masked;  // an e-stop in between would be undone
     if (is_cut()) return;
+    applied_ = wanted;
     if (has_shutters_) {
       const std::uint32_t open = std::uint32_t{outputs.shutters} << first_shutter & all_shutters;
       sio().gpio_out_clr = all_shutters & ~open;
@@ -58,9 +64,12 @@ class BeamOutput {
     pwm().slice[pwm_slice(pwm_gpio)].cc = duty(outputs.attenuator) << pwm_shift(pwm_gpio);
   }
 
+  /// The pins may be off by another hand.
+  void forget() { applied_ = nothing; }
+
   /// Photosensors that have answered since the last call.
   std::uint8_t answered() const {
-    if (!has_shutters_) return 0;
+    if (!has_shutters_ || !any_answer()) return 0;
     std::uint8_t bits = 0;
     for (unsigned i = 0; i < channels; ++i) {
       const std::uint32_t edge = io_interrupt::edge_high(sensors[i]);
@@ -92,12 +101,26 @@ class BeamOutput {
       *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_3),
       *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_4)};
 
+  static_assert(io_interrupt::word(sensors[0]) == io_interrupt::word(sensors[1]) &&
+                io_interrupt::word(sensors[2]) == io_interrupt::word(sensors[3]));
+  static bool any_answer() {
+    const auto edges = [](unsigned first) {
+      return io_bank0().intr[io_interrupt::word(sensors[first])] &
+             (io_interrupt::edge_high(sensors[first]) |
+              io_interrupt::edge_high(sensors[first + 1]));
+    };
+    return (edges(0) | edges(2)) != 0;
+  }
+
   /// Keeps the pad's overrides.
   static void set_function(unsigned gpio, io_ctrl::Function function) {
     Register& ctrl = io_bank0().gpio[gpio].ctrl;
     ctrl = (ctrl & ~io_ctrl::function_mask) | io_ctrl::function(function);
   }
 
+  static constexpr std::uint32_t nothing = ~0u;  ///< no wanted value
+
+  std::uint32_t applied_ = nothing;  ///< at the pins: attenuator, shutters
   const bool has_shutters_;
 };
 static_assert(BeamOutput::duty(65535) == 4096 && BeamOutput::duty(0) == 0 &&

@@ -55,6 +55,8 @@ void FireUnit::configure(const machine::FireTiming& timing) {
   word_ = token_word(timing);
 }
 
+bool FireUnit::has_result() { return fire_machine.rx_level() != 0; }
+
 void FireUnit::read_fifo(std::uint32_t& count) {
   while (count < most_results && fire_machine.rx_level() != 0)
     results_[count++] = fire_machine.read();
@@ -115,27 +117,29 @@ bool FireUnit::withdraw() const {
   return there;
 }
 
-void FireUnit::handle_token(machine::Controller& core, std::uint64_t now) {
+void FireUnit::change_token(machine::Controller& core, std::uint64_t now) {
   using Action = TokenKeeper::Action;
   std::uint64_t tick = 0;
   bool known = false;  // finding the tick takes longer than all the rest
   // At most: withdraw one, take the next, load it.
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3 && is_due(core, now); ++i) {
     if (keeper_.is_out() && !known) {
       tick = feed_.tick_at(now);
       known = true;
     }
-    switch (keeper_.next(tick, core.outputs().fire_enable)) {
+    switch (keeper_.next(tick, core.shots().permitted())) {
       case Action::nothing:
         return;
       case Action::take: {
         lamp::FireToken token;
         if (!core.next_token(token)) return;
         keeper_.taken(token);
+        has_due_ = false;
         break;
       }
       case Action::load:
         if (!load()) return;
+        has_due_ = false;
         break;
       case Action::drop:
         keeper_.dropped();
@@ -150,9 +154,13 @@ void FireUnit::handle_token(machine::Controller& core, std::uint64_t now) {
   }
 }
 
-bool FireUnit::next_clock(std::uint64_t& clock) const {
+bool FireUnit::next_clock(std::uint64_t& clock) {
   std::uint64_t tick = 0;
-  return keeper_.next_tick(tick) && feed_.clock_of(tick, clock);
+  if (!keeper_.next_tick(tick)) return false;
+  // A tick that has a length keeps it.
+  if (!has_due_) has_due_ = feed_.clock_of(tick, due_clock_);
+  clock = due_clock_;
+  return has_due_;
 }
 
 void FireUnit::stopped(machine::Controller& core, std::uint64_t cut) {

@@ -3,8 +3,10 @@
 // In:  tokens of the core, results of FIRE, edges of STAMP.
 // Out: lamp_edge() for every accepted edge, a shot when its pulse has begun; ARM held low whenever
 //      no token of the core is loaded.
-// Who: service(): beat interrupt (priority 1), and the main loop with it masked, after anything
-//      that may have changed outputs(). Budget: 8 us an edge of this code, the core's part on top.
+// Who: service(), or read_results() and handle_token(): beat and edge interrupt (priority 1), and
+// the
+//      main loop with them masked, after anything that may have changed outputs(). Budget: 6 us an
+//      edge of this code, the core's part on top.
 //      cut_off(): any level. stopped(), restart(): main loop, beat interrupt masked.
 //
 // Taking a token back: ARM is held low at the pad, so that no decision can be a shot; after 16
@@ -61,24 +63,38 @@ class FireUnit {
     read_results(core, now);
     handle_token(core, now());
   }
-  /// New delay, width, source of LAMP SYNC; waits until no token is out.
-  void configure(const machine::FireTiming& timing);
-  /// When service() should be called next, if that is known.
-  bool next_clock(std::uint64_t& clock) const;
-
- private:
-  static constexpr std::uint32_t most_results = 8;
-
+  /// Results of FIRE: an edge each.
   template <class Now>
   void read_results(machine::Controller& core, Now&& now) {
     std::uint32_t count = 0;
     read_fifo(count);
     if (count != 0) report(core, count, now());
   }
+  /// FIRE has judged an edge and nobody has read that yet.
+  static bool has_result();
+  /// Takes, loads, withdraws the token if it is time; quick if it is not.
+  void handle_token(machine::Controller& core, std::uint64_t now) {
+    if (is_due(core, now)) change_token(core, now);
+  }
+  /// New delay, width, source of LAMP SYNC; waits until no token is out.
+  void configure(const machine::FireTiming& timing);
+  /// When service() should be called next, if that is known.
+  bool next_clock(std::uint64_t& clock);
+
+ private:
+  static constexpr std::uint32_t most_results = 8;
+
   void read_fifo(std::uint32_t& count);
   void report(machine::Controller& core, std::uint32_t count, std::uint64_t now);
   std::uint64_t edge_of(std::uint32_t result, std::uint64_t latest, std::uint64_t now);
-  void handle_token(machine::Controller& core, std::uint64_t now);
+  /// TokenKeeper::next() may want something, as far as it can be told without the tick.
+  bool is_due(const machine::Controller& core, std::uint64_t now) {
+    const bool may = core.shots().permitted();
+    std::uint64_t clock = 0;
+    if (!keeper_.is_out()) return may;
+    return !may || (next_clock(clock) && now >= clock);
+  }
+  void change_token(machine::Controller& core, std::uint64_t now);
   /// False after cut_off(): what stands still gets no token.
   bool load();
   bool withdraw() const;
@@ -89,6 +105,8 @@ class FireUnit {
   TickFeed& feed_;
   StampReader& stamps_;
   TokenKeeper keeper_;
+  bool has_due_ = false;  ///< due_clock_ is when the token in keeper_ wants something
+  std::uint64_t due_clock_ = 0;
   machine::FireTiming timing_;
   std::uint32_t word_ = 0;  ///< delay and width, as FIRE wants them
   std::uint32_t results_[most_results] = {};

@@ -44,8 +44,6 @@ class StampReader {
   void used(std::uint64_t edge) { last_edge_ = edge; }
 
  private:
-  std::uint64_t clock_of(std::uint32_t word, std::uint64_t now) const;
-
   StampRing& ring_;
   std::uint64_t start_ = 0;
   std::uint64_t last_edge_ = 0;

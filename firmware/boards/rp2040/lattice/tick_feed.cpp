@@ -7,7 +7,7 @@ void TickFeed::begin(std::uint64_t tick, std::uint64_t clock, std::uint32_t low_
   end_tick_ = tick;
   end_clock_ = clock;
   high_clocks_ = high_clocks;
-  words_ = span_count_ = 0;
+  words_ = span_count_ = played_spans_ = 0;
   starved_ = false;
   ring_.words.fill(0);
   put(ring_, words_, tick_word(1, low_count));
@@ -19,6 +19,11 @@ void TickFeed::add(const lamp::TickSpan& span) {
   TickRing& ring = ring_;
   make_tick_words(span, high_clocks_,
                   [&ring, &words](std::uint32_t word) { put(ring, words, word); });
+  // Ahead of the words there are always zeros, where TICK ends.
+  const std::uint32_t from = (words_ + cleared_words) % tick_ring_words, made = words - words_;
+  const std::uint32_t to_end = tick_ring_words - from, n = made < to_end ? made : to_end;
+  __builtin_memset(ring.words.data() + from, 0, n * 4);
+  if (n != made) __builtin_memset(ring.words.data(), 0, (made - n) * 4);
   words_ = words;
   spans_[span_count_++ % remembered] = span;
   end_tick_ = span.first_tick + span.ticks;
@@ -42,9 +47,15 @@ const lamp::TickSpan* TickFeed::span_at(std::uint64_t clock) const {
   return span;
 }
 
-std::uint64_t TickFeed::tick_before(std::uint64_t clock) const {
-  const lamp::TickSpan* span = span_at(clock);
-  return span == nullptr ? end_tick_ : span->first_tick;
+std::uint32_t TickFeed::tick_before(std::uint32_t clock) {
+  if (span_count_ - played_spans_ > remembered) played_spans_ = span_count_ - remembered;
+  for (; played_spans_ != span_count_; ++played_spans_) {
+    const lamp::TickSpan& span = spans_[played_spans_ % remembered];
+    const std::uint32_t into = clock - static_cast<std::uint32_t>(span.first_clock);
+    if (static_cast<std::int32_t>(into - span.clocks) < 0)
+      return static_cast<std::uint32_t>(span.first_tick);
+  }
+  return static_cast<std::uint32_t>(end_tick_);
 }
 
 std::uint64_t TickFeed::tick_at(std::uint64_t clock) const {

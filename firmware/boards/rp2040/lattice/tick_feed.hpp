@@ -3,7 +3,7 @@
 // In:  spans of the core (Controller::next_span), the present clock.
 // Out: words in the ring of TICK; clock of a tick, tick at a clock.
 // Who: beat interrupt (priority 1) every 100 us; begin() with it masked. Budget: 20 us a span in
-//      the worst case (128 ticks of alternating length), 6 us at the usual one.
+//      the worst case (128 ticks of alternating length), 3 us at the usual one.
 //
 // The words are credits: nothing else moves the machine. The feed never gives a tick a length
 // whose steps are not in the rings behind the prefetch of the state machines; if the fill is late,
@@ -49,14 +49,17 @@ class TickFeed {
 
   /// Takes spans until `now` + lead is reached or the rings are not filled further.
   /// `next_span(max_ticks)` is the core's. False if `most_spans` were not enough.
+  /// Lower halves of a clock and a tick: both lie near those of this feed.
   template <class NextSpan>
-  bool feed(std::uint64_t now, std::uint64_t filled_end, NextSpan&& next_span,
+  bool feed(std::uint32_t now, std::uint32_t filled_end, NextSpan&& next_span,
             std::uint32_t most_spans = ~0u) {
-    if (span_count_ != 0 && now + read_ahead_clocks > end_clock_) starved_ = true;
+    if (span_count_ != 0 && lead(now) < static_cast<std::int32_t>(read_ahead_clocks))
+      starved_ = true;
     // Words behind an end that TICK has seen would count as ticks that never begin.
     if (starved_) return true;
-    while (end_clock_ < now + feed_lead_clocks &&
-           end_tick_ + feed_span_ticks + least_fill_lead_ticks <= filled_end) {
+    while (lead(now) < static_cast<std::int32_t>(feed_lead_clocks) &&
+           static_cast<std::int32_t>(filled_end - static_cast<std::uint32_t>(end_tick_)) >=
+               static_cast<std::int32_t>(feed_span_ticks + least_fill_lead_ticks)) {
       if (most_spans-- == 0) return false;
       add(next_span(feed_span_ticks));
     }
@@ -69,8 +72,9 @@ class TickFeed {
   bool starved() const { return starved_; }
   /// Last tick that has begun at `clock`, within one tick; one of the last 16 spans.
   std::uint64_t tick_at(std::uint64_t clock) const;
-  /// No later than tick_at(), at most a span earlier, and cheaper.
-  std::uint64_t tick_before(std::uint64_t clock) const;
+  /// No later than tick_at(), at most a span earlier, and cheaper; the clock only grows. Lower
+  /// halves.
+  std::uint32_t tick_before(std::uint32_t clock);
   /// When a tick begins, within 0.5 us; false if it has no length yet.
   bool clock_of(std::uint64_t tick, std::uint64_t& clock) const;
   /// Words made since begin().
@@ -87,18 +91,19 @@ class TickFeed {
       feed_lead_clocks / (clocks_per_tick * 3 / 4) + feed_span_ticks;
   static_assert(cleared_words + longest_lead_ticks < tick_ring_words);
 
+  std::int32_t lead(std::uint32_t now) const {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(end_clock_) - now);
+  }
   void add(const lamp::TickSpan& span);
   const lamp::TickSpan* span_at(std::uint64_t clock) const;
   static void put(TickRing& ring, std::uint32_t& words, std::uint32_t word) {
-    ring.words[words % tick_ring_words] = word;
-    // Ahead of the words there are always zeros, where TICK ends.
-    ring.words[(words + cleared_words) % tick_ring_words] = 0;
-    ++words;
+    ring.words[words++ % tick_ring_words] = word;
   }
 
   TickRing& ring_;
   std::array<lamp::TickSpan, remembered> spans_{};
   std::uint32_t span_count_ = 0;
+  std::uint32_t played_spans_ = 0;  ///< have ended, as far as tick_before() has looked
   std::uint32_t words_ = 0;
   std::uint32_t high_clocks_ = 0;
   std::uint64_t end_tick_ = 0, end_clock_ = 0;
