@@ -27,6 +27,12 @@ void BeatLedger::count(BeatReason reason, std::uint32_t beats) {
   }
 }
 
+void BeatLedger::take_back(BeatReason reason) {
+  const auto i = static_cast<std::size_t>(reason);
+  if (shots_ == 0 && before_[i] != 0) --before_[i], --beats_before_;
+  if (shots_ != 0 && pending_[i] != 0) --pending_[i], --pending_beats_;
+}
+
 BeatsByReason BeatLedger::outside() const {
   BeatsByReason sum = before_;
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += pending_[i];
@@ -184,6 +190,7 @@ bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock) {
     p.issued = true;
     token_out_ = true;
     token_beat_ = p.last_beat;
+    token_beat_reason_ = BeatReason::no_edge;
     token = {p.last_beat, tick - clock.beat_ticks() / 2, tick + p.half_window_ticks, p.channel,
              p.energy};
     return true;
@@ -204,12 +211,12 @@ void ShotScheduler::token_expired() {
 }
 
 BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
-  // Beats that passed without an edge: a shot that was due there is missed.
-  while (begin_ != end_ && at(begin_).last_beat < beat) {
+  // Beats that passed without an edge: a shot that was due there is missed. But while its token is
+  // out it is not decided: the hardware may fire on an edge that the beat clock takes for a stray.
+  while (begin_ != end_ && at(begin_).last_beat < beat && !is_open(at(begin_))) {
     pass(at(begin_), false);
     begin_ = begin_ + 1;
   }
-  if (token_out_ && token_beat_ <= beat) token_out_ = false;
   if (begin_ == end_ || at(begin_).first_beat > beat) {
     if (fired) ++stray_shots_;
     return fired                                 ? BeatReason::fired
@@ -217,11 +224,14 @@ BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
                                                  : idle_reason_;
   }
   const Plan& p = at(begin_);
+  if (p.last_beat < beat) return permitted_ ? BeatReason::returning : idle_reason_;
   if (p.last_beat != beat) {
     if (!permitted_) return idle_reason_;
     // The way may take as long: no shot would have been permitted here anyhow.
     return p.reason == BeatReason::moving && too_soon(beat) ? BeatReason::protection : p.reason;
   }
+  if (!fired && is_open(p))
+    return token_beat_reason_ = permitted_ ? BeatReason::outside_tolerance : idle_reason_;
   begin_ = begin_ + 1;
   const bool was_blocked = blocked_;
   pass(p, fired);
@@ -234,6 +244,8 @@ BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
 
 void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent, std::uint64_t clock) {
   edge_clock_ = clock;
+  const bool was_out = token_out_;
+  if (token_spent || fired) token_out_ = false;
   // Flashes count while the clock looks for the rhythm; no beat numbers them yet. So do those that
   // it took for strays, unless they were counted when one of them fired.
   if (info.unlocked && !fired) {
@@ -246,6 +258,11 @@ void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent, std
     const std::uint64_t open = info.beat > counted_end_ ? info.beat - counted_end_ : 0;
     count_missed(open < info.missed ? static_cast<std::uint32_t>(open) : info.missed);
     count(info.beat, fired);
+    if (was_out && token_spent && !fired && info.beat < token_beat_) issue_again();
+  } else if (fired && token_beat_ < counted_end_) {
+    // The same when an earlier edge was taken for that of its beat: counted, but not as a shot.
+    ledger_.take_back(token_beat_reason_);
+    ledger_.count(judge(token_beat_, true), 1);
   } else if (fired) {
     // The lattice was right and the beat clock was not: the shot is a fact.
     if (counted_end_ != 0 && token_beat_ > counted_end_) {
@@ -255,11 +272,15 @@ void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent, std
     }
     count(token_beat_, true);
     ++stray_beats_;
-  } else if (token_spent && token_out_) {
-    token_out_ = false;
-    for (std::uint32_t i = begin_; i != end_; ++i)
-      if (at(i).shot && at(i).last_beat == token_beat_) at(i).issued = false;
+  } else if (token_spent && was_out) {
+    issue_again();
   }
+}
+
+/// An edge before that of its beat has taken the token.
+void ShotScheduler::issue_again() {
+  for (std::uint32_t i = begin_; i != end_; ++i)
+    if (at(i).shot && at(i).last_beat == token_beat_) at(i).issued = false;
 }
 
 void ShotScheduler::count_missed(std::uint32_t beats) {

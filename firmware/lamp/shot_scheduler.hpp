@@ -11,7 +11,9 @@
 // construction where the machine is in position), the edge itself. The hardware decides on the
 // edge; code that is late can only lose a shot, never misplace one. A point that was not fired
 // blocks every later shot until the main loop has planned the way back to it, so that points are
-// fired in order.
+// fired in order. A point whose token is out is decided by what the board says of the token (spent
+// or withdrawn), never by its beat having passed: FIRE may take it on an edge that the beat clock
+// does not count. There is no other token before.
 //
 // The board asks for a token after each edge and at least every 250 us, and says as often which
 // photosensors have answered.
@@ -70,6 +72,8 @@ class BeatLedger {
  public:
   void reset();
   void count(BeatReason reason, std::uint32_t beats);
+  /// A beat since the last shot that was counted so turns out otherwise.
+  void take_back(BeatReason reason);
 
   std::uint32_t shots() const { return shots_; }
   std::uint32_t beats() const { return beats_; }  ///< first to last shot, inclusive
@@ -165,6 +169,11 @@ class ShotScheduler {
   bool too_soon(std::uint64_t beat) const {
     return has_shot_ && beat - last_shot_beat_ < rules_.least_beats;
   }
+  /// The right to this shot is with the board: neither spent nor withdrawn, as far as is known.
+  bool is_open(const Plan& plan) const {
+    return token_out_ && plan.issued && plan.last_beat == token_beat_;
+  }
+  void issue_again();
   void shot_fired(const Plan& plan);
   void judge_shot(bool made);
   void report(std::uint32_t point, Outcome outcome);
@@ -181,6 +190,7 @@ class ShotScheduler {
   bool blocked_ = false;  ///< a point was missed and the main loop has not yet planned the return
   bool token_out_ = false;
   std::uint64_t token_beat_ = 0;
+  BeatReason token_beat_reason_ = BeatReason::no_edge;  ///< how that beat was counted so far
   std::uint64_t expired_beat_ = ~std::uint64_t{0};
   std::uint64_t counted_end_ = 0;  ///< beats before this one have been counted; 0 = none yet
   std::uint32_t stray_beats_ = 0;  ///< counted because a stray edge fired, since the last good one

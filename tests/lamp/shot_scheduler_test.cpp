@@ -422,6 +422,75 @@ TEST_F(ByHand, ATokenSpentOnAStrayEdgeComesBack) {
   EXPECT_EQ(done[0].outcome, Outcome::fired);
 }
 
+TEST_F(ByHand, ALateResultBelongsToItsToken) {
+  // An edge too early is taken for that of the beat; the lamp's own fires the token, and that is
+  // told late.
+  scheduler_.commit(shot_segment(0, 50), 3, 3);
+  scheduler_.commit(shot_segment(1, 50), 4, 5);
+  time_up_to(3);
+  FireToken t, other;
+  ASSERT_TRUE(token(t));
+  scheduler_.edge({true, 3, 0}, false, false);
+  EXPECT_TRUE(outcomes().empty()) << "the token may still be fired on";
+  EXPECT_TRUE(scheduler_.token_out());
+  EXPECT_TRUE(scheduler_.undecided());
+  time_up_to(5);
+  EXPECT_FALSE(token(other)) << "a second token";
+  scheduler_.edge({true, 4, 0}, false, false);
+  EXPECT_TRUE(outcomes().empty());
+  scheduler_.edge({}, true, true);  // the result of beat 3
+  auto done = outcomes();
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_EQ(done[0].point, 0u);
+  EXPECT_EQ(done[0].outcome, Outcome::fired);
+  EXPECT_EQ(scheduler_.stray_shots(), 0u);
+  EXPECT_EQ(scheduler_.ledger().shots(), 1u);
+  ASSERT_TRUE(token(other));
+  EXPECT_EQ(other.beat, 5u);
+  scheduler_.edge({true, 5, 0}, true, true);
+  done = outcomes();
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_EQ(done[0].point, 1u);
+  // Beats 3, 4 and 5, each counted once.
+  const BeatsByReason outside = scheduler_.ledger().outside();
+  std::uint32_t beats = 0;
+  for (std::size_t i = 0; i < outside.size(); ++i)
+    beats += outside[i] + scheduler_.ledger().by_reason()[i];
+  EXPECT_EQ(beats, 3u);
+}
+
+TEST_F(ByHand, APassedBeatIsMissedWhenItsTokenIsWithdrawn) {
+  scheduler_.commit(shot_segment(0, 50), 3, 3);
+  scheduler_.commit(shot_segment(1, 50), 4, 4);
+  time_up_to(3);
+  FireToken t;
+  ASSERT_TRUE(token(t));
+  scheduler_.edge({true, 4, 1}, false, false);  // beat 3 had no edge
+  EXPECT_TRUE(outcomes().empty());
+  scheduler_.token_expired();
+  scheduler_.edge({true, 5, 0}, false, false);
+  const auto done = outcomes();
+  ASSERT_EQ(done.size(), 2u);
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(done[i].point, i);
+    EXPECT_EQ(done[i].outcome, Outcome::missed);
+  }
+}
+
+TEST_F(ByHand, ATokenSpentOnTheBeatBeforeComesBack) {
+  scheduler_.commit(shot_segment(0, 50), 3, 4);
+  time_up_to(4);
+  FireToken t;
+  ASSERT_TRUE(token(t));
+  scheduler_.edge({true, 3, 0}, false, true);  // late: the token for beat 4 was loaded already
+  EXPECT_FALSE(scheduler_.token_out());
+  ASSERT_TRUE(token(t));
+  scheduler_.edge({true, 4, 0}, true, true);
+  const auto done = outcomes();
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_EQ(done[0].outcome, Outcome::fired);
+}
+
 TEST_F(ByHand, EveryBeatHasItsReason) {
   Segment s = shot_segment(0, 50);
   scheduler_.commit(s, 3, 4);

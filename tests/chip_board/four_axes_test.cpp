@@ -1,0 +1,86 @@
+// Steps at 250 kHz on four axes at once, locked to a lamp: the fastest thing the board is made for.
+#include "sim/chip_board/board_timing.hpp"
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+constexpr std::int32_t fast_steps_s = 250'000;
+constexpr int axes = 4;
+
+/// 1250 steps/mm at 200 mm/s, a map with four axes.
+job::Profile fast_profile(double lamp_hz) {
+  job::Profile profile = chip_profile(lamp_hz);
+  settings::Values& values = profile.settings;
+  values.set_milli(Id::pin_map, 1000);
+  values.set_milli(Id::axes, axes * 1000);
+  for (int axis = 0; axis < axes; ++axis) {
+    values.set_milli(Id::steps_per_mm_x, 1'250'000, axis);
+    values.set_milli(Id::max_rate_x, 200 * 60'000, axis);
+    values.set_milli(Id::acceleration_x, 4'000'000, axis);
+  }
+  return profile;
+}
+
+/// Long straight ways of all axes, there and back; between two shots many beats.
+job::Job fast_job(const job::Profile& profile) {
+  job::Job job = job::make_job({{0, 0, 0}, {1, 1, 1}}, profile, {});
+  const std::array<int, 6> places_mm{-25, 25, -20, 22, -25, 0};
+  job.targets.resize(places_mm.size(), job.targets[0]);
+  for (std::size_t i = 0; i < places_mm.size(); ++i)
+    for (std::size_t axis = 0; axis < axes; ++axis)
+      job.targets[i].steps[axis] = places_mm[i] * (axis % 2 == 0 ? 1250 : -1250);
+  return job;
+}
+
+/// Steps of an axis in the second in which it made most of them, as a rate over `window`.
+double fastest_rate(const std::vector<PinMonitor::Step>& steps, Picoseconds window) {
+  std::size_t most = 0;
+  for (std::size_t first = 0, last = 0; last < steps.size(); ++last) {
+    while (steps[last].at - steps[first].at >= window) ++first;
+    most = std::max(most, last - first + 1);
+  }
+  return static_cast<double>(most) * ps_per_s / static_cast<double>(window);
+}
+
+class FourAxes : public testing::TestWithParam<int> {};
+
+TEST_P(FourAxes, StepAt250KilohertzAtOnceWhileLocked) {
+  const job::Profile profile = fast_profile(GetParam());
+  const job::Job job = fast_job(profile);
+  ChipRig rig(profile);
+  const sim::BoardTiming timing(rig.board, flash_image());
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  RunningJob running(rig, job, 1);
+  ASSERT_EQ(running.finish(), link::JobEnd::done);
+  expect_fired(rig, job);
+  EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+  constexpr Picoseconds stretch = 50 * ps_per_ms;
+  for (int axis = 0; axis < axes; ++axis) {
+    const auto place = static_cast<std::size_t>(axis);
+    const auto& steps = rig.monitor.steps(axis);
+    // A tick follows the lamp, so that 250 kHz may be a little more or less.
+    EXPECT_NEAR(fastest_rate(steps, stretch), fast_steps_s, fast_steps_s / 200) << axis;
+    // Not one lost or doubled: it stands where the last shot was.
+    ASSERT_FALSE(steps.empty());
+    EXPECT_EQ(steps.back().position, job.targets.back().steps[place]) << axis;
+    for (std::size_t i = 0; i < rig.shots().size(); ++i)
+      EXPECT_NEAR(rig.shots()[i].steps[place], job.targets[i].steps[place], 1) << i;
+  }
+  const sim::TimingTable table =
+      timing.table(profile.settings.milli(Id::q_switch_delay) * ps_per_us / 1000);
+  std::printf("%s", sim::timing_text(table).c_str());
+  EXPECT_EQ(table.phase_worst_ns, 0);
+  EXPECT_EQ(table.step_error_worst_ns, 0);
+  EXPECT_LE(table.masked_longest_us, 1.0);
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+  expect_no_violations(rig);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lamps, FourAxes, testing::Values(100, 1000, 4000),
+                         [](const auto& param_info) {
+                           return std::to_string(param_info.param) + "Hz";
+                         });
+
+}  // namespace
+}  // namespace lamplock::test
