@@ -6,7 +6,7 @@
 //   function           called from                              budget
 //   start              main loop, once, interrupts masked       3 ms
 //   estop_interrupt    IO_IRQ_BANK0, priority 0                 1.25 us, off after 0.5 us
-//   edge_interrupt     PIO0_IRQ_0, priority 1                   50 us
+//   edge_interrupt     PIO0_IRQ_0, priority 1                   45 us
 //   beat_interrupt     TIMER_IRQ_1, priority 1                  40 us
 //   fill_interrupt     interrupt 26, priority 3                 25 % of the time in motion, a third
 //                                                               with what interrupts it
@@ -111,6 +111,7 @@ class RealTime {
   volatile std::uint32_t timed_end_ = 0;   ///< written by beat, read by fill
   volatile std::uint32_t played_ = 0;      ///< written by beat, read by fill
   bool pads_released_ = false;
+  bool ask_ = false;           ///< for a token, this time
   std::uint8_t answered_ = 0;  ///< photosensors of which the core has not heard
 };
 

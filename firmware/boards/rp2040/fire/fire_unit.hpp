@@ -70,6 +70,7 @@ class FireUnit {
     read_fifo(count);
     if (count != 0) report(core, count, now());
   }
+  bool has_token() const { return keeper_.is_out(); }
   /// FIRE has judged an edge and nobody has read that yet.
   static bool has_result();
   /// Takes, loads, withdraws the token if it is time; quick if it is not.
