@@ -29,7 +29,8 @@ TEST_P(BeatBudgets, OverAJobWithABusyLink) {
   EXPECT_EQ(running.sender.result().end, link::JobEnd::done);
   expect_fired(rig, job);
   const sim::chip::Cycle job_cycles = measured.cycles();
-  std::printf("%s", sim::timing_text(timing.table(0)).c_str());
+  const Picoseconds delay = profile.settings.milli(Id::q_switch_delay) * ps_per_us / 1000;
+  std::printf("%s", sim::timing_text(timing.table(delay)).c_str());
   rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
   rig.run(5 * ps_per_ms);
   // Nothing is masked for longer than 1 us: that is what the e-stop waits at most.
