@@ -174,15 +174,16 @@ void ShotScheduler::pass(const Plan& plan, bool fired) {
   }
 }
 
-bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock) {
+bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock,
+                               std::uint64_t present_tick) {
   if (!permitted_ || blocked_ || token_out_ || check_pending()) return false;
   for (std::uint32_t i = begin_; i != end_; ++i) {
     Plan& p = at(i);
     if (!p.shot || p.issued) continue;
     if (p.last_beat > clock.next_beat() + 1) return false;  // as below, quicker
     const std::uint64_t tick = clock.tick_of_beat(p.last_beat);
-    // Too late to be loaded in time: the beat passes, edge() reports the miss.
-    if (tick + p.half_window_ticks <= clock.next_tick() && clock.next_tick() > tick) return false;
+    // Too late: the beat passes, edge() reports the miss.
+    if (tick + p.half_window_ticks <= present_tick && present_tick > tick) return false;
     // Its way may not have begun yet and still be planned anew: a token that is out cannot follow.
     if (tick >= clock.next_tick() + clock.beat_ticks()) return false;
     // Not yet: the beat passes, and so does the point, which is returned to.

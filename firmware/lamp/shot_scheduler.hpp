@@ -139,7 +139,8 @@ class ShotScheduler {
 
   // Beat interrupt.
   /// The next right to fire, at most a beat ahead of what has a time; false if there is none now.
-  bool next_token(FireToken& token, const BeatClock& clock);
+  /// `present_tick` may be a little behind: a token that comes too late expires.
+  bool next_token(FireToken& token, const BeatClock& clock, std::uint64_t present_tick);
   /// The token was withdrawn without an edge.
   void token_expired();
   /// An edge that the beat clock has judged; `fired` and `token_spent` as the hardware says: it

@@ -153,7 +153,9 @@ class Controller {
     if (!job_) return {};
     return {link_.session(), runner_.first_unfired(), shots_.undecided()};
   }
-  bool next_token(lamp::FireToken& token) { return shots_.next_token(token, clock_); }
+  bool next_token(lamp::FireToken& token, std::uint64_t present_tick) {
+    return shots_.next_token(token, clock_, present_tick);
+  }
   void token_expired() { shots_.token_expired(); }
 
   Outputs outputs() const {

@@ -293,7 +293,7 @@ void VirtualBoard::report_shot(bool fired) {
 }
 
 void VirtualBoard::take_token() {
-  if (!token_held_) token_held_ = controller_->next_token(token_);
+  if (!token_held_) token_held_ = controller_->next_token(token_, played_);
   apply_beam();
 }
 

@@ -398,7 +398,7 @@ TEST(BeamPath, TheSensorOfTheChannelCounts) {
   segment.shot = {true, 100, 2, 0};
   ASSERT_TRUE(shots.commit(segment, 1, 1));
   lamp::FireToken token;
-  ASSERT_TRUE(shots.next_token(token, clock));
+  ASSERT_TRUE(shots.next_token(token, clock, 0));
   EXPECT_EQ(shots.beam().shutters(), 4);
   shots.edge({true, 1, 0, false}, true, true, 5000);
   lamp::PointOutcome outcome;

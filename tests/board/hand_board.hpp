@@ -50,7 +50,7 @@ class HandBoard {
     if (gap == 3) interrupt();
     feed();
     withdraw();
-    if (!token_) token_ = core.next_token(held_);
+    if (!token_) token_ = core.next_token(held_, now_);
   }
   void pass() {
     pass([] {});

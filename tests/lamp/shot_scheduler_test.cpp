@@ -214,7 +214,7 @@ class World {
   // Hardware.
   void take_token() {
     FireToken token;
-    if (!scheduler_.next_token(token, clock_)) return;
+    if (!scheduler_.next_token(token, clock_, clock_.next_tick())) return;
     one_token_ = one_token_ && !token_held_;
     token_while_blocked_ = token_while_blocked_ || blocked_;
     token_ = token;
@@ -325,7 +325,7 @@ class ByHand : public testing::Test {
     scheduler_.begin_job();
     scheduler_.permit(true, BeatReason::no_point_due);
   }
-  bool token(FireToken& out) { return scheduler_.next_token(out, clock_); }
+  bool token(FireToken& out) { return scheduler_.next_token(out, clock_, clock_.next_tick()); }
   /// Ticks have their lengths up to the one of this beat.
   void time_up_to(std::uint64_t beat) {
     const std::uint64_t tick = clock_.tick_of_beat(beat);

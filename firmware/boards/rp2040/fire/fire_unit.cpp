@@ -123,7 +123,7 @@ void FireUnit::change_token(machine::Controller& core, std::uint64_t now) {
   bool known = false;  // finding the tick takes longer than all the rest
   // At most: withdraw one, take the next, load it.
   for (int i = 0; i < 3 && is_due(core, now); ++i) {
-    if (keeper_.is_out() && !known) {
+    if (!known) {
       tick = feed_.tick_at(now);
       known = true;
     }
@@ -132,7 +132,7 @@ void FireUnit::change_token(machine::Controller& core, std::uint64_t now) {
         return;
       case Action::take: {
         lamp::FireToken token;
-        if (!core.next_token(token)) return;
+        if (!core.next_token(token, tick)) return;
         keeper_.taken(token);
         has_due_ = false;
         break;
