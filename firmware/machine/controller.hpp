@@ -102,6 +102,10 @@ class Controller {
   void new_connection() { link_.new_connection(); }
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
   bool prepare(std::uint64_t clock);
+  /// Not masked, before commit(): makes that short.
+  void stage() {
+    if (planning_ && moving_) runner_.stage();
+  }
   void commit();
   void input_changed(Input input, bool active);
   /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.

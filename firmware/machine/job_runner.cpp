@@ -291,13 +291,13 @@ bool JobRunner::prepare(bool go) {
   // Axes with different leads never stand at the same tick: no other length can begin there.
   plan_.start({shortest_tick_q16(), job_speed_},
               generator_.lead() == 0 ? clock_.longest_tick_q16() : full_tick_q16);
+  staged_ = false;
   hand_over_.hand_out();
   return true;
 }
 
 Result JobRunner::commit() {
   if (!hand_over_.complete()) return Result::ok;
-  hand_over_.recall();
   const bool found = plan_.found();
   // Planning took too long and what it started from has passed, or there is no way on from there.
   if (provisional_begun() || (!found && provisional_ != 0)) {
@@ -306,8 +306,10 @@ Result JobRunner::commit() {
     commit_plan();
   } else {
     failed_point_ = plan_.request().points[plan_.failed()];
+    hand_over_.recall();
     return Result::unreachable;
   }
+  hand_over_.recall();
   return Result::ok;
 }
 
@@ -356,7 +358,7 @@ void JobRunner::commit_plan() {
   if (!from_rest_) commit_brake();
 }
 
-void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {
+stepper::Segment JobRunner::segment_of(std::uint32_t i, std::uint64_t late_ticks) const {
   stepper::Segment segment = plan_.segment(i);
   segment.start_tick += late_ticks;
   segment.end.tick += late_ticks;
@@ -365,9 +367,22 @@ void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& b
                                         : BeatReason::moving;
   if (gone_to_ && i == 0) segment.ends_point = false;
   if (options_.dry) segment.shot.present = false;
+  return segment;
+}
+
+void JobRunner::stage() {
+  if (staged_ || !hand_over_.complete() || !plan_.found() || provisional_ == 0) return;
+  // The first one takes the place of the brake, which may still begin.
+  for (std::uint32_t i = 1; i < plan_.request().commits(); ++i)
+    segments_.stage(segment_of(i, 0), i - provisional_);
+  staged_ = true;
+}
+
+void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {
+  if (!staged_ || i == 0) segments_.stage(segment_of(i, late_ticks));
   const auto beats = static_cast<std::uint64_t>(plan_.beats(i));
-  shots_.commit(segment, beat + 1, beat + beats);
-  segments_.push(segment);
+  shots_.commit(segments_.staged(), beat + 1, beat + beats);
+  segments_.publish();
   beat += beats;
 }
 

@@ -103,6 +103,9 @@ class JobRunner {
   void recall_plan();
   /// Nobody plans, and nobody will before the next prepare().
   bool plan_at_home() const;
+  /// Copies what was planned to where it is handed out from, so that commit() is short: in motion
+  /// every beat may have a shot, and none is served meanwhile. Not masked; may be left out.
+  void stage();
   /// Hands out what was planned. Error: unreachable (failed_point()).
   Result commit();
   /// What the hardware has done so far, nothing else.
@@ -159,6 +162,7 @@ class JobRunner {
   void set_leads();
   void start_later();
   void commit_plan();
+  stepper::Segment segment_of(std::uint32_t i, std::uint64_t late_ticks) const;
   void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);
   void commit_brake();
   void take_back_provisional();
@@ -185,6 +189,7 @@ class JobRunner {
   std::uint32_t received_ = 0;           ///< end of the queue when it last grew
   std::uint64_t receive_tick_ = 0;       ///< and when that was
   bool from_rest_ = true;                ///< the next window starts on a fresh beat
+  bool staged_ = false;  ///< all segments of the plan but the first
   bool returning_ = false;
   bool astray_ = true;   ///< the next window does not start at the target before it
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet

@@ -27,7 +27,15 @@ class SegmentQueue {
   /// Nothing that has begun is read any more.
   bool released() const { return kept_ == begun_; }
 
-  void push(const Segment& s) { at(end_) = s, end_ = end_ + 1; }
+  /// Writes a segment that is `ahead` places behind the end; nobody sees it before publish().
+  void stage(const Segment& s, std::uint32_t ahead = 0) { at(end_ + ahead) = s; }
+  const Segment& staged() const { return at(end_); }
+  /// The segment staged at the end is one of the queue.
+  void publish() { end_ = end_ + 1; }
+  void push(const Segment& s) {
+    stage(s);
+    publish();
+  }
   const Segment& front() const { return at(begun_); }
   /// The front begins; it stays until it is released.
   void begin_front() { begun_ = begun_ + 1; }

@@ -124,6 +124,7 @@ bool Board::work() {
     if (core_.plan_waits()) send_event();
     plan = plan && !core_.planning();
   }
+  core_.stage();
   const machine::Masked masked(mask_);
   real_time_.top_up(core_);
   core_.commit();
