@@ -250,8 +250,6 @@ JobRunner::Place JobRunner::place_after(std::uint32_t count) const {
 }
 
 bool JobRunner::may_plan() {
-  const std::uint32_t room = motion::commit_points + 1 - provisional_;
-  if (segments_.free() < room || shots_.free() < room) return false;
   if (received_ != queue_.end()) {
     received_ = queue_.end();
     receive_tick_ = generator_.head();
@@ -269,6 +267,13 @@ bool JobRunner::may_plan() {
   return plan_.request().count != 0 && !patient;
 }
 
+/// True if the queues have room for what was planned: planning is ahead of them. No way needs none.
+bool JobRunner::may_commit() const {
+  if (!plan_.found()) return true;
+  const std::uint32_t segments = plan_.request().commits() + 1 - provisional_;
+  return segments_.free() >= segments && shots_.free() >= segments;
+}
+
 bool JobRunner::prepare(bool go) {
   waiting_for_beam_ = false;
   // In this order: an edge may come in between.
@@ -279,7 +284,7 @@ bool JobRunner::prepare(bool go) {
     hand_over_.recall();
     return false;
   }
-  if (hand_over_.asked()) return true;
+  if (hand_over_.asked()) return !hand_over_.complete() || may_commit();
   // What was recalled belongs to the planner until the end of its slice.
   if (!hand_over_.at_home() || !may_plan() || !prepare_start()) return false;
   motion::PlanRequest& request = plan_.request();
@@ -297,7 +302,7 @@ bool JobRunner::prepare(bool go) {
 }
 
 Result JobRunner::commit() {
-  if (!hand_over_.complete()) return Result::ok;
+  if (!hand_over_.complete() || !may_commit()) return Result::ok;
   const bool found = plan_.found();
   // Planning took too long and what it started from has passed, or there is no way on from there.
   if (provisional_begun() || (!found && provisional_ != 0)) {
@@ -371,7 +376,8 @@ stepper::Segment JobRunner::segment_of(std::uint32_t i, std::uint64_t late_ticks
 }
 
 void JobRunner::stage() {
-  if (staged_ || !hand_over_.complete() || !plan_.found() || provisional_ == 0) return;
+  if (staged_ || !hand_over_.complete() || !plan_.found() || !may_commit() || provisional_ == 0)
+    return;
   // The first one takes the place of the brake, which may still begin.
   for (std::uint32_t i = 1; i < plan_.request().commits(); ++i)
     segments_.stage(segment_of(i, 0), i - provisional_);

@@ -150,6 +150,7 @@ class JobRunner {
   };
   void go_back();
   bool may_plan();
+  bool may_commit() const;
   bool window_ready();
   bool rows_known();
   bool needs_another_beam(const motion::Target& target, lamp::Beam& last);
@@ -189,7 +190,7 @@ class JobRunner {
   std::uint32_t received_ = 0;           ///< end of the queue when it last grew
   std::uint64_t receive_tick_ = 0;       ///< and when that was
   bool from_rest_ = true;                ///< the next window starts on a fresh beat
-  bool staged_ = false;  ///< all segments of the plan but the first
+  bool staged_ = false;                  ///< all segments of the plan but the first
   bool returning_ = false;
   bool astray_ = true;   ///< the next window does not start at the target before it
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet
