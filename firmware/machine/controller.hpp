@@ -142,6 +142,9 @@ class Controller {
 
   // Interrupts of the board.
   void fill(stepper::TickBlock& block, std::uint32_t max_ticks) { runner_.fill(block, max_ticks); }
+  void fill_runs(stepper::TickBlock& block, std::uint32_t max_ticks, stepper::BitRuns& runs) {
+    runner_.fill_runs(block, max_ticks, runs);
+  }
   lamp::TickSpan next_span(std::uint32_t max_ticks) { return clock_.next_span(max_ticks); }
   /// An edge longer than a runt; `token_spent` if a loaded token was taken by it.
   void lamp_edge(std::uint64_t clock, bool fired, bool token_spent) {

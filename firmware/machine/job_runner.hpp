@@ -139,6 +139,9 @@ class JobRunner {
   void fill(stepper::TickBlock& block, std::uint32_t max_ticks) {
     generator_.fill(block, max_ticks);
   }
+  void fill_runs(stepper::TickBlock& block, std::uint32_t max_ticks, stepper::BitRuns& runs) {
+    generator_.fill_runs(block, max_ticks, runs);
+  }
   stepper::TickGenerator& generator() { return generator_; }
 
  private:

@@ -6,6 +6,7 @@
 // ticks, to the bit.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "shared/int128.hpp"
@@ -31,6 +32,18 @@ struct AxisRun {
     return position_q64 +
            ((Int128::product(rate_q62, n) + Int128::product(accel_q62, triangle)) << 2);
   }
+};
+
+/// Ticks with the same lattice bits.
+struct BitRun {
+  std::uint32_t ticks = 0;
+  std::uint8_t bits = 0;  ///< LatticeBit
+};
+
+/// The lattice bits of a block of which motion alone has set the length.
+struct BitRuns {
+  std::array<BitRun, 6> run;  ///< two arm windows and a trigger pulse begin and end
+  std::uint32_t count = 0;
 };
 
 /// A run of ticks.

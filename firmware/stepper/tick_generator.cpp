@@ -205,17 +205,17 @@ std::uint32_t TickGenerator::limit_by(const Reader& reader, std::uint64_t tick,
   return limit_to(queue_.at(reader.segment).start_tick, tick, ticks);
 }
 
-std::uint32_t TickGenerator::limit_by_bits(std::uint32_t ticks) const {
-  ticks = limit_to(window_.on, tick_, ticks);
-  ticks = limit_to(window_.off, tick_, ticks);
-  ticks = limit_to(old_window_.off, tick_, ticks);
+std::uint32_t TickGenerator::limit_by_bits(std::uint64_t tick, std::uint32_t ticks) const {
+  ticks = limit_to(window_.on, tick, ticks);
+  ticks = limit_to(window_.off, tick, ticks);
+  ticks = limit_to(old_window_.off, tick, ticks);
   if (trigger_.period_ticks == 0) return ticks;
-  ticks = limit_to(trigger_on_, tick_, ticks);
-  return limit_to(trigger_on_ + trigger_.width_ticks, tick_, ticks);
+  ticks = limit_to(trigger_on_, tick, ticks);
+  return limit_to(trigger_on_ + trigger_.width_ticks, tick, ticks);
 }
 
-std::uint8_t TickGenerator::bits() const {
-  const auto in = [this](const Window& w) { return w.on <= tick_ && tick_ < w.off; };
+std::uint8_t TickGenerator::bits(std::uint64_t tick) const {
+  const auto in = [tick](const Window& w) { return w.on <= tick && tick < w.off; };
   std::uint8_t bits = 0;
   if (in(window_) || in(old_window_)) bits |= arm_bit;
   if (trigger_.period_ticks != 0 && in({trigger_on_, trigger_on_ + trigger_.width_ticks}))
@@ -240,10 +240,10 @@ void TickGenerator::advance(std::uint32_t ticks) {
   while (trigger_on_ + trigger_.width_ticks <= tick_) trigger_on_ += trigger_.period_ticks;
 }
 
-void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
+/// Up to where every axis goes on as it does, and the windows of the present segment hold.
+std::uint32_t TickGenerator::limit_by_motion(std::uint32_t ticks) {
   begin_segment();
   const std::uint32_t begun = queue_.begun();
-  std::uint32_t ticks = max_ticks;
   if (running_ && left_ < ticks) ticks = left_;
   if (!running_ && !queue_.empty()) ticks = limit_to(queue_.front().start_tick, head(), ticks);
   for (int a = 0; a < max_axes; ++a) {
@@ -252,15 +252,35 @@ void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
     if (r.left < ticks) ticks = r.left;
   }
   if (lattice_.left == 0 && enter(lattice_, tick_)) open_window();
-  ticks = limit_by(lattice_, tick_, ticks);
-  ticks = limit_by_bits(ticks);
+  return limit_by(lattice_, tick_, ticks);
+}
 
+void TickGenerator::take(TickBlock& block, std::uint32_t ticks) {
   block.first_tick = tick_;
   block.ticks = ticks;
-  block.bits = bits();
+  block.bits = bits(tick_);
   block.moving = lattice_.segment != queue_.begun();
   for (int a = 0; a < max_axes; ++a) block.axis[index(a)] = runs_[index(a)].run;
   advance(ticks);
+}
+
+void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
+  take(block, limit_by_bits(tick_, limit_by_motion(max_ticks)));
+}
+
+void TickGenerator::fill_runs(TickBlock& block, std::uint32_t max_ticks, BitRuns& runs) {
+  std::uint32_t ticks = limit_by_motion(max_ticks);
+  // Where the next trigger pulse is, is known at the end of this one.
+  if (trigger_.period_ticks != 0)
+    ticks = limit_to(trigger_on_ + trigger_.width_ticks, tick_, ticks);
+  runs.count = 0;
+  for (std::uint32_t done = 0; done != ticks;) {
+    const std::uint64_t tick = tick_ + done;
+    const std::uint32_t n = limit_by_bits(tick, ticks - done);
+    runs.run[runs.count++] = {n, bits(tick)};
+    done += n;
+  }
+  take(block, ticks);
 }
 
 }  // namespace lamplock::stepper

@@ -53,6 +53,8 @@ class TickGenerator {
 
   /// Next block, at most `max_ticks` long.
   void fill(TickBlock& block, std::uint32_t max_ticks);
+  /// The same where lattice bits do not cut blocks; they come as runs.
+  void fill_runs(TickBlock& block, std::uint32_t max_ticks, BitRuns& runs);
 
   /// The next tick of the lattice to be filled.
   std::uint64_t tick() const { return tick_; }
@@ -108,8 +110,10 @@ class TickGenerator {
   static std::uint32_t limit_to(std::uint64_t change, std::uint64_t tick, std::uint32_t ticks);
   std::uint32_t limit_by(const Reader& reader, std::uint64_t tick, std::uint32_t ticks) const;
   std::uint32_t wait(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
-  std::uint32_t limit_by_bits(std::uint32_t ticks) const;
-  std::uint8_t bits() const;
+  std::uint32_t limit_by_motion(std::uint32_t ticks);
+  std::uint32_t limit_by_bits(std::uint64_t tick, std::uint32_t ticks) const;
+  std::uint8_t bits(std::uint64_t tick) const;
+  void take(TickBlock& block, std::uint32_t ticks);
   void advance(std::uint32_t ticks);
 
   SegmentQueue& queue_;

@@ -212,8 +212,9 @@ void RealTime::fill_interrupt(machine::Controller& core) {
     const std::uint32_t room = expander_.room(widen(played_, end));
     if (room == 0) return;
     stepper::TickBlock block;
-    core.fill(block, room < most_block_ticks ? room : most_block_ticks);
-    expander_.put(block);
+    stepper::BitRuns runs;
+    core.fill_runs(block, room < most_block_ticks ? room : most_block_ticks, runs);
+    expander_.put(block, runs);
     filled_end_ = static_cast<std::uint32_t>(expander_.end_tick());
   }
 }

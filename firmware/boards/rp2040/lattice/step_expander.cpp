@@ -55,6 +55,13 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t first_block,
 }
 
 void StepExpander::put(const stepper::TickBlock& block) {
+  stepper::BitRuns runs;
+  runs.run[0] = {block.ticks, block.bits};
+  runs.count = 1;
+  put(block, runs);
+}
+
+void StepExpander::put(const stepper::TickBlock& block, const stepper::BitRuns& runs) {
   const std::uint64_t block_end = block.first_tick + block.ticks;
   if (block_end <= end_) return;
   const auto ticks = static_cast<std::uint32_t>(block_end - end_);
@@ -65,7 +72,7 @@ void StepExpander::put(const stepper::TickBlock& block) {
     else
       put_axis(a, run, ticks);
   }
-  put_bits(lattice_nibble(block.bits), ticks);
+  put_bits(runs, block.ticks - ticks);
   place_ = (place_ + ticks) & place_mask;
   end_ = block_end;
   last_ = block;
@@ -102,8 +109,18 @@ void StepExpander::put_still(int axis, std::uint32_t ticks) {
                                  dir_[index(axis)], place_, ticks);
 }
 
-void StepExpander::put_bits(std::uint32_t nibble, std::uint32_t ticks) {
-  put_alike<ticks_per_bits_word>(rings_.bits, partial_bits_, nibble * 0x11111111u, place_, ticks);
+/// `skip`: ticks at the beginning that have been put already.
+void StepExpander::put_bits(const stepper::BitRuns& runs, std::uint32_t skip) {
+  std::uint32_t place = place_;
+  for (std::uint32_t i = 0; i < runs.count; ++i) {
+    std::uint32_t ticks = runs.run[i].ticks;
+    const std::uint32_t skipped = skip < ticks ? skip : ticks;
+    skip -= skipped;
+    ticks -= skipped;
+    put_alike<ticks_per_bits_word>(rings_.bits, partial_bits_,
+                                   lattice_nibble(runs.run[i].bits) * 0x11111111u, place, ticks);
+    place += ticks;
+  }
 }
 
 std::uint32_t StepExpander::word_of(int axis, std::uint32_t place) const {

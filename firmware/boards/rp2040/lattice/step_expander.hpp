@@ -31,6 +31,8 @@ class StepExpander {
   /// next block begins, everything stands. A block that begins earlier is clipped (it stands too).
   void begin(std::uint64_t first, std::uint64_t first_block, const StepPosition& steps);
   /// Appends a block. The caller has made sure that there is room.
+  void put(const stepper::TickBlock& block, const stepper::BitRuns& runs);
+  /// The same with the block's bits all through.
   void put(const stepper::TickBlock& block);
 
   /// First tick that no block covers.
@@ -48,7 +50,7 @@ class StepExpander {
  private:
   void put_axis(int axis, const stepper::AxisRun& run, std::uint32_t ticks);
   void put_still(int axis, std::uint32_t ticks);
-  void put_bits(std::uint32_t nibble, std::uint32_t ticks);
+  void put_bits(const stepper::BitRuns& runs, std::uint32_t skip);
   std::uint32_t word_of(int axis, std::uint32_t place) const;
 
   LatticeRings& rings_;
