@@ -257,6 +257,17 @@ void Planner::make_segments() {
   phase_ = Phase::over;
 }
 
+/// Planned speed at the end of a way. Where that is its mean speed but for rounding, the mean
+/// speed: then a way like it that follows needs no acceleration.
+std::int64_t Planner::end_speed_q62(std::uint32_t i, int a, Int128 way_q62) const {
+  const std::int64_t speed = limits_->speed_q62(a, speed_q32(i, a));
+  if (speed == 0) return 0;
+  const std::int64_t mean =
+      way_q62.divided_by(static_cast<std::uint32_t>(beats_[i]) * limits_->beat_ticks).to_int64();
+  const AxisScale& scale = limits_->axis[index(a)].scale;
+  return abs64(speed - mean) <= limits_->speed_q62(a, scale.q32(hair_qs)) ? mean : speed;
+}
+
 void Planner::make_segment(std::uint32_t i, const MotionState& from) {
   Segment& s = segments_[i];
   s = Segment{};
@@ -269,11 +280,13 @@ void Planner::make_segment(std::uint32_t i, const MotionState& from) {
     const AxisState& axis = from.axis[index(a)];
     const Int128 way =
         (stepper::middle_of_step(target(i).steps[index(a)]) - axis.position_q64) >> 2;
-    const std::int64_t end_speed = limits_->speed_q62(a, speed_q32(i, a));
-    s.axis[index(a)] = make_profile(way, axis.speed_q62, end_speed, s.ticks,
-                                    limits_->axis[index(a)].plan_speed_q62);
-    s.end.axis[index(a)] = {axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2),
-                            end_speed};
+    const std::int64_t end_speed = end_speed_q62(i, a, way);
+    AxisProfile& profile = s.axis[index(a)];
+    if (!make_cruise(way, axis.speed_q62, end_speed, s.ticks, profile))
+      profile = make_profile(way, axis.speed_q62, end_speed, s.ticks,
+                             limits_->axis[index(a)].plan_speed_q62);
+    s.end.axis[index(a)] = {axis.position_q64 + (stepper::displacement_q62(profile) << 2),
+                            profile.lead_ticks != 0 ? end_speed : axis.speed_q62};
   }
   if (target(i).shots != 0)
     s.shot = {true, shot_window_ticks(i), target(i).channel, target(i).energy};

@@ -71,6 +71,7 @@ class Planner {
   void choose_speeds();
   void make_segments();
   void plan_path();
+  std::int64_t end_speed_q62(std::uint32_t i, int a, Int128 way_q62) const;
   void make_segment(std::uint32_t i, const MotionState& from);
   void make_steady(std::uint32_t i, int a, const MotionState& from);
   bool axis_inside(std::uint32_t i, int a, const MotionState& from) const;

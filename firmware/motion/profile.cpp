@@ -155,13 +155,25 @@ Int128 widen_by_phase(Excursion& e, Int128 way, std::int64_t speed, std::int64_t
 
 }  // namespace
 
+bool make_cruise(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t ticks,
+                 AxisProfile& profile) {
+  // What any profile may be off the distance; the next one makes up for it.
+  constexpr std::int64_t millionth_step_q62 = one_q62 >> 20;
+  if (v0 == 0 || v1 == 0) {
+    if (v0 != v1 || distance != Int128(0)) return false;
+  } else {
+    const Int128 off = distance - Int128::product(v0, ticks);
+    if (off > Int128(millionth_step_q62) || off < Int128(-millionth_step_q62)) return false;
+    if (abs64(v1 - v0) > millionth_step_q62 / static_cast<std::int64_t>(ticks)) return false;
+  }
+  profile = AxisProfile{};
+  profile.speed_q62 = v0;
+  profile.cruise_ticks = ticks;
+  return true;
+}
+
 AxisProfile make_profile(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t ticks,
                          std::int64_t speed) {
-  if (v0 == 0 && v1 == 0 && distance == Int128(0)) {
-    AxisProfile still;
-    still.cruise_ticks = ticks;
-    return still;
-  }
   AxisProfile p = two_phases(distance, v0, v1, ticks);
   const std::int64_t peak = p.cruise_speed_q62();
   if (abs64(peak) > speed) p = three_phases(distance, v0, v1, ticks, peak < 0 ? -speed : speed);

@@ -24,6 +24,11 @@ using stepper::AxisProfile;
 AxisProfile make_profile(Int128 distance_q62, std::int64_t v0_q62, std::int64_t v1_q62,
                          std::uint32_t ticks, std::int64_t speed_q62);
 
+/// Steady speed all the way, if both end speeds are that but for the last bits: it ends with the
+/// speed it begins with, off the distance by far less than a profile may be. False if they are not.
+bool make_cruise(Int128 distance_q62, std::int64_t v0_q62, std::int64_t v1_q62, std::uint32_t ticks,
+                 AxisProfile& profile);
+
 /// The profile of the least excursion: ramps at full acceleration to a steady speed and from there,
 /// so that it leaves the way between start and end no further than braking needs. In normalised
 /// units (reach.hpp): the steady speed of a way that can be done, `q_q32` in `beats` from `v0_q32`

@@ -102,7 +102,7 @@ void Board::sign() {
 
 void Board::receive() {
   std::array<std::uint8_t, piece> bytes;
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < most_pieces; ++i) {
     // Asked each time: the bytes before may have begun a job.
     const std::size_t n = ports_.read(bytes, core_.job_unfinished());
     if (ports_.take_new_connection()) core_.new_connection();

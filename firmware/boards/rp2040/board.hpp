@@ -84,6 +84,8 @@ class Board {
  private:
   /// Bytes handed over in one piece: a packet of USB. The core masks interrupts itself.
   static constexpr std::size_t piece = 64;
+  /// Taken in one pass: some 30 points. A plan that is ready must not wait for more of them.
+  static constexpr int most_pieces = 4;
   static constexpr unsigned estop_word = io_interrupt::word(boards::gpio(boards::Role::estop));
   static constexpr std::uint32_t estop_edge =
       io_interrupt::edge_high(boards::gpio(boards::Role::estop));
