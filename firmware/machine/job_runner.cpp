@@ -240,11 +240,12 @@ bool JobRunner::add_way(std::uint32_t point, bool rest, std::uint32_t at_least) 
   return true;
 }
 
-/// Where handing out goes on behind the first `count` ways of the request.
+/// Where handing out goes on behind the first `count` ways of the request, `handed_` of which are
+/// counted in next_.
 JobRunner::Place JobRunner::place_after(std::uint32_t count) const {
   const std::uint32_t point = plan_.request().points[count - 1];
   std::uint32_t committed = point == next_.point ? next_.committed : 0;
-  for (std::uint32_t i = gone_to_ ? 1 : 0; i < count; ++i)
+  for (std::uint32_t i = handed_ == 0 && gone_to_ ? 1 : handed_; i < count; ++i)
     if (plan_.request().points[i] == point) ++committed;
   return committed < queue_.left(point) ? Place{point, committed} : Place{point + 1, 0};
 }
@@ -267,11 +268,14 @@ bool JobRunner::may_plan() {
   return plan_.request().count != 0 && !patient;
 }
 
-/// True if the queues have room for what was planned: planning is ahead of them. No way needs none.
-bool JobRunner::may_commit() const {
-  if (!plan_.found()) return true;
-  const std::uint32_t segments = plan_.request().commits() + 1 - provisional_;
-  return segments_.free() >= segments && shots_.free() >= segments;
+/// Segments of the plan that can be handed out now: all that are left, or a part if the queues have
+/// room for no more. Planning is ahead of them.
+std::uint32_t JobRunner::part() const {
+  const std::uint32_t left = plan_.request().commits() - handed_;
+  const std::uint32_t free = segments_.free() + provisional_;
+  const std::uint32_t room = free < shots_.free() ? free : shots_.free();
+  if (room > left) return left;  // a brake comes behind them
+  return room > part_segments ? part_segments : 0;
 }
 
 bool JobRunner::prepare(bool go) {
@@ -284,7 +288,7 @@ bool JobRunner::prepare(bool go) {
     hand_over_.recall();
     return false;
   }
-  if (hand_over_.asked()) return !hand_over_.complete() || may_commit();
+  if (hand_over_.asked()) return !hand_over_.complete() || !plan_.found() || part() != 0;
   // What was recalled belongs to the planner until the end of its slice.
   if (!hand_over_.at_home() || !may_plan() || !prepare_start()) return false;
   motion::PlanRequest& request = plan_.request();
@@ -296,13 +300,13 @@ bool JobRunner::prepare(bool go) {
   // Axes with different leads never stand at the same tick: no other length can begin there.
   plan_.start({shortest_tick_q16(), job_speed_},
               generator_.lead() == 0 ? clock_.longest_tick_q16() : full_tick_q16);
-  staged_ = false;
+  staged_ = handed_ = 0;
   hand_over_.hand_out();
   return true;
 }
 
 Result JobRunner::commit() {
-  if (!hand_over_.complete() || !may_commit()) return Result::ok;
+  if (!hand_over_.complete() || (plan_.found() && part() == 0)) return Result::ok;
   const bool found = plan_.found();
   // Planning took too long and what it started from has passed, or there is no way on from there.
   if (provisional_begun() || (!found && provisional_ != 0)) {
@@ -314,7 +318,6 @@ Result JobRunner::commit() {
     hand_over_.recall();
     return Result::unreachable;
   }
-  hand_over_.recall();
   return Result::ok;
 }
 
@@ -343,17 +346,17 @@ void JobRunner::start_later() {
 }
 
 void JobRunner::commit_plan() {
-  const std::uint32_t count = plan_.request().commits();
+  const std::uint32_t first = handed_, end = handed_ + (staged_ != 0 ? staged_ : part());
   brake_limits_ = plan_.brake_limits();
   take_back_provisional();
   start_later();
   clock_.set_least_tick(plan_state_.tick, plan_.least_tick_q16());
   clock_.set_tick_length(plan_state_.tick, plan_.tick_length_q16());
-  const std::uint64_t late_ticks = plan_state_.tick - plan_.request().start.tick;
-  for (std::uint32_t i = 0; i < count; ++i) push(i, late_ticks, plan_beat_);
-  plan_state_ = plan_.segment(count - 1).end;
+  const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(first).start_tick;
+  for (std::uint32_t i = first; i < end; ++i) push(i, late_ticks, plan_beat_);
+  plan_state_ = plan_.segment(end - 1).end;
   plan_state_.tick += late_ticks;
-  next_ = place_after(count);
+  next_ = place_after(end);
   returning_ = astray_ = false;
   from_rest_ = plan_state_.at_rest();
   rest_state_ = plan_state_;
@@ -361,6 +364,9 @@ void JobRunner::commit_plan() {
   clock_.set_motion_end(rest_state_.tick);
   clock_.set_tick_length(rest_state_.tick, full_tick_q16);
   if (!from_rest_) commit_brake();
+  staged_ = 0;
+  handed_ = end;
+  if (handed_ == plan_.request().commits()) hand_over_.recall();
 }
 
 stepper::Segment JobRunner::segment_of(std::uint32_t i, std::uint64_t late_ticks) const {
@@ -376,16 +382,18 @@ stepper::Segment JobRunner::segment_of(std::uint32_t i, std::uint64_t late_ticks
 }
 
 void JobRunner::stage() {
-  if (staged_ || !hand_over_.complete() || !plan_.found() || !may_commit() || provisional_ == 0)
-    return;
+  if (staged_ != 0 || !hand_over_.complete() || !plan_.found() || provisional_ == 0) return;
+  staged_ = part();
+  if (staged_ == 0) return;
   // The first one takes the place of the brake, which may still begin.
-  for (std::uint32_t i = 1; i < plan_.request().commits(); ++i)
-    segments_.stage(segment_of(i, 0), i - provisional_);
-  staged_ = true;
+  for (std::uint32_t i = 1; i < staged_; ++i)
+    segments_.stage(segment_of(handed_ + i, 0), i - provisional_);
+  const stepper::MotionState& end = plan_.segment(handed_ + staged_ - 1).end;
+  segments_.stage(motion::make_brake(end, plan_.brake_limits()), staged_ - provisional_);
 }
 
 void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {
-  if (!staged_ || i == 0) segments_.stage(segment_of(i, late_ticks));
+  if (staged_ == 0 || i == handed_) segments_.stage(segment_of(i, late_ticks));
   const auto beats = static_cast<std::uint64_t>(plan_.beats(i));
   shots_.commit(segments_.staged(), beat + 1, beat + beats);
   segments_.publish();
@@ -394,8 +402,9 @@ void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& b
 
 void JobRunner::commit_brake() {
   clock_.keep_tick_length(plan_state_.tick);
-  const stepper::Segment s = motion::make_brake(plan_state_, brake_limits_);
-  segments_.push(s);
+  if (staged_ == 0) segments_.stage(motion::make_brake(plan_state_, brake_limits_));
+  const stepper::Segment& s = segments_.staged();
+  segments_.publish();
   provisional_ = 1;
   rest_state_ = s.end;
   rest_next_ = next_;

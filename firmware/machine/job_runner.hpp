@@ -146,6 +146,10 @@ class JobRunner {
 
  private:
   void clear();
+  /// Handed out at once if there is no room for all: some 40 us with interrupts masked, a small
+  /// part of the quickest beat.
+  static constexpr std::uint32_t part_segments = 8;
+
   /// Where handing out goes on.
   struct Place {
     std::uint32_t point = 0;      ///< first target not handed out whole
@@ -153,7 +157,7 @@ class JobRunner {
   };
   void go_back();
   bool may_plan();
-  bool may_commit() const;
+  std::uint32_t part() const;
   bool window_ready();
   bool rows_known();
   bool needs_another_beam(const motion::Target& target, lamp::Beam& last);
@@ -193,7 +197,8 @@ class JobRunner {
   std::uint32_t received_ = 0;           ///< end of the queue when it last grew
   std::uint64_t receive_tick_ = 0;       ///< and when that was
   bool from_rest_ = true;                ///< the next window starts on a fresh beat
-  bool staged_ = false;                  ///< all segments of the plan but the first
+  std::uint32_t handed_ = 0;             ///< segments of the plan that have been handed out
+  std::uint32_t staged_ = 0;  ///< and of the next part, which lies in the queue but for its first
   bool returning_ = false;
   bool astray_ = true;   ///< the next window does not start at the target before it
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet
