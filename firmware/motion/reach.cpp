@@ -93,20 +93,4 @@ bool reach(const SpeedInterval& from, std::int64_t q, std::int32_t t, std::int64
   return to.lo_q32 <= to.hi_q32;
 }
 
-Reachable reachable(const SpeedInterval& from, std::int64_t q, std::int32_t t, std::int64_t limit) {
-  // A start speed v can cover q if |q - v t| <= t^2 / 2 and the limit is not in the way; with the
-  // limit less can be covered. At a distance from that bound the end speeds are an interval of
-  // sqrt(distance), far wider than any rounding.
-  const std::int64_t square_q32 = std::int64_t{t * t} << 32, t_q32 = std::int64_t{t} << 32;
-  const std::int64_t half = square_q32 / 2, margin = square_q32 >> 11;
-  const std::int64_t above = times_short(from.hi_q32, static_cast<std::uint32_t>(t)) - q + half;
-  if (above < -margin) return Reachable::no;
-  const std::int64_t below = q + half - times_short(from.lo_q32, static_cast<std::uint32_t>(t));
-  if (below < -margin) return Reachable::no;
-  // No way to the limit and back fits into the time.
-  const std::int64_t safe = limit - t_q32;
-  const bool free = from.lo_q32 >= -safe && from.hi_q32 <= safe;
-  return free && above >= margin && below >= margin ? Reachable::yes : Reachable::unclear;
-}
-
 }  // namespace lamplock::motion

@@ -3,7 +3,8 @@
 // In:  an interval of speeds at the start, a displacement, a time in whole beats, the speed limit.
 // Out: the interval of speeds at the end that some start speed of the interval can be joined to
 //      with |acceleration| <= 1 and |speed| <= limit at every instant.
-// Called by the planner (main loop), some tens of times per point and axis.
+// Called by the path planner (path_reach.hpp), some tens of times per point; scaled_reach.hpp is
+// the same in 32 bits for the free planner.
 //
 // Units are normalised per axis: time in beats, acceleration limit = 1. A speed is v/A in beats, a
 // displacement d/A in beats squared; both Q32. With u = v1 - v0 and q the displacement, the pairs
@@ -42,10 +43,5 @@ struct SpeedInterval {
 /// Projects `from` over displacement `q_q32` in `beats`; false if nothing can be reached.
 bool reach(const SpeedInterval& from, std::int64_t q_q32, std::int32_t beats,
            std::int64_t speed_limit_q32, SpeedInterval& to);
-
-/// What reach() will say, where that is clear without a root or a division.
-enum class Reachable : std::uint8_t { no, yes, unclear };
-Reachable reachable(const SpeedInterval& from, std::int64_t q_q32, std::int32_t beats,
-                    std::int64_t speed_limit_q32);
 
 }  // namespace lamplock::motion

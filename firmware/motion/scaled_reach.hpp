@@ -61,16 +61,17 @@ struct MeanSpeed {
   std::int32_t up_qs = 0;
 };
 
-/// Mean speed of a displacement (scaled like speeds, in beats squared) in some beats; the
-/// displacement is at most the limit times the beats.
+/// Mean speed of a displacement (scaled like speeds, in beats squared, rounded down) in some beats;
+/// the displacement is at most the limit times the beats.
 inline MeanSpeed mean_speed(std::int64_t displacement_qs, std::int32_t beats) {
   const auto low = static_cast<std::int32_t>(displacement_qs);
   if (low == displacement_qs) {
     if (low == 0) return {};
-    const std::int32_t mean = low / beats - (low < 0 ? 1 : 0);
+    const std::int32_t mean = (low < 0 ? low - beats + 1 : low) / beats;
     return {mean, mean + 1};
   }
-  const auto mean = static_cast<std::int32_t>(displacement_qs / beats) - (displacement_qs < 0);
+  const std::int64_t wide = displacement_qs < 0 ? displacement_qs - beats + 1 : displacement_qs;
+  const auto mean = static_cast<std::int32_t>(wide / beats);
   return {mean, mean + 1};
 }
 

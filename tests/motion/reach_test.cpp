@@ -203,28 +203,5 @@ TEST(Reach, ReachesMoreFromMore) {
   }
 }
 
-TEST(Reach, TheQuickAnswerIsTheTrueOne) {
-  std::mt19937_64 random(16);
-  int clear = 0;
-  for (int i = 0; i < test::scaled(100'000); ++i) {
-    Question ask = random_question(random, i % 2 == 0 ? 8 : 1000);
-    // Close to what a start speed can just do, and to what it just cannot.
-    if (random() % 2 == 0) {
-      const std::int64_t half = std::int64_t{ask.beats} * ask.beats << 31;
-      const std::int64_t off = (half >> random() % 20) * (random() % 2 == 0 ? 1 : -1);
-      ask.q = ask.from.hi_q32 * ask.beats + half + off;
-      if (random() % 2 == 0) ask.from.lo_q32 = ask.from.hi_q32;
-    }
-    if (abs64(ask.q) > max_displacement_q32) continue;
-    const Reachable quick = reachable(ask.from, ask.q, ask.beats, ask.limit);
-    SpeedInterval to;
-    const bool exact = reach(ask.from, ask.q, ask.beats, ask.limit, to);
-    ASSERT_TRUE(quick != Reachable::yes || exact);
-    ASSERT_TRUE(quick != Reachable::no || !exact);
-    clear += quick != Reachable::unclear;
-  }
-  EXPECT_GT(clear, test::scaled(100'000) / 4);
-}
-
 }  // namespace
 }  // namespace lamplock::motion
