@@ -63,7 +63,9 @@ class BoardTiming final : private chip::PadListener {
 
   /// With the delay from LAMP SYNC to Q-SWITCH that was set.
   TimingTable table(Picoseconds delay) const;
-  /// What both cores did with their time.
+  /// What core 0 did with its time.
+  const chip::Profile& profile() const { return profile_; }
+  /// The same of both cores.
   std::string profile_text() const { return profile_.text() + "\n" + profile1_.text(); }
 
  private:
