@@ -115,10 +115,10 @@ class Board {
   machine::Controller core_;
   Ports ports_;
   Watchdog watchdog_;
-  RealTime real_time_{map_};  ///< behind the others: its rings want addresses of their own size
   std::uint32_t noted_shots_ = 0;
   bool noted_shot_out_ = false;
   bool second_core_ = false;  ///< it plans
+  RealTime real_time_{map_};  ///< last: its rings want addresses of their own size, 8 KiB
 };
 
 }  // namespace lamplock::rp2040
