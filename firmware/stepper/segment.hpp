@@ -7,6 +7,14 @@
 // ticks at constant speed, the rest at tail_accel. Positions at ticks lie exactly on the continuous
 // parabola P + n v + n^2 A / 2: the rate that tick j adds is the speed in the middle of the tick,
 // v + (j + 1/2) A. Accelerations are even numbers of 2^-62, so that the half is exact.
+//
+// Where jerk is limited a phase is a pulse: its acceleration climbs to A in equal stairs, stays
+// there, and falls in the same stairs. Stair i of K is (i - 1/2) A/K high, the mean of a straight
+// ramp, so at the ends of stairs the speed is that of the ramp, and at every tick the acceleration
+// is within half a stair of it. A pulse is symmetric in time: over n ticks with ramps of r ticks it
+// changes the speed by A (n - r) and its mean speed is that in its middle, both exactly as constant
+// acceleration A (n - r)/n would. A pulse begins and ends at acceleration zero, give or take half a
+// stair.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +24,56 @@
 #include "shared/units.hpp"
 
 namespace lamplock::stepper {
+
+/// How the acceleration of a phase climbs and falls; nothing = it is constant.
+struct Ramp {
+  int log_stairs = 0;
+  std::uint32_t stair_ticks = 0;
+
+  constexpr std::uint32_t stairs() const { return std::uint32_t{1} << log_stairs; }
+  constexpr std::uint32_t ticks() const { return stair_ticks << log_stairs; }
+};
+
+/// As long as a ramp can be: half a pulse. In 256ths of the phase.
+inline constexpr std::uint8_t longest_ramp = 128;
+/// A phase that is the second half of a pulse: it only falls, from a motion that is broken off.
+inline constexpr std::uint8_t falling_ramp = 255;
+/// At most so many stairs, and shorter ones than this only if there is just one: each stair costs
+/// the board a block.
+inline constexpr int most_log_stairs = 3;
+inline constexpr std::uint32_t least_stair_ticks = 64 * (ticks_per_second / 1'000'000);
+/// Accelerations of pulses are whole multiples of this, so that every stair is an even number.
+inline constexpr std::int64_t pulse_accel_unit = std::int64_t{4} << most_log_stairs;
+
+/// The ramps of a phase of n ticks, a pulse or the second half of one.
+Ramp ramp_of(std::uint32_t n, std::uint8_t ramp);
+/// Ticks at full acceleration that change the speed as much as such a phase does.
+std::uint32_t pulse_ticks(std::uint32_t n, std::uint8_t ramp);
+/// The same of any phase.
+inline std::uint32_t full_ticks(std::uint32_t n, std::uint8_t ramp) {
+  return ramp == 0 ? n : pulse_ticks(n, ramp);
+}
+
+/// A stretch of constant acceleration.
+struct Stair {
+  std::int64_t accel_q62 = 0;
+  std::uint32_t ticks = 0;
+};
+
+/// Number of the first stair of a phase; some may be empty.
+inline std::uint32_t first_stair(std::uint8_t ramp) {
+  return ramp == falling_ramp ? 1u << most_log_stairs : 0;
+}
+/// Stair i of a phase of n ticks that has ramps; behind the last one follows none.
+bool next_ramp_stair(std::int64_t accel_q62, std::uint32_t n, std::uint8_t ramp, std::uint32_t i,
+                     Stair& stair);
+/// The same of any phase.
+inline bool next_stair(std::int64_t accel_q62, std::uint32_t n, std::uint8_t ramp, std::uint32_t i,
+                       Stair& stair) {
+  if (ramp != 0) return next_ramp_stair(accel_q62, n, ramp, i, stair);
+  stair = {accel_q62, n};
+  return i == 0;
+}
 
 /// Motion of one axis during a segment.
 struct AxisProfile {
@@ -27,13 +85,17 @@ struct AxisProfile {
   std::uint32_t tail_ticks = 0;
   std::uint32_t lead_turn_ticks = 0;  ///< ticks of the lead before its rate changes sign; 0 = never
   std::uint32_t tail_turn_ticks = 0;  ///< the same for the tail
+  std::uint8_t lead_ramp = 0;         ///< see ramp_of(); accelerations are those between the ramps
+  std::uint8_t tail_ramp = 0;
 
   constexpr std::uint32_t ticks() const { return lead_ticks + cruise_ticks + tail_ticks; }
-  constexpr std::int64_t cruise_speed_q62() const {
-    return speed_q62 + lead_accel_q62 * static_cast<std::int64_t>(lead_ticks);
+  std::int64_t cruise_speed_q62() const {
+    return speed_q62 +
+           lead_accel_q62 * static_cast<std::int64_t>(full_ticks(lead_ticks, lead_ramp));
   }
-  constexpr std::int64_t end_speed_q62() const {
-    return cruise_speed_q62() + tail_accel_q62 * static_cast<std::int64_t>(tail_ticks);
+  std::int64_t end_speed_q62() const {
+    return cruise_speed_q62() +
+           tail_accel_q62 * static_cast<std::int64_t>(full_ticks(tail_ticks, tail_ramp));
   }
 };
 
@@ -45,12 +107,22 @@ constexpr Int128 displacement_q62(std::int64_t speed_q62, std::int64_t accel_q62
   return Int128::product(speed_q62, n) + Int128::product(accel_q62 / 2, square);
 }
 
+/// The same of a phase that has ramps.
+Int128 ramp_displacement_q62(std::int64_t speed_q62, std::int64_t accel_q62, std::uint32_t n,
+                             std::uint8_t ramp);
+/// The same of any phase.
+inline Int128 displacement_q62(std::int64_t speed_q62, std::int64_t accel_q62, std::uint32_t n,
+                               std::uint8_t ramp) {
+  return ramp == 0 ? displacement_q62(speed_q62, accel_q62, n)
+                   : ramp_displacement_q62(speed_q62, accel_q62, n, ramp);
+}
+
 /// Displacement of a whole profile, Q62 (exact).
-constexpr Int128 displacement_q62(const AxisProfile& p) {
+inline Int128 displacement_q62(const AxisProfile& p) {
   const std::int64_t cruise = p.cruise_speed_q62();
-  return displacement_q62(p.speed_q62, p.lead_accel_q62, p.lead_ticks) +
+  return displacement_q62(p.speed_q62, p.lead_accel_q62, p.lead_ticks, p.lead_ramp) +
          displacement_q62(cruise, 0, p.cruise_ticks) +
-         displacement_q62(cruise, p.tail_accel_q62, p.tail_ticks);
+         displacement_q62(cruise, p.tail_accel_q62, p.tail_ticks, p.tail_ramp);
 }
 
 /// Where an axis is and how fast: position in steps with a Q64 fraction.

@@ -3,6 +3,8 @@
 namespace lamplock::stepper {
 namespace {
 constexpr std::uint32_t forever = 0xffffffffu;
+/// Lead, cruise, tail.
+constexpr std::uint32_t phases = 3;
 }  // namespace
 
 TickGenerator::TickGenerator(SegmentQueue& queue) : queue_(queue) {
@@ -34,6 +36,17 @@ MotionState TickGenerator::state() const {
     state.axis[index(a)] = {r.run.position_q64, r.run.rate_q62 - r.run.accel_q62 / 2};
   }
   return state;
+}
+
+PerAxis<std::int64_t> TickGenerator::accelerations_q62() const {
+  PerAxis<std::int64_t> accelerations{};
+  if (!running_ || left_ == 0) return accelerations;
+  for (int a = 0; a < max_axes; ++a) {
+    Run r = runs_[index(a)];
+    run_to_head(r, a);
+    accelerations[index(a)] = r.run.accel_q62;
+  }
+  return accelerations;
 }
 
 inline void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
@@ -95,7 +108,11 @@ bool TickGenerator::enter(Reader& reader, std::uint64_t tick) const {
 /// the same it has before it.
 std::uint32_t TickGenerator::wait(Run& r, int a, std::uint64_t tick, std::uint32_t ticks) const {
   if (r.at.left == 0 && enter(r.at, tick)) {
-    r.piece = 0;
+    const AxisProfile& p = queue_.at(r.at.segment).axis[index(a)];
+    r.run.rate_q62 = p.speed_q62;
+    r.run.accel_q62 = 0;
+    r.behind = 0;
+    begin_phase(r, p, 0);
     next_piece(r, a);
   }
   return limit_by(r.at, tick, ticks);
@@ -120,10 +137,19 @@ bool TickGenerator::shorten(Reader& reader, std::uint32_t ticks) const {
   return true;
 }
 
-void TickGenerator::replace(const Segment& segment) {
+void TickGenerator::cut_windows() {
   cut_tick_ = head();
   window_.cut(cut_tick_);
   old_window_.cut(cut_tick_);
+}
+
+void TickGenerator::take_back_shot() {
+  cut_windows();
+  if (running_ && left_ != 0) queue_.at(queue_.begun() - 1).shot.present = false;
+}
+
+void TickGenerator::replace(const Segment& segment) {
+  cut_windows();
   if (running_ && left_ != 0) {
     Segment& cut = queue_.at(queue_.begun() - 1);
     cut.ticks -= left_;
@@ -158,37 +184,56 @@ void TickGenerator::stand(Run& r) {
   r.left = forever;
 }
 
-void TickGenerator::next_piece(Run& r, int a) const {
-  const AxisProfile& p = queue_.at(r.at.segment).axis[index(a)];
-  // Pieces: lead up to its turn, rest of the lead, cruise, tail up to its turn, rest of the tail.
-  r.left = 0;
-  while (r.left == 0 && r.piece < 5) {
-    switch (r.piece++) {
-      case 0:
-        r.run.accel_q62 = p.lead_accel_q62;
-        r.run.rate_q62 = p.speed_q62 + p.lead_accel_q62 / 2;
-        r.left = p.lead_turn_ticks != 0 ? p.lead_turn_ticks : p.lead_ticks;
-        break;
-      case 1:
-        if (p.lead_turn_ticks != 0) r.left = p.lead_ticks - p.lead_turn_ticks;
-        break;
-      case 2:
-        r.run.accel_q62 = 0;
-        r.run.rate_q62 = p.cruise_speed_q62();
-        r.left = p.cruise_ticks;
-        break;
-      case 3:
-        r.run.accel_q62 = p.tail_accel_q62;
-        r.run.rate_q62 = p.cruise_speed_q62() + p.tail_accel_q62 / 2;
-        r.left = p.tail_turn_ticks != 0 ? p.tail_turn_ticks : p.tail_ticks;
-        break;
-      default:
-        if (p.tail_turn_ticks != 0) r.left = p.tail_ticks - p.tail_turn_ticks;
-        break;
+TickGenerator::PhaseView TickGenerator::phase_of(const AxisProfile& p, std::uint32_t phase) {
+  if (phase == 0) return {p.lead_accel_q62, p.lead_ticks, p.lead_turn_ticks, p.lead_ramp};
+  if (phase == 1) return {0, p.cruise_ticks, 0, 0};
+  return {p.tail_accel_q62, p.tail_ticks, p.tail_turn_ticks, p.tail_ramp};
+}
+
+void TickGenerator::begin_phase(Run& r, const AxisProfile& p, std::uint32_t phase) {
+  const PhaseView view = phase_of(p, phase);
+  r.phase = phase & 0xffffu;
+  r.stair = first_stair(view.ramp) & 0xffffu;
+  r.to_turn = view.turn_ticks;
+}
+
+/// Takes the next stair of the phase that a run is in; false if there is none.
+bool TickGenerator::next_stair(Run& r, const PhaseView& phase) {
+  if (phase.ticks == 0) return false;
+  Stair stair;
+  while (stepper::next_stair(phase.accel_q62, phase.ticks, phase.ramp, r.stair, stair)) {
+    ++r.stair;
+    if (stair.ticks == 0) continue;
+    // The rate is the speed in the middle of a tick, half an A more than at its start.
+    r.run.rate_q62 += stair.accel_q62 / 2 - r.run.accel_q62 / 2;
+    r.run.accel_q62 = stair.accel_q62;
+    r.left = stair.ticks;
+    r.behind = 0;
+    if (r.to_turn != 0 && r.to_turn < stair.ticks) {
+      r.left = r.to_turn;
+      r.behind = stair.ticks - r.to_turn;
     }
+    r.to_turn = r.to_turn > stair.ticks ? r.to_turn - stair.ticks : 0;
+    return true;
   }
-  // An axis that stands has no pieces; a brake may have cut the segment.
-  if (r.left == 0) stand(r);
+  return false;
+}
+
+/// Pieces: every stair of lead, cruise and tail, the one in which the axis turns in two.
+void TickGenerator::next_piece(Run& r, const AxisProfile& p) {
+  if (r.behind != 0) {
+    r.left = r.behind;
+    r.behind = 0;
+    return;
+  }
+  for (; r.phase < phases; begin_phase(r, p, r.phase + 1))
+    if (next_stair(r, phase_of(p, r.phase))) return;
+  stand(r);
+}
+
+void TickGenerator::next_piece(Run& r, int a) const {
+  next_piece(r, queue_.at(r.at.segment).axis[index(a)]);
+  // A brake may have cut the segment.
   if (r.left > r.at.left) r.left = r.at.left;
 }
 

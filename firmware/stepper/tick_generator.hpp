@@ -64,6 +64,8 @@ class TickGenerator {
   std::uint32_t lead() const { return lead_; }
   /// State of all axes at the head (main loop: runs ahead of what was filled).
   [[gnu::cold]] MotionState state() const;
+  /// Accelerations there.
+  [[gnu::cold]] PerAxis<std::int64_t> accelerations_q62() const;
   /// True if a segment is being run at the head.
   bool running() const { return running_; }
   /// Motion has ended with speed, or a segment came after its time: a fault, until halt().
@@ -74,6 +76,8 @@ class TickGenerator {
   /// Replaces what is being run from the head on (brake). The segment starts at state(), the queue
   /// holds nothing that has not begun. Fill interrupt masked.
   [[gnu::cold]] void replace(const Segment& segment);
+  /// The shot at the end of what is being run at the head is not armed. Fill interrupt masked.
+  [[gnu::cold]] void take_back_shot();
   /// Stops dead where the machine is (e-stop): speed is lost, position kept, the queue emptied.
   [[gnu::cold]] void halt();
   /// Sets the position of every axis; at rest only (power-up, after a dead stop).
@@ -89,8 +93,16 @@ class TickGenerator {
   struct Run {
     AxisRun run;
     Reader at;
-    std::uint32_t left = 0;  ///< ticks left in this piece
-    int piece = 0;           ///< which piece comes next
+    std::uint32_t left = 0;     ///< ticks left in this piece
+    std::uint32_t behind = 0;   ///< ticks of the same stair behind it, where the axis has turned
+    std::uint32_t to_turn = 0;  ///< ticks of the phase until then; 0 = no more
+    std::uint16_t phase = 0;    ///< lead, cruise, tail, and that is all
+    std::uint16_t stair = 0;    ///< which comes next
+  };
+  struct PhaseView {
+    std::int64_t accel_q62;
+    std::uint32_t ticks, turn_ticks;
+    std::uint8_t ramp;
   };
   struct Window {
     std::uint64_t on = 0, off = 0;
@@ -101,12 +113,17 @@ class TickGenerator {
 
   void begin_segment();
   bool enter(Reader& reader, std::uint64_t tick) const;
+  static PhaseView phase_of(const AxisProfile& profile, std::uint32_t phase);
+  static void begin_phase(Run& run, const AxisProfile& profile, std::uint32_t phase);
+  static bool next_stair(Run& run, const PhaseView& phase);
+  static void next_piece(Run& run, const AxisProfile& profile);
   void next_piece(Run& run, int axis) const;
   void go_on(Run& run, int axis, std::uint32_t ticks) const;
   [[gnu::cold]] void run_to_head(Run& run, int axis) const;
   [[gnu::cold]] bool shorten(Reader& reader, std::uint32_t ticks) const;
   static void stand(Run& run);
   void open_window();
+  void cut_windows();
   static std::uint32_t limit_to(std::uint64_t change, std::uint64_t tick, std::uint32_t ticks);
   std::uint32_t limit_by(const Reader& reader, std::uint64_t tick, std::uint32_t ticks) const;
   std::uint32_t wait(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;

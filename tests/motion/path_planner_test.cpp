@@ -176,7 +176,7 @@ void expect_on_line(const Chain& chain, const MotionState& from, const Segment& 
     const double start = steps_of(from.axis[a].position_q64) -
                          (i == 0 ? 0.0 : static_cast<double>(chain.targets[i - 1].steps[a]));
     std::size_t tick = 0;
-    test::for_each_tick(s.axis[a], [&](test::Native position, std::int64_t) {
+    test::for_each_tick(s.axis[a], [&](test::Native position, std::int64_t, std::int64_t) {
       if (tick % 97 == 0) at[tick / 97][a] = start + std::ldexp(static_cast<double>(position), -62);
       ++tick;
     });
@@ -321,7 +321,7 @@ void expect_brakes_inside(const Chain& chain, const MotionState& from, const Seg
       ASSERT_LE(stop.hi(), axis.max_steps) << "axis " << a << " after " << tick << " ticks";
     };
     ASSERT_NO_FATAL_FAILURE(expect_inside(0, p.speed_q62));
-    test::for_each_tick(p, [&](test::Native way, std::int64_t speed) {
+    test::for_each_tick(p, [&](test::Native way, std::int64_t speed, std::int64_t) {
       ++tick;
       if (tick % every == 0 || tick == s.ticks) expect_inside(test::to_int128(way), speed);
     });
