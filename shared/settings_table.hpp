@@ -2,7 +2,7 @@
 //
 // Firmware, host, documentation and tests read this table and nothing else. Numbers are those of
 // grbl 1.1 where grbl has the setting, our own ones start at 900, in blocks: 900 beat, 920 laser
-// protection, 940 work space, 960 axes, 980 link, 990 board, 1070 drives.
+// protection, 940 work space, 960 axes, 980 link, 990 board, 1070 drives, 1080 more of axes.
 // Values are kept in thousandths of the unit (`milli`) as 32-bit integers: exact, printable with
 // three decimals, no floating point.
 #pragma once
@@ -72,6 +72,10 @@ enum class Id : std::uint8_t {
   drive_lag_y,
   drive_lag_z,
   drive_lag_a,
+  jerk_x,
+  jerk_y,
+  jerk_z,
+  jerk_a,
   count
 };
 inline constexpr std::size_t setting_count = static_cast<std::size_t>(Id::count);
@@ -180,6 +184,10 @@ inline constexpr std::array<Row, setting_count> table{{
     {1072, "drive_lag_y", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
     {1073, "drive_lag_z", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
     {1074, "drive_lag_a", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
+    {1081, "jerk_x", "m/s3", 0, 100'000'000, 0, false, "highest jerk of X; 0 = any"},
+    {1082, "jerk_y", "m/s3", 0, 100'000'000, 0, false, "highest jerk of Y; 0 = any"},
+    {1083, "jerk_z", "m/s3", 0, 100'000'000, 0, false, "highest jerk of Z; 0 = any"},
+    {1084, "jerk_a", "m/s3", 0, 100'000'000, 0, false, "highest jerk of A; 0 = any"},
 }};
 
 /// Row of a setting.

@@ -47,6 +47,10 @@ bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
     case Id::lamp_warm_up:
       return asked < own;
     case Id::dead_man:
+    case Id::jerk_x:
+    case Id::jerk_y:
+    case Id::jerk_z:
+    case Id::jerk_a:
       return own != 0 && (asked == 0 || asked > own);
     case Id::max_shot_rate:
     case Id::lamp_power:
@@ -386,7 +390,15 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
     return Result::bad_value;
   }
   std::uint16_t setting = 0;
-  const Result r = check_settings(values, setting);
+  Result r = check_settings(values, setting);
+  // A path has corners, where speeds jump: no limit of jerk holds there.
+  const bool path = header.mode == static_cast<std::uint8_t>(motion::JoinMode::path);
+  for (int axis = 0; path && r == Result::ok && axis < header.axes; ++axis) {
+    const Id jerk = settings::for_axis(Id::jerk_x, axis);
+    if (values.milli(jerk) == 0) continue;
+    setting = settings::row(jerk).number;
+    r = Result::bad_value;
+  }
   refused_value_ = setting;
   return r;
 }

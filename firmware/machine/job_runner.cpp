@@ -1,6 +1,6 @@
 #include "firmware/machine/job_runner.hpp"
 
-#include "firmware/motion/profile.hpp"
+#include "firmware/motion/pulse.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -411,6 +411,23 @@ void JobRunner::commit_brake() {
   clock_.set_motion_end(s.end.tick);
 }
 
+/// Breaks off what is being run, with a brake. Where jerk is limited that can take it further than
+/// it was planned to go; should it leave the work space, it is carried to its end, from where a
+/// brake stays inside. Returns where it ends.
+stepper::MotionState JobRunner::brake_from(const stepper::MotionState& head) {
+  stepper::Segment s = motion::make_brake(head, brake_limits_, generator_.accelerations_q62());
+  if (!brake_limits_.limit_jerk() || motion::stays_inside(s, head, brake_limits_)) {
+    generator_.replace(s);
+    return s.end;
+  }
+  generator_.take_back_shot();
+  const stepper::MotionState& end = generator_.segment().end;
+  if (end.at_rest()) return end;
+  s = motion::make_brake(end, brake_limits_);
+  segments_.push(s);
+  return s.end;
+}
+
 void JobRunner::brake() {
   hand_over_.recall();
   segments_.clear();
@@ -422,9 +439,7 @@ void JobRunner::brake() {
   // Also where the speed is zero for a moment, at the start of a segment or at a turn.
   plan_state_ = head;
   if (generator_.running()) {
-    const stepper::Segment s = motion::make_brake(head, brake_limits_);
-    generator_.replace(s);
-    plan_state_ = s.end;
+    plan_state_ = brake_from(head);
     clock_.set_motion_end(plan_state_.tick);
   }
   next_ = {queue_.begin(), 0};

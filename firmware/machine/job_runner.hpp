@@ -173,6 +173,7 @@ class JobRunner {
   stepper::Segment segment_of(std::uint32_t i, std::uint64_t late_ticks) const;
   void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);
   void commit_brake();
+  stepper::MotionState brake_from(const stepper::MotionState& head);
   void take_back_provisional();
   void keep_provisional();
   bool provisional_begun() const { return segments_.size() < provisional_; }

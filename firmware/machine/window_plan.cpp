@@ -28,6 +28,13 @@ settings::Values at_job_speed(const settings::Values& job, const settings::Value
     const settings::Id accel = settings::for_axis(settings::Id::acceleration_x, axis);
     scale(rate, scaled(job.milli(rate), percent));
     scale(accel, scaled(scaled(job.milli(accel), percent), percent));
+    const settings::Id jerk = settings::for_axis(settings::Id::jerk_x, axis);
+    if (job.milli(jerk) == 0) continue;  // not limited
+    std::int32_t third = job.milli(jerk);
+    for (int power = 0; power < 3; ++power) third = scaled(third, percent);
+    const std::int32_t most = own.milli(jerk);
+    if (most != 0 && third > most) third = most;
+    values.set_milli(jerk, third < 1 ? 1 : third);
   }
   return values;
 }

@@ -13,9 +13,10 @@
 //            another job speed they end in a rest, from which any limits will do
 // and then, as master of the lamp, longer ticks where they save time (period_tolerance).
 //
-// Job speed: s % is the job's speed limits times s/100 and accelerations times (s/100)^2, so that
-// the same way is run more slowly. Brakes are as hard as the fastest job speed so far (at least
-// 100 %) has permitted: whatever still runs, it stops no further out than it was planned to go.
+// Job speed: s % is the job's speed limits times s/100, accelerations times (s/100)^2 and jerks
+// times (s/100)^3, so that the same way is run more slowly. Brakes are as hard as the fastest job
+// speed so far (at least 100 %) has permitted: whatever still runs, it stops no further out than it
+// was planned to go.
 #pragma once
 
 #include <cstdint>

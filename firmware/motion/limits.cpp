@@ -16,6 +16,8 @@ constexpr std::uint32_t min_beat_ticks = 100;
 constexpr std::int64_t max_speed_q62 = one_q62 / 100 * 98;
 /// About 0.2 step/s2; below it the reciprocal would lose its meaning.
 constexpr std::int64_t min_accel_q62 = std::int64_t{1} << 20;
+/// About 0.03 step/s3.
+constexpr std::int64_t min_jerk_q78 = std::int64_t{1} << 13;
 /// Default shot tolerance, the larger of the two: half a step, 5 um.
 constexpr std::int64_t half_step_q32 = one_q32 / 2;
 constexpr std::int32_t default_tolerance_milli_um = 5000;
@@ -36,6 +38,59 @@ std::int64_t accel_per_tick_q62(std::int32_t accel_milli, std::int32_t steps_mil
       .divided_by(1953125u)
       .divided_by(1953125u)
       .to_int64();
+}
+
+/// m/s3 times step/mm, both in thousandths, to steps per tick cubed: / 10^3 / 10^18.
+std::int64_t jerk_per_tick_q78(std::int32_t jerk_milli, std::int32_t steps_milli) {
+  // 10^21 = 2^21 * 5^10 * 5^11
+  return (Int128::product(jerk_milli, steps_milli) << (78 - 21))
+      .divided_by(9765625u)
+      .divided_by(48828125u)
+      .to_int64();
+}
+
+/// a / b for b > 0, rounded up, the divisor to 32 bits.
+std::int64_t ratio_up(Int128 a, std::int64_t b) {
+  int shift = 0;
+  for (; b >> shift > 0xffffffff; ++shift) {
+  }
+  return (a >> shift).divided_by(static_cast<std::uint32_t>(b >> shift)).to_int64() + 1;
+}
+
+/// Ramps are found to 1/256 of their phase: a pulse may peak higher by this part.
+constexpr int ramp_rounding = 64;
+/// What rounding to stairs may take from a pulse, ticks.
+constexpr std::uint32_t stair_rounding = 16;
+
+/// Planned is with what pulses of this length are worth, the longest of: nearly half a beat, so
+/// that most ways of one beat can be done; the time in which the jerk gives the acceleration, for
+/// ways of many beats; and this. Found by measuring beats per point on walks.
+constexpr std::int64_t least_pulse_ticks = 400 * (ticks_per_second / 1'000'000);
+constexpr std::int64_t pulse_ticks(std::uint32_t beat, std::int64_t rise_ticks) {
+  const std::int64_t half_beat = beat / 64 * 29;
+  const std::int64_t longer = half_beat > rise_ticks ? half_beat : rise_ticks;
+  return longer > least_pulse_ticks ? longer : least_pulse_ticks;
+}
+
+/// Slower than this, four minutes, is not a limit but a mistake.
+constexpr std::int64_t longest_rise_ticks = std::int64_t{1} << 28;
+
+/// A pulse over n ticks (segment.hpp) with peak A and jerk J is worth the steady acceleration
+/// A (1 - A / (J n)) or, if it is too short to get to A, J n / 4. False if that is next to nothing.
+bool limit_jerk(AxisLimits& axis, std::uint32_t beat) {
+  const std::int64_t most = axis.plan_accel_q62 - axis.plan_accel_q62 / ramp_rounding;
+  const auto rise = [&axis](std::int64_t accel_q62) {
+    return ratio_up(Int128(accel_q62) << 16, axis.jerk_q78);
+  };
+  if (axis.jerk_q78 < min_jerk_q78 || rise(most) > longest_rise_ticks) return false;
+  const std::int64_t n = pulse_ticks(beat, rise(most)) - stair_rounding;
+  const Int128 product = Int128::product(axis.jerk_q78, n) >> 16;
+  constexpr std::int64_t largest = std::int64_t{1} << 62;
+  const std::int64_t jn = product > Int128(largest) ? largest : product.to_int64();
+  axis.plan_accel_q62 = jn / 2 < most ? jn / 4 : most - ratio_up(Int128::product(most, most), jn);
+  axis.brake_accel_q62 = most < 2 * axis.plan_accel_q62 ? most : 2 * axis.plan_accel_q62;
+  axis.rise_ticks = static_cast<std::uint32_t>(rise(axis.brake_accel_q62)) + stair_rounding;
+  return axis.plan_accel_q62 >= min_accel_q62;
 }
 
 /// Reciprocal of the acceleration per beat squared as mantissa and shift.
@@ -98,8 +153,21 @@ std::int64_t shot_tolerance_q32(const settings::Values& values, int a) {
 
 }  // namespace
 
+AxisBrake::AxisBrake(const AxisLimits& axis)
+    : accel_q62(axis.brake_accel_q62),
+      jerk_q78(axis.jerk_q78),
+      rise_ticks(axis.rise_ticks),
+      min_steps(axis.min_steps),
+      max_steps(axis.max_steps) {}
+
 BrakeLimits::BrakeLimits(const Limits& limits) : axes(limits.axes) {
-  for (std::size_t a = 0; a < accel_q62.size(); ++a) accel_q62[a] = limits.axis[a].plan_accel_q62;
+  for (std::size_t a = 0; a < axis.size(); ++a) axis[a] = AxisBrake(limits.axis[a]);
+}
+
+bool BrakeLimits::limit_jerk() const {
+  for (int a = 0; a < axes; ++a)
+    if (axis[static_cast<std::size_t>(a)].jerk_q78 != 0) return true;
+  return false;
 }
 
 Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint32_t tick_q16,
@@ -138,6 +206,14 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
     const std::uint32_t margin = beat * 10;
     axis.plan_accel_q62 = mul_div(axis.accel_q62, margin - 13, margin) - 1;
     axis.plan_speed_q62 = mul_div(axis.speed_q62, margin - 50, margin) - 1;
+    axis.brake_accel_q62 = axis.plan_accel_q62;
+    axis.jerk_q78 = jerk_per_tick_q78(values.milli(Id::jerk_x, a), steps_milli);
+    for (int power = 0; power < 3; ++power) axis.jerk_q78 = mul_div(axis.jerk_q78, q16, 65536);
+    axis.rise_ticks = 0;
+    if (values.milli(Id::jerk_x, a) != 0 && !limit_jerk(axis, beat)) {
+      setting = settings::row(settings::for_axis(Id::jerk_x, a)).number;
+      return Result::bad_value;
+    }
     axis.min_steps = space.min[static_cast<std::size_t>(a)];
     axis.max_steps = space.max[static_cast<std::size_t>(a)];
     if (axis.plan_accel_q62 < min_accel_q62 || axis.plan_speed_q62 <= 0) {

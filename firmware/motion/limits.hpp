@@ -28,8 +28,11 @@ struct AxisLimits {
   // What the planner works with: a little less, so that rounding to whole ticks stays inside.
   std::int64_t plan_speed_q62 = 0;
   std::int64_t plan_accel_q62 = 0;
-  std::int64_t speed_q32 = 0;  ///< normalised speed limit, beats
-  AxisScale scale;             ///< the same for the search
+  std::int64_t brake_accel_q62 = 0;  ///< of brakes; more than the last one only if jerk is limited
+  std::int64_t jerk_q78 = 0;         ///< steps per tick cubed; 0 = not limited
+  std::uint32_t rise_ticks = 0;      ///< in which jerk gives brake_accel, and what rounding costs
+  std::int64_t speed_q32 = 0;        ///< normalised speed limit, beats
+  AxisScale scale;                   ///< the same for the search
   std::uint32_t per_accel =
       0;  ///< 1 / (acceleration per beat squared) = per_accel / 2^per_accel_shift
   int per_accel_shift = 0;
@@ -69,10 +72,25 @@ struct Limits {
   }
 };
 
-/// What a brake is made with: as much of Limits.
+/// What brakes of an axis are made with: as much of AxisLimits.
+struct AxisBrake {
+  std::int64_t accel_q62 = 0;  ///< steps per tick squared
+  std::int64_t jerk_q78 = 0;
+  std::uint32_t rise_ticks = 0;
+  std::int32_t min_steps = 0;
+  std::int32_t max_steps = 0;
+
+  AxisBrake() = default;
+  explicit AxisBrake(const AxisLimits& axis);
+};
+
+/// The same of all axes.
 struct BrakeLimits {
   int axes = 0;
-  PerAxis<std::int64_t> accel_q62{};  ///< steps per tick squared
+  PerAxis<AxisBrake> axis{};
+
+  /// True if jerk is limited.
+  bool limit_jerk() const;
 
   BrakeLimits() = default;
   /// Also where limits are at hand.

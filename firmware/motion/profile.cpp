@@ -28,9 +28,20 @@ std::uint32_t turn_ticks(std::int64_t speed, std::int64_t accel, std::uint32_t t
   return static_cast<std::uint32_t>(turn);
 }
 
-void set_turns(AxisProfile& p) {
-  p.lead_turn_ticks = turn_ticks(p.speed_q62, p.lead_accel_q62, p.lead_ticks);
-  p.tail_turn_ticks = turn_ticks(p.cruise_speed_q62(), p.tail_accel_q62, p.tail_ticks);
+/// The same of a whole phase, whose speed rises or falls all the way.
+std::uint32_t turn_of_phase(std::int64_t speed, std::int64_t accel, std::uint32_t ticks,
+                            std::uint8_t ramp) {
+  if (ramp == 0) return turn_ticks(speed, accel, ticks);
+  std::uint32_t before = 0;
+  stepper::Stair stair;
+  for (std::uint32_t i = stepper::first_stair(ramp);
+       stepper::next_stair(accel, ticks, ramp, i, stair); ++i) {
+    const std::uint32_t turn = turn_ticks(speed, stair.accel_q62, stair.ticks);
+    if (turn != 0) return before + turn;
+    speed += stair.accel_q62 * static_cast<std::int64_t>(stair.ticks);
+    before += stair.ticks;
+  }
+  return 0;
 }
 
 /// a / b in Q32 for b > 0, the divisor to 31 bits.
@@ -138,8 +149,8 @@ void widen(Excursion& e, Int128 way) {
   if (way > e.high_q62) e.high_q62 = way;
 }
 
-/// Adds a phase that starts at `way`: its turning point, if it has one, and its end.
-Int128 widen_by_phase(Excursion& e, Int128 way, std::int64_t speed, std::int64_t accel,
+/// Adds a stair that starts at `way`: its turning point, if it has one, and its end.
+Int128 widen_by_stair(Excursion& e, Int128 way, std::int64_t speed, std::int64_t accel,
                       std::uint32_t ticks) {
   if (speed != 0 && accel != 0 && (speed < 0) != (accel < 0)) {
     const std::int64_t turn = abs64(speed) / abs64(accel);
@@ -151,6 +162,18 @@ Int128 widen_by_phase(Excursion& e, Int128 way, std::int64_t speed, std::int64_t
   const Int128 end = way + stepper::displacement_q62(speed, accel, ticks);
   widen(e, end);
   return end;
+}
+
+/// Adds a phase, stair by stair.
+Int128 widen_by_phase(Excursion& e, Int128 way, std::int64_t speed, std::int64_t accel,
+                      std::uint32_t ticks, std::uint8_t ramp) {
+  stepper::Stair stair;
+  for (std::uint32_t i = stepper::first_stair(ramp);
+       stepper::next_stair(accel, ticks, ramp, i, stair); ++i) {
+    way = widen_by_stair(e, way, speed, stair.accel_q62, stair.ticks);
+    speed += stair.accel_q62 * static_cast<std::int64_t>(stair.ticks);
+  }
+  return way;
 }
 
 }  // namespace
@@ -170,6 +193,12 @@ bool make_cruise(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_
   profile.speed_q62 = v0;
   profile.cruise_ticks = ticks;
   return true;
+}
+
+void set_turns(AxisProfile& p) {
+  p.lead_turn_ticks = turn_of_phase(p.speed_q62, p.lead_accel_q62, p.lead_ticks, p.lead_ramp);
+  p.tail_turn_ticks =
+      turn_of_phase(p.cruise_speed_q62(), p.tail_accel_q62, p.tail_ticks, p.tail_ramp);
 }
 
 AxisProfile make_profile(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t ticks,
@@ -239,26 +268,6 @@ AxisProfile make_brake(std::int64_t v0, std::int64_t accel, std::uint32_t ticks)
   return p;
 }
 
-stepper::Segment make_brake(const stepper::MotionState& from, const BrakeLimits& limits) {
-  stepper::Segment s;
-  s.start_tick = from.tick;
-  s.ticks = 1;
-  for (int a = 0; a < limits.axes; ++a) {
-    const std::uint32_t n =
-        braking_ticks(from.axis[index(a)].speed_q62, limits.accel_q62[index(a)]);
-    if (n > s.ticks) s.ticks = n;
-  }
-  s.end.tick = s.end_tick();
-  for (int a = 0; a < max_axes; ++a) {
-    const stepper::AxisState& axis = from.axis[index(a)];
-    if (a < limits.axes)
-      s.axis[index(a)] = make_brake(axis.speed_q62, limits.accel_q62[index(a)], s.ticks);
-    s.end.axis[index(a)].position_q64 =
-        axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2);
-  }
-  return s;
-}
-
 bool within_limits(const AxisProfile& p, std::int64_t speed, std::int64_t accel) {
   return abs64(p.speed_q62) <= speed && abs64(p.cruise_speed_q62()) <= speed &&
          abs64(p.end_speed_q62()) <= speed && abs64(p.lead_accel_q62) <= accel &&
@@ -268,9 +277,9 @@ bool within_limits(const AxisProfile& p, std::int64_t speed, std::int64_t accel)
 Excursion excursion(const AxisProfile& p) {
   Excursion e;
   const std::int64_t cruise = p.cruise_speed_q62();
-  Int128 way = widen_by_phase(e, 0, p.speed_q62, p.lead_accel_q62, p.lead_ticks);
-  way = widen_by_phase(e, way, cruise, 0, p.cruise_ticks);
-  widen_by_phase(e, way, cruise, p.tail_accel_q62, p.tail_ticks);
+  Int128 way = widen_by_phase(e, 0, p.speed_q62, p.lead_accel_q62, p.lead_ticks, p.lead_ramp);
+  way = widen_by_stair(e, way, cruise, 0, p.cruise_ticks);
+  widen_by_phase(e, way, cruise, p.tail_accel_q62, p.tail_ticks, p.tail_ramp);
   return e;
 }
 

@@ -46,12 +46,12 @@ AxisProfile make_phases(Int128 distance_q62, std::int64_t v0_q62, std::int64_t v
                         std::uint32_t lead_ticks, std::uint32_t cruise_ticks,
                         std::uint32_t tail_ticks);
 
+/// Finds where the axis turns; for whoever has changed a profile.
+void set_turns(AxisProfile& profile);
+
 /// Profile that brakes from `v0_q62` to rest at `accel_q62` and then stands, `ticks` in all.
 /// `ticks` >= braking_ticks(v0_q62, accel_q62).
 AxisProfile make_brake(std::int64_t v0_q62, std::int64_t accel_q62, std::uint32_t ticks);
-
-/// Segment that brakes every axis from `from` at its planning limit, to rest.
-stepper::Segment make_brake(const stepper::MotionState& from, const BrakeLimits& limits);
 
 /// Least number of ticks to brake to rest.
 std::uint32_t braking_ticks(std::int64_t v0_q62, std::int64_t accel_q62);

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <ostream>
 
-#include "firmware/motion/profile.hpp"
+#include "firmware/motion/pulse.hpp"
 #include "tests/motion/chain.hpp"
 #include "tests/motion/tick_sum.hpp"
 

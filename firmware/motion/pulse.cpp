@@ -1,0 +1,185 @@
+#include "firmware/motion/pulse.hpp"
+
+#include <array>
+
+namespace lamplock::motion {
+namespace {
+
+using stepper::falling_ramp;
+using stepper::full_ticks;
+using stepper::longest_ramp;
+using stepper::pulse_accel_unit;
+using stepper::ramp_of;
+
+/// A brake is lengthened by an eighth at most so often; the first try is long enough.
+constexpr int most_tries = 32;
+
+/// The largest acceleration of a pulse that is no more than `accel`.
+std::int64_t whole_units(std::int64_t accel) { return accel / pulse_accel_unit * pulse_accel_unit; }
+
+/// A pulse of n ticks changes the speed by so much, with ramps of r ticks at the jerk:
+/// J r (n - r).
+bool suffices(std::uint8_t ramp, std::uint32_t n, std::int64_t change, std::int64_t jerk_q78) {
+  const std::uint32_t r = ramp_of(n, ramp).ticks();
+  const auto ticks = static_cast<std::int64_t>(wide_product(r, n - r));
+  return Int128::product(jerk_q78, ticks) >= Int128(change) << 16;
+}
+
+/// The shortest ramp; 0 if there is none.
+std::uint8_t shortest_ramp(std::uint32_t n, std::int64_t change, std::int64_t jerk_q78) {
+  if (!suffices(longest_ramp, n, change, jerk_q78)) return 0;
+  std::uint8_t ramp = longest_ramp;
+  for (std::uint8_t part = longest_ramp / 2; part != 0; part /= 2) {
+    const auto shorter = static_cast<std::uint8_t>(ramp - part);
+    if (suffices(shorter, n, change, jerk_q78)) ramp = shorter;
+  }
+  return ramp;
+}
+
+/// A phase of n ticks that changes the speed by so much.
+bool make_pulse(std::int64_t change, std::uint32_t n, std::int64_t jerk_q78, std::int64_t& accel,
+                std::uint8_t& ramp) {
+  ramp = 0;
+  accel = 0;
+  if (change == 0 || n == 0) return true;
+  ramp = shortest_ramp(n, abs64(change), jerk_q78);
+  // One that is impossible is left steep, to be recognised.
+  accel = whole_units(change / static_cast<std::int64_t>(full_ticks(n, ramp)));
+  return ramp != 0;
+}
+
+bool keeps_jerk(std::int64_t accel, std::uint32_t n, std::uint8_t ramp, std::int64_t jerk_q78) {
+  if (accel == 0) return true;
+  const std::uint32_t r = ramp == 0 ? 0 : ramp_of(n, ramp).ticks();
+  return Int128::product(jerk_q78, r) >= Int128(abs64(accel)) << 16;
+}
+
+/// A pulse that brakes; with a ramp of A/J ticks it takes v/A + A/J, and no more if v is small.
+std::uint32_t pulse_brake_ticks(std::int64_t v0, const AxisBrake& axis) {
+  if (v0 == 0) return 0;
+  const std::uint32_t n = braking_ticks(v0, axis.accel_q62) + axis.rise_ticks;
+  return n + n / 64;
+}
+
+/// Appends a brake to a profile: its tail.
+void add_brake(AxisProfile& p, const AxisBrake& axis) {
+  const std::int64_t v = p.cruise_speed_q62();
+  std::uint32_t n = pulse_brake_ticks(v, axis);
+  for (int tries = 0; tries < most_tries; ++tries, n += n / 8) {
+    p.tail_ticks = n;
+    if (make_pulse(-v, n, axis.jerk_q78, p.tail_accel_q62, p.tail_ramp)) return;
+  }
+}
+
+/// Ticks in which the jerk takes an acceleration away, whole stairs.
+std::uint32_t fall_ticks(std::int64_t accel, std::int64_t jerk_q78) {
+  std::int64_t jerk = jerk_q78;
+  int shift = 0;
+  for (; jerk > 0xffffffff; ++shift) jerk >>= 1;
+  const std::uint64_t ticks =
+      ((Int128(abs64(accel)) << 16) >> shift).divided_by(static_cast<std::uint32_t>(jerk)).lo();
+  constexpr std::uint32_t stairs = 1u << stepper::most_log_stairs;
+  return (static_cast<std::uint32_t>(ticks) / stairs + 1) * stairs;
+}
+
+/// A brake from a speed and an acceleration. Its acceleration falls first; or, where the axis
+/// brakes already, last.
+AxisProfile make_jerk_brake(std::int64_t v0, std::int64_t accel, const AxisBrake& axis) {
+  AxisProfile p;
+  p.speed_q62 = v0;
+  accel = whole_units(accel);
+  if (accel != 0) {
+    const std::uint32_t fall = fall_ticks(accel, axis.jerk_q78);
+    p.lead_accel_q62 = accel;
+    p.lead_ticks = fall;
+    p.lead_ramp = falling_ramp;
+    const std::int64_t after = p.cruise_speed_q62();
+    if (v0 != 0 && (v0 < 0) != (accel < 0) && (after == 0 || (after < 0) == (v0 < 0))) {
+      p.lead_ticks = braking_ticks(after, abs64(accel));
+      p.lead_ramp = 0;
+      p.tail_ticks = fall;
+      p.tail_ramp = falling_ramp;
+      p.lead_accel_q62 = p.tail_accel_q62 =
+          whole_units(-v0 / static_cast<std::int64_t>(p.lead_ticks + fall / 2));
+      return p;
+    }
+  }
+  add_brake(p, axis);
+  set_turns(p);
+  return p;
+}
+
+}  // namespace
+
+bool make_pulses(AxisProfile& p, std::int64_t v1, std::int64_t jerk_q78) {
+  const std::int64_t change = p.cruise_speed_q62() - p.speed_q62;
+  const bool lead = make_pulse(change, p.lead_ticks, jerk_q78, p.lead_accel_q62, p.lead_ramp);
+  const bool tail =
+      make_pulse(v1 - p.cruise_speed_q62(), p.tail_ticks, jerk_q78, p.tail_accel_q62, p.tail_ramp);
+  set_turns(p);
+  return lead && tail;
+}
+
+bool keeps_jerk(const AxisProfile& p, std::int64_t jerk_q78) {
+  return jerk_q78 == 0 || (keeps_jerk(p.lead_accel_q62, p.lead_ticks, p.lead_ramp, jerk_q78) &&
+                           keeps_jerk(p.tail_accel_q62, p.tail_ticks, p.tail_ramp, jerk_q78));
+}
+
+AxisProfile make_choice(std::uint32_t choice, Int128 distance, std::int64_t v0, std::int64_t v1,
+                        std::uint32_t ticks) {
+  struct Eighths {
+    std::uint8_t lead, tail;
+  };
+  static constexpr std::array<Eighths, phase_choices> choices{
+      {{4, 4}, {5, 3}, {3, 5}, {6, 2}, {2, 6}, {3, 3}, {4, 2}, {2, 4}, {2, 2}, {1, 1}}};
+  const Eighths e = choices[choice];
+  const auto part = [ticks](std::uint32_t eighths) {
+    const auto n = static_cast<std::uint32_t>(wide_product(ticks, eighths) >> 3);
+    return n < 1 ? 1 : n;
+  };
+  const std::uint32_t lead = part(e.lead),
+                      tail = e.lead + e.tail == 8 ? ticks - lead : part(e.tail);
+  return make_phases(distance, v0, v1, lead, ticks - lead - tail, tail);
+}
+
+stepper::Segment make_brake(const stepper::MotionState& from, const BrakeLimits& limits,
+                            const Accelerations& accel) {
+  stepper::Segment s;
+  s.start_tick = from.tick;
+  s.ticks = 1;
+  for (int a = 0; a < limits.axes; ++a) {
+    const AxisBrake& axis = limits.axis[index(a)];
+    const std::int64_t v = from.axis[index(a)].speed_q62;
+    std::uint32_t n = braking_ticks(v, axis.accel_q62);
+    if (axis.jerk_q78 != 0) {
+      s.axis[index(a)] = make_jerk_brake(v, accel[index(a)], axis);
+      n = s.axis[index(a)].ticks();
+    }
+    if (n > s.ticks) s.ticks = n;
+  }
+  s.end.tick = s.end_tick();
+  for (int a = 0; a < max_axes; ++a) {
+    const stepper::AxisState& axis = from.axis[index(a)];
+    const AxisBrake& limit = limits.axis[index(a)];
+    if (a < limits.axes && limit.jerk_q78 == 0)  // stands until all do
+      s.axis[index(a)] = make_brake(axis.speed_q62, limit.accel_q62, s.ticks);
+    s.end.axis[index(a)].position_q64 =
+        axis.position_q64 + (stepper::displacement_q62(s.axis[index(a)]) << 2);
+  }
+  return s;
+}
+
+bool stays_inside(const stepper::Segment& s, const stepper::MotionState& from,
+                  const BrakeLimits& limits) {
+  for (int a = 0; a < limits.axes; ++a) {
+    const AxisBrake& axis = limits.axis[index(a)];
+    const Int128 start = from.axis[index(a)].position_q64;
+    const Excursion e = excursion(s.axis[index(a)]);
+    if ((start + (e.low_q62 << 2)).hi() < axis.min_steps ||
+        (start + (e.high_q62 << 2)).hi() > axis.max_steps)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace lamplock::motion

@@ -1,0 +1,50 @@
+// Motion with limited jerk: pulses instead of steps of acceleration, and brakes.
+//
+// In:  profiles with phases of constant acceleration (profile.hpp), the limits of an axis.
+// Out: the same with ramps (segment.hpp): each phase becomes a pulse over the same ticks that
+//      changes the speed as much. By its symmetry it also goes equally far, so that everything
+//      known about the ends of the phase stays true. Brakes to rest, with and without jerk.
+// Called by the planner and by the job runner (main loop).
+//
+// What is kept: there is a motion with jerk J or less whose acceleration is never further than half
+// a stair from this one's and whose speed is the same at the end of every stair. So over any time t
+// the acceleration changes by no more than J t and one stair; stairs are an eighth of a ramp, or
+// longer where that is below `least_stair_ticks`.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/motion/limits.hpp"
+#include "firmware/motion/profile.hpp"
+#include "firmware/stepper/segment.hpp"
+
+namespace lamplock::motion {
+
+/// Gives both phases of a profile, made without ramps, the shortest ramps that keep the jerk;
+/// `v1_q62` is the speed that it ends with. False if a phase is too short for any: n^2 J / 4 is the
+/// most that a pulse of n ticks can change a speed by.
+bool make_pulses(AxisProfile& profile, std::int64_t v1_q62, std::int64_t jerk_q78);
+
+/// True if no ramp is steeper than `jerk_q78` (0 = not limited).
+bool keeps_jerk(const AxisProfile& profile, std::int64_t jerk_q78);
+
+/// Lengths of phases to try where those of the quietest profile are too short for pulses.
+inline constexpr std::uint32_t phase_choices = 10;
+AxisProfile make_choice(std::uint32_t choice, Int128 distance_q62, std::int64_t v0_q62,
+                        std::int64_t v1_q62, std::uint32_t ticks);
+
+/// Accelerations of the axes while something is broken off.
+using Accelerations = PerAxis<std::int64_t>;
+
+/// Segment that brakes every axis from `from` at its limit, to rest. Where jerk is limited an axis
+/// first brings its acceleration to zero, or to rest with it if it brakes already; its profile may
+/// end before the segment.
+stepper::Segment make_brake(const stepper::MotionState& from, const BrakeLimits& limits,
+                            const Accelerations& accel_q62 = {});
+
+/// True if a segment stays inside the work space. One that is broken off can brake later than it
+/// was planned to if its jerk is limited.
+bool stays_inside(const stepper::Segment& segment, const stepper::MotionState& from,
+                  const BrakeLimits& limits);
+
+}  // namespace lamplock::motion
