@@ -1,6 +1,9 @@
 #include "firmware/motion/planner.hpp"
 
+#include <bit>
+
 #include "firmware/motion/profile.hpp"
+#include "firmware/motion/pulse.hpp"
 #include "firmware/motion/run_up.hpp"
 
 namespace lamplock::motion {
@@ -14,6 +17,9 @@ constexpr std::int32_t beats_beyond_rest = 2;
 constexpr int ramp_share_bits = 8;
 /// What was possible when a plan ended with a speed must be so when the next one starts with it.
 constexpr std::int32_t start_slack_qs = 2 * hair_qs;
+/// Ways too short for their jerk are made longer so often, and so often without standing at their
+/// ends.
+constexpr std::int32_t most_longer = 16, longer_moving = 4;
 
 /// Displacement in steps, Q32, from an exact position to the middle of a step.
 std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {
@@ -87,6 +93,9 @@ void Planner::begin(const PlanRequest& request) {
 }
 
 void Planner::begin_search(bool run_ups) {
+  run_ups_ = false;
+  misfits_ = 0;
+  longer_ = 0;
   if (!set_up()) return;
   const std::int32_t steady = run_ups ? steady_beats(window_, start_qs_) : 0;
   if (steady != 0) return go_on_steadily(steady);
@@ -151,7 +160,10 @@ bool Planner::set_up_way(std::uint32_t i) {
 SpeedRange Planner::allowed_speeds(const AxisLimits& axis, std::int32_t steps) const {
   const std::int64_t below = std::int64_t{steps} - axis.min_steps;
   const std::int64_t above = std::int64_t{axis.max_steps} - steps;
-  const std::int32_t speed = braking_speed_qs(axis, below < above ? below : above);
+  const std::int64_t way = below < above ? below : above;
+  const std::int32_t speed = axis.jerk_q78 == 0
+                                 ? braking_speed_qs(axis, way)
+                                 : pulse_braking_speed_qs(axis, limits_->beat_ticks, way);
   return {-speed, speed};
 }
 
@@ -187,6 +199,7 @@ Effort Planner::effort() const {
                                   : isqrt(wide_product(static_cast<std::uint32_t>(way.first_beats),
                                                        static_cast<std::uint32_t>(way.last_beats)));
   }
+  // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): a window has points
   return effort_for(beats * limits_->beat_ticks / request_->count);
 }
 
@@ -248,11 +261,12 @@ void Planner::make_segments() {
   const MotionState& from = at_ == 0 ? request_->start : segments_[at_ - 1].end;
   make_segment(at_, from);
   for (int a = 0; a < limits_->axes; ++a) {
-    if (axis_inside(at_, a, from)) continue;
-    make_steady(at_, a, from);
-    if (!axis_inside(at_, a, from)) return fail(at_);
+    if (fit_axis(at_, a, from)) continue;
+    if (limits_->axis[index(a)].jerk_q78 == 0) return fail(at_);
+    misfits_ |= 1u << at_;
   }
   if (++at_ < request_->commits()) return;
+  if (misfits_ != 0) return take_longer();
   result_ = Result::ok;
   phase_ = Phase::over;
 }
@@ -268,6 +282,50 @@ std::int64_t Planner::end_speed_q62(std::uint32_t i, int a, Int128 way_q62) cons
   return abs64(speed - mean) <= limits_->speed_q62(a, scale.q32(hair_qs)) ? mean : speed;
 }
 
+/// Makes the profile of an axis keep all limits; false if none does.
+bool Planner::fit_axis(std::uint32_t i, int a, const MotionState& from) {
+  if (axis_inside(i, a, from)) return true;
+  make_steady(i, a, from);
+  if (axis_inside(i, a, from)) return true;
+  return limits_->axis[index(a)].jerk_q78 != 0 && fit_pulses(i, a, from);
+}
+
+/// The same where the quietest phases have no room for their pulses.
+bool Planner::fit_pulses(std::uint32_t i, int a, const MotionState& from) {
+  for (std::uint32_t choice = 0; choice < phase_choices; ++choice) {
+    const AxisState& start = from.axis[index(a)];
+    set_profile(i, a, from,
+                make_choice(choice, way_q62(i, a, from), start.speed_q62,
+                            segments_[i].end.axis[index(a)].speed_q62, segments_[i].ticks));
+    if (axis_inside(i, a, from)) return true;
+  }
+  return false;
+}
+
+/// Where limited jerk leaves no profile the way takes more beats, and if that does not help the
+/// machine stands at both its ends: then it is only a matter of beats.
+void Planner::take_longer() {
+  const auto first = static_cast<std::uint32_t>(std::countr_zero(misfits_));
+  if (++longer_ > most_longer) return give_up(first);
+  for (std::uint32_t i = first; i < request_->commits(); ++i) {
+    if ((misfits_ >> i & 1) == 0) continue;
+    Way& way = window_.ways[i];
+    if (way.fixed_beats == 0) {
+      way.first_beats = beats_[i] + 1 + beats_[i] * longer_ / 8;
+      if (way.first_beats >= window_.most_beats) return give_up(i);
+      if (way.last_beats <= way.first_beats) way.last_beats = way.first_beats + 1;
+    }
+    if (longer_ <= longer_moving && way.fixed_beats == 0) continue;
+    way.allowed = {};
+    if (i > 0) window_.ways[i - 1].allowed = {};
+  }
+  misfits_ = 0;
+  guide(window_);
+  beam_.begin(window_, effort());
+  phase_ = Phase::search;
+  at_ = 0;
+}
+
 void Planner::make_segment(std::uint32_t i, const MotionState& from) {
   Segment& s = segments_[i];
   s = Segment{};
@@ -278,18 +336,34 @@ void Planner::make_segment(std::uint32_t i, const MotionState& from) {
   s.end.tick = s.end_tick();
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisState& axis = from.axis[index(a)];
-    const Int128 way =
-        (stepper::middle_of_step(target(i).steps[index(a)]) - axis.position_q64) >> 2;
+    const Int128 way = way_q62(i, a, from);
     const std::int64_t end_speed = end_speed_q62(i, a, way);
-    AxisProfile& profile = s.axis[index(a)];
-    if (!make_cruise(way, axis.speed_q62, end_speed, s.ticks, profile))
+    AxisProfile profile;
+    const bool cruise = make_cruise(way, axis.speed_q62, end_speed, s.ticks, profile);
+    if (!cruise)
       profile = make_profile(way, axis.speed_q62, end_speed, s.ticks,
                              limits_->axis[index(a)].plan_speed_q62);
-    s.end.axis[index(a)] = {axis.position_q64 + (stepper::displacement_q62(profile) << 2),
-                            profile.lead_ticks != 0 ? end_speed : axis.speed_q62};
+    s.end.axis[index(a)].speed_q62 = cruise ? axis.speed_q62 : end_speed;
+    set_profile(i, a, from, profile);
   }
   if (target(i).shots != 0)
     s.shot = {true, shot_window_ticks(i), target(i).channel, target(i).energy};
+}
+
+/// Way of an axis, from exactly where it is.
+Int128 Planner::way_q62(std::uint32_t i, int a, const MotionState& from) const {
+  return (stepper::middle_of_step(target(i).steps[index(a)]) - from.axis[index(a)].position_q64) >>
+         2;
+}
+
+void Planner::set_profile(std::uint32_t i, int a, const MotionState& from,
+                          const AxisProfile& profile) {
+  AxisProfile& p = segments_[i].axis[index(a)];
+  AxisState& end = segments_[i].end.axis[index(a)];
+  p = profile;
+  if (const std::int64_t jerk = limits_->axis[index(a)].jerk_q78; jerk != 0)
+    make_pulses(p, end.speed_q62, jerk);
+  end.position_q64 = from.axis[index(a)].position_q64 + (stepper::displacement_q62(p) << 2);
 }
 
 /// The same way with the least excursion, where the quiet one leaves the work space.
@@ -301,20 +375,18 @@ void Planner::make_steady(std::uint32_t i, int a, const MotionState& from) {
   const auto ticks = [this](std::int64_t change_q32) {
     return static_cast<std::uint32_t>(mul_q32(abs64(change_q32), limits_->beat_ticks)) + 1;
   };
-  AxisProfile& profile = segments_[i].axis[index(a)];
-  AxisState& end = segments_[i].end.axis[index(a)];
-  const AxisState& start = from.axis[index(a)];
-  const Int128 way = (stepper::middle_of_step(target(i).steps[index(a)]) - start.position_q64) >> 2;
-  profile = make_steady_profile(way, start.speed_q62, end.speed_q62, segments_[i].ticks,
-                                ticks(steady - v0), ticks(steady - v1),
-                                limits_->axis[index(a)].accel_q62);
-  end.position_q64 = start.position_q64 + (stepper::displacement_q62(profile) << 2);
+  set_profile(i, a, from,
+              make_steady_profile(way_q62(i, a, from), from.axis[index(a)].speed_q62,
+                                  segments_[i].end.axis[index(a)].speed_q62, segments_[i].ticks,
+                                  ticks(steady - v0), ticks(steady - v1),
+                                  limits_->axis[index(a)].accel_q62));
 }
 
 bool Planner::axis_inside(std::uint32_t i, int a, const MotionState& from) const {
   const AxisLimits& axis = limits_->axis[index(a)];
   const AxisProfile& profile = segments_[i].axis[index(a)];
   if (!within_limits(profile, axis.speed_q62, axis.accel_q62)) return false;
+  if (!keeps_jerk(profile, axis.jerk_q78)) return false;
   const Int128 start = from.axis[index(a)].position_q64;
   const std::int64_t end = segments_[i].end.axis[index(a)].position_q64.hi();
   const std::int64_t beyond = reverses(profile) ? most_steps(profile) : 0;

@@ -17,6 +17,10 @@
 // to a steady speed and from there, it leaves the way between the points only as far as braking
 // needs.
 //
+// Where jerk is limited phases are pulses (pulse.hpp). The search knows constant acceleration only;
+// it works with what pulses of about half a beat are worth (limits.hpp). A way on which the pulses
+// of an axis do not fit gets more beats and the window is planned again, with rests at last.
+//
 // Why a stop is always possible: at every point every axis is allowed no more speed than full
 // braking takes away before the work space ends, and between the points braking at full
 // acceleration stops it no further out than the plan goes.
@@ -72,7 +76,12 @@ class Planner {
   void make_segments();
   void plan_path();
   std::int64_t end_speed_q62(std::uint32_t i, int a, Int128 way_q62) const;
+  bool fit_axis(std::uint32_t i, int a, const MotionState& from);
+  [[gnu::cold]] bool fit_pulses(std::uint32_t i, int a, const MotionState& from);
+  [[gnu::cold]] void take_longer();
   void make_segment(std::uint32_t i, const MotionState& from);
+  Int128 way_q62(std::uint32_t i, int a, const MotionState& from) const;
+  void set_profile(std::uint32_t i, int a, const MotionState& from, const AxisProfile& profile);
   void make_steady(std::uint32_t i, int a, const MotionState& from);
   bool axis_inside(std::uint32_t i, int a, const MotionState& from) const;
   void fail(std::uint32_t place);
@@ -90,8 +99,10 @@ class Planner {
   Phase phase_ = Phase::over;
   Result result_ = Result::unreachable;
   std::uint32_t failed_ = 0;
-  bool run_ups_ = false;  ///< some speeds are allowed for run-ups only
-  std::uint32_t at_ = 0;  ///< point or axis to go on with
+  bool run_ups_ = false;       ///< some speeds are allowed for run-ups only
+  std::uint32_t at_ = 0;       ///< point or axis to go on with
+  std::uint32_t misfits_ = 0;  ///< bit i: no profile of the way to points[i] keeps its jerk
+  std::int32_t longer_ = 0;    ///< how often such ways were made longer
   Window window_;
   PerAxis<std::int32_t> start_qs_{};  ///< speeds at the start, normalised and scaled
   PathPlanner path_;

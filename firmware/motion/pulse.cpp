@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "firmware/motion/reach.hpp"
+
 namespace lamplock::motion {
 namespace {
 
@@ -13,6 +15,9 @@ using stepper::ramp_of;
 
 /// A brake is lengthened by an eighth at most so often; the first try is long enough.
 constexpr int most_tries = 32;
+
+/// Share of a braking way that is left to rounding: 1/32.
+constexpr int brake_share_bits = 5;
 
 /// The largest acceleration of a pulse that is no more than `accel`.
 std::int64_t whole_units(std::int64_t accel) { return accel / pulse_accel_unit * pulse_accel_unit; }
@@ -140,6 +145,22 @@ AxisProfile make_choice(std::uint32_t choice, Int128 distance, std::int64_t v0, 
   const std::uint32_t lead = part(e.lead),
                       tail = e.lead + e.tail == 8 ? ticks - lead : part(e.tail);
   return make_phases(distance, v0, v1, lead, ticks - lead - tail, tail);
+}
+
+std::int32_t pulse_braking_speed_qs(const AxisLimits& axis, std::uint32_t beat_ticks,
+                                    std::int64_t steps) {
+  // Beats; with more of them the square below would pass 64 bits.
+  constexpr std::int64_t most_q32 = std::int64_t{1} << 46;
+  const std::int64_t half_q32 = (std::int64_t{axis.rise_ticks} << 31) / beat_ticks;
+  if (steps <= 0 || half_q32 >= most_q32) return 0;
+  // Ramps of whole ticks and stairs are longer than they should be, by less than this share.
+  const std::int64_t all = axis.displacement_q32(steps << 32);
+  const std::int64_t way = all - (all >> brake_share_bits);
+  if (way >= max_displacement_q32) return axis.scale.limit_qs;
+  const std::int64_t speed = sqrt_down_q32(mul_q32(half_q32, half_q32) + 2 * way) - half_q32;
+  if (speed <= 0) return 0;
+  return speed < axis.speed_q32 ? axis.scale.range().clamp(axis.scale.scaled(speed))
+                                : axis.scale.limit_qs;
 }
 
 stepper::Segment make_brake(const stepper::MotionState& from, const BrakeLimits& limits,

@@ -33,6 +33,11 @@ inline constexpr std::uint32_t phase_choices = 10;
 AxisProfile make_choice(std::uint32_t choice, Int128 distance_q62, std::int64_t v0_q62,
                         std::int64_t v1_q62, std::uint32_t ticks);
 
+/// Highest speed that a brake takes away over a way where jerk is limited, normalised and scaled:
+/// at most the limit, (v^2 + v t) / 2 = way with the time t in which the acceleration rises.
+std::int32_t pulse_braking_speed_qs(const AxisLimits& axis, std::uint32_t beat_ticks,
+                                    std::int64_t steps);
+
 /// Accelerations of the axes while something is broken off.
 using Accelerations = PerAxis<std::int64_t>;
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "firmware/motion/profile.hpp"
+#include "firmware/motion/pulse.hpp"
 #include "sim/virtual_board/step_edges.hpp"
 #include "tests/motion/chain.hpp"
 #include "tests/motion/tick_sum.hpp"
