@@ -8,22 +8,27 @@
 namespace lamplock::test {
 namespace {
 
-struct Join {
+struct Case {
   motion::JoinMode mode;
-  bool lag;
+  bool lag = false;
+  double jerk_m_s3 = 0;
 };
 
 TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
-  for (const Join& join :
-       {Join{motion::JoinMode::free, false}, Join{motion::JoinMode::start_stop, false},
-        Join{motion::JoinMode::free, true}}) {
+  for (const Case& c :
+       {Case{motion::JoinMode::free}, Case{motion::JoinMode::start_stop},
+        Case{motion::JoinMode::free, true}, Case{motion::JoinMode::free, false, 500},
+        Case{motion::JoinMode::free, true, 500}}) {
+    SCOPED_TRACE(testing::Message() << "lag " << c.lag << " jerk " << c.jerk_m_s3);
     job::Profile profile = chip_profile(100);
-    if (join.lag) {
+    if (c.lag) {
       job::state_setting(profile, Id::drive_lag_x, 150, "test");
       job::state_setting(profile, Id::drive_lag_y, 5000, "test");
     }
+    for (int axis = 0; axis < 3; ++axis)
+      job::state_setting(profile, settings::for_axis(Id::jerk_x, axis), c.jerk_m_s3, "test");
     job::JobOptions options;
-    options.mode = join.mode;
+    options.mode = c.mode;
     const job::Job job =
         job::make_job(histogram_walk(static_cast<std::size_t>(scaled(60)), 9), profile, options);
     sim::VirtualBoard board(profile.settings, chip_world(profile));

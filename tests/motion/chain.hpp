@@ -18,6 +18,7 @@ namespace lamplock::test {
 
 /// A machine, and points for it.
 struct Chain {
+  settings::Values settings;
   motion::Limits limits;
   motion::JoinMode mode = motion::JoinMode::free;
   std::vector<motion::Target> targets;
@@ -54,7 +55,8 @@ inline Chain random_chain(std::mt19937_64& random, std::size_t points) {
   const double speed = std::min(log_uniform(0.02, 2), 900.0 / steps_per_mm);
   const int axes = 1 + static_cast<int>(random() % 4);
   Chain chain;
-  chain.limits = limits_of(machine_settings(lamp_hz, accel, speed, axes, steps_per_mm));
+  chain.settings = machine_settings(lamp_hz, accel, speed, axes, steps_per_mm);
+  chain.limits = limits_of(chain.settings);
   // Rest to rest, one beat takes an axis A t^2 / 4 far, and never further than V t.
   const double beat_s = 1 / lamp_hz;
   const double reach_steps =
@@ -80,6 +82,25 @@ inline Chain random_chain(std::mt19937_64& random, std::size_t points) {
   }
   tighten_work_space(chain);
   return chain;
+}
+
+/// Gives a machine limits of jerk: each axis one between strong, at which its acceleration takes
+/// many beats to rise, and hardly any; or none.
+inline void limit_jerk(Chain& chain, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  motion::Limits& limits = chain.limits;
+  settings::Values values = chain.settings;
+  const double beat_s = limits.beat_ticks * 1e-6;
+  for (int a = 0; a < limits.axes; ++a) {
+    if (random() % 8 == 0) continue;
+    const double accel = values.milli(settings::Id::acceleration_x, a) * 1e-6;
+    const double jerk = accel / beat_s * 0.1 * std::pow(300, unit(random));
+    values.set_milli(settings::for_axis(settings::Id::jerk_x, a),
+                     static_cast<std::int32_t>(std::clamp(jerk * 1e3, 10.0, 1e8)));
+  }
+  chain.settings = values;
+  limits = limits_of(values);
+  tighten_work_space(chain);
 }
 
 /// Plans a chain as the machine does. `queued_at_once` is how far the queue is filled ahead.

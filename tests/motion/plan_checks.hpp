@@ -57,7 +57,8 @@ inline Fault join_fault(const motion::Limits& limits, const stepper::MotionState
     if (p.speed_q62 != begin.speed_q62) return {"speed jumps", s.point, a};
     if (end.position_q64 != begin.position_q64 + (stepper::displacement_q62(p) << 2))
       return {"end is not where the phases lead", s.point, a};
-    if (abs64(p.end_speed_q62() - end.speed_q62) > 2 * static_cast<std::int64_t>(p.tail_ticks))
+    const std::int64_t unit = limits.axis[index(a)].jerk_q78 == 0 ? 2 : stepper::pulse_accel_unit;
+    if (abs64(p.end_speed_q62() - end.speed_q62) > unit * static_cast<std::int64_t>(p.tail_ticks))
       return {"end speed is not that of the phases", s.point, a};
   }
   return {};
@@ -72,8 +73,10 @@ inline Fault point_fault(const Chain& chain, const stepper::Segment& s, std::uin
       (s.shot.half_window_ticks < 1 || s.shot.half_window_ticks > chain.limits.beat_ticks / 4))
     return {"window of the shot", point};
   // 1e-6 step, and what evenness of the accelerations costs over very long segments.
-  const double n = s.ticks, near = 1e-6 + 2 * n * n / 4.6e18;
+  const double n = s.ticks;
   for (int a = 0; a < chain.limits.axes; ++a) {
+    const bool pulses = chain.limits.axis[index(a)].jerk_q78 != 0;
+    const double unit = pulses ? stepper::pulse_accel_unit : 2, near = 1e-6 + unit * n * n / 4.6e18;
     const Int128 at = s.end.axis[index(a)].position_q64;
     const std::int32_t step = target.steps[index(a)];
     if (at.hi() != step) return {"not on its step", point, a};
@@ -95,6 +98,7 @@ inline Fault limits_fault(const motion::Limits& limits, const stepper::MotionSta
       return {"too fast", s.point, a};
     if (abs64(p.lead_accel_q62) > axis.accel_q62 || abs64(p.tail_accel_q62) > axis.accel_q62)
       return {"accelerates too hard", s.point, a};
+    if (!motion::keeps_jerk(p, axis.jerk_q78)) return {"jerks", s.point, a};
     if (!in_work_space(axis, from.axis[index(a)].position_q64, motion::excursion(p)))
       return {"leaves the work space", s.point, a};
   }

@@ -10,6 +10,7 @@
 #include "firmware/motion/pulse.hpp"
 #include "sim/virtual_board/step_edges.hpp"
 #include "tests/motion/chain.hpp"
+#include "tests/motion/jerk_watch.hpp"
 #include "tests/motion/tick_sum.hpp"
 #include "tests/scale.hpp"
 
@@ -185,6 +186,31 @@ TEST(TickGenerator, EndsEverySegmentExactlyWhereItWasPlanned) {
     EXPECT_FALSE(generator.underrun());
     EXPECT_FALSE(generator.running());
   }
+}
+
+/// Pulses, too: every stair of every phase, to the tick.
+TEST(TickGenerator, RunsPulsesExactly) {
+  std::mt19937_64 random(66);
+  long blocks = 0;
+  for (int i = 0; i < test::scaled(40); ++i) {
+    test::Chain chain = test::random_chain(random, 20);
+    test::limit_jerk(chain, random);
+    const std::vector<Segment> segments = plan(chain);
+    SegmentQueue queue;
+    TickGenerator generator(queue);
+    NaiveBoard board;
+    std::size_t fed = 0;
+    for (const Segment& s : segments) {
+      if (s.end.tick > 3'000'000) break;
+      ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, s.end.tick, 5000));
+      for (int a = 0; a < chain.limits.axes; ++a) {
+        ASSERT_EQ(board.position(a), native(s.end.axis[index(a)].position_q64));
+        ASSERT_EQ(board.counted(a), s.end.axis[index(a)].step());
+      }
+    }
+    blocks += board.blocks();
+  }
+  EXPECT_GT(blocks, test::scaled(40) * 100);
 }
 
 TEST(TickGenerator, CarriesRemaindersThroughTenThousandSegments) {
@@ -414,6 +440,72 @@ TEST(TickGenerator, HaltsEachAxisWhereItsStepsAre) {
     ASSERT_NO_FATAL_FAILURE(machine.run_to(segments, machine.board.tick() + 20'000));
     EXPECT_EQ(machine.board.steps().size(), steps);
   }
+}
+
+/// Braking with limited jerk, with leads and without: every tick of the whole, plan and brake, is
+/// watched.
+TEST(TickGenerator, BreaksOffPulsesWithoutAJerk) {
+  std::mt19937_64 random(67);
+  int inside = 0;
+  for (int i = 0; i < test::scaled(80); ++i) {
+    SCOPED_TRACE(i);
+    test::Chain chain = test::random_chain(random, 24);
+    test::limit_jerk(chain, random);
+    const std::vector<Segment> segments = shifted(plan(chain), 6000);
+    if (segments.back().end.tick > 5'000'000) continue;
+    Machine machine;
+    TickGenerator& generator = machine.generator;
+    SegmentQueue& queue = machine.queue;
+    NaiveBoard& board = machine.board;
+    if (i % 2 != 0) generator.set_leads(random_leads(random));
+    std::vector<test::JerkWatch> watches;
+    for (const motion::AxisLimits& axis : chain.limits.axis) watches.emplace_back(axis);
+    const auto watch = [&](const TickBlock& block) {
+      for (int a = 0; a < chain.limits.axes; ++a)
+        for (std::uint32_t j = 0; j < block.ticks; ++j) {
+          const AxisRun& run = block.axis[index(a)];
+          ASSERT_LE(abs64(run.accel_q62), chain.limits.axis[index(a)].accel_q62);
+          ASSERT_LE(abs64(run.rate_q62 + run.accel_q62 * j), chain.limits.axis[index(a)].speed_q62);
+          watches[index(a)].tick(run.accel_q62);
+        }
+    };
+    const auto allow = [&](const Segment& s) {
+      for (int a = 0; a < chain.limits.axes; ++a) watches[index(a)].allow_stairs(s.axis[index(a)]);
+    };
+    std::size_t fed = 0;
+    const std::uint64_t at = random() % segments.back().end.tick;
+    TickBlock block;
+    while (board.tick() < at) {
+      while (fed < segments.size() && queue.free() != 0) {
+        allow(segments[fed]);
+        queue.push(segments[fed++]);
+      }
+      generator.fill(block,
+                     static_cast<std::uint32_t>(std::min<std::uint64_t>(at - board.tick(), 9999)));
+      ASSERT_NO_FATAL_FAILURE(board.play(block));
+      ASSERT_NO_FATAL_FAILURE(watch(block));
+    }
+    const MotionState before = generator.state();
+    const Segment brake = motion::make_brake(before, chain.limits, generator.accelerations_q62());
+    inside += motion::stays_inside(brake, before, chain.limits) ? 1 : 0;
+    allow(brake);
+    queue.clear();
+    generator.replace(brake);
+    while (board.tick() < brake.end.tick + 300) {
+      generator.fill(block, static_cast<std::uint32_t>(1 + random() % 5000));
+      ASSERT_NO_FATAL_FAILURE(board.play(block));
+      ASSERT_NO_FATAL_FAILURE(watch(block));
+    }
+    EXPECT_FALSE(generator.running());
+    EXPECT_FALSE(generator.underrun());
+    for (int a = 0; a < chain.limits.axes; ++a) {
+      const test::JerkWatch& axis = watches[index(a)];
+      ASSERT_FALSE(axis.broken()) << "axis " << a << ": " << axis.worst() << " stairs";
+      EXPECT_LE(std::llabs(board.counted(a) - brake.end.axis[index(a)].step()), 0);
+    }
+  }
+  // The work space of these chains is the box of their points.
+  EXPECT_GT(inside, test::scaled(80) / 4);
 }
 
 TEST(TickGenerator, AShotThatWasTakenBackIsNotArmed) {

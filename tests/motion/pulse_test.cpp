@@ -1,0 +1,228 @@
+// Pulses: phases whose acceleration climbs and falls in stairs, tick by tick.
+#include "firmware/motion/pulse.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "tests/motion/jerk_watch.hpp"
+#include "tests/motion/plan_checks.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::motion {
+namespace {
+
+using test::Chain;
+using test::ChainPlan;
+using test::Fault;
+using test::native;
+
+constexpr double unit_q62 = 4611686018427387904.0;  // 2^62
+
+/// Three phases with random lengths, speeds and way.
+struct Phases {
+  Int128 distance_q62;
+  std::int64_t v0_q62 = 0, v1_q62 = 0;
+  std::uint32_t lead = 0, cruise = 0, tail = 0;
+};
+
+Phases random_phases(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto ticks = [&] { return static_cast<std::uint32_t>(std::exp(4 + 2.5 * unit(random))); };
+  Phases p;
+  const double speed = 0.4 * std::exp(4 * unit(random) - 4);
+  p.v0_q62 = random() % 6 == 0 ? 0 : static_cast<std::int64_t>(speed * unit(random) * unit_q62);
+  p.v1_q62 = random() % 6 == 0 ? 0 : static_cast<std::int64_t>(speed * unit(random) * unit_q62);
+  p.lead = 1 + ticks();
+  p.cruise = random() % 3 == 0 ? 0 : ticks();
+  p.tail = 1 + ticks();
+  const auto way = static_cast<std::int64_t>(speed * unit(random) * unit_q62);
+  p.distance_q62 = Int128::product(way, p.lead + p.cruise + p.tail);
+  return p;
+}
+
+AxisProfile without_ramps(const Phases& p) {
+  return make_phases(p.distance_q62, p.v0_q62, p.v1_q62, p.lead, p.cruise, p.tail);
+}
+
+/// A jerk at which the longer phases have room for pulses and the shorter ones do not.
+AxisLimits jerk_for(const AxisProfile& p, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  const double lead = static_cast<double>(abs64(p.lead_accel_q62)) / p.lead_ticks;
+  const double tail = static_cast<double>(abs64(p.tail_accel_q62)) / p.tail_ticks;
+  AxisLimits axis;
+  axis.jerk_q78 = 1 + static_cast<std::int64_t>(65536 * std::min(1e13, std::max(lead, tail)) * 3 *
+                                                std::pow(300, unit(random)));
+  return axis;
+}
+
+TEST(Pulse, ChangesSpeedAndPlaceAsConstantAccelerationDoes) {
+  std::mt19937_64 random(71);
+  int fitting = 0;
+  for (int i = 0; i < test::scaled(20'000); ++i) {
+    SCOPED_TRACE(i);
+    const Phases phases = random_phases(random);
+    const AxisProfile flat = without_ramps(phases);
+    AxisProfile p = flat;
+    const AxisLimits axis = jerk_for(flat, random);
+    if (!make_pulses(p, phases.v1_q62, axis.jerk_q78)) continue;
+    ++fitting;
+    ASSERT_TRUE(keeps_jerk(p, axis.jerk_q78));
+    // Accelerations are rounded to units that leave every stair even: so much over a phase.
+    const auto unit = static_cast<double>(stepper::pulse_accel_unit);
+    const double n = p.ticks();
+    ASSERT_LE(std::fabs(static_cast<double>(p.cruise_speed_q62() - flat.cruise_speed_q62())),
+              unit * p.lead_ticks);
+    ASSERT_LE(std::fabs(static_cast<double>(p.end_speed_q62() - phases.v1_q62)),
+              unit * p.tail_ticks);
+    ASSERT_LE(std::fabs(static_cast<double>(native(displacement_q62(p) - displacement_q62(flat)))),
+              unit * n * n);
+  }
+  EXPECT_GT(fitting, test::scaled(20'000) / 8);
+}
+
+TEST(Pulse, IsWhatItsTicksAddUpTo) {
+  std::mt19937_64 random(72);
+  for (int i = 0; i < test::scaled(10'000); ++i) {
+    SCOPED_TRACE(i);
+    const Phases phases = random_phases(random);
+    AxisProfile p = without_ramps(phases);
+    const AxisLimits axis = jerk_for(p, random);
+    const bool fits = make_pulses(p, phases.v1_q62, axis.jerk_q78);
+    ASSERT_EQ(fits, keeps_jerk(p, axis.jerk_q78));
+    const test::TickSum sum = test::sum_ticks(p);
+    ASSERT_EQ(native(displacement_q62(p)), sum.end_q62);
+    const Excursion e = excursion(p);
+    ASSERT_EQ(native(e.low_q62), sum.lowest_q62);
+    ASSERT_EQ(native(e.high_q62), sum.highest_q62);
+    ASSERT_EQ(sum.sign_changes_outside_turns, 0);
+    if (!fits) continue;
+    ASSERT_LE(sum.largest_accel_q62, std::max(abs64(p.lead_accel_q62), abs64(p.tail_accel_q62)));
+    test::JerkWatch watch(axis);
+    watch.allow_stairs(p);
+    watch.tick(0);
+    test::for_each_tick(p,
+                        [&](test::Native, std::int64_t, std::int64_t accel) { watch.tick(accel); });
+    watch.tick(0);
+    ASSERT_FALSE(watch.broken()) << watch.worst() << " stairs";
+  }
+}
+
+TEST(Pulse, IsRefusedWhereNoRampIsLongEnough) {
+  // n^2 J / 4 is the most: a hair less fits, a hair more does not.
+  std::mt19937_64 random(73);
+  for (int i = 0; i < test::scaled(2'000); ++i) {
+    const auto n = static_cast<std::uint32_t>(1024 + random() % 100'000);
+    const std::int64_t jerk_q78 = std::int64_t{1} << (40 + random() % 6);
+    const auto most = static_cast<std::int64_t>(static_cast<double>(jerk_q78) / 65536 * n *
+                                                static_cast<double>(n) / 4);
+    for (const double part : {0.99, 1.01}) {
+      const auto change = static_cast<std::int64_t>(part * static_cast<double>(most));
+      AxisProfile p;
+      p.lead_ticks = n;
+      p.lead_accel_q62 = change / static_cast<std::int64_t>(n) & ~std::int64_t{1};
+      const std::int64_t v1 = p.cruise_speed_q62();
+      ASSERT_EQ(make_pulses(p, v1, jerk_q78), part < 1) << n;
+    }
+  }
+}
+
+/// A brake from a state of an axis, and what it has to keep.
+TEST(Pulse, BrakesFromAnyStateWithoutAJerk) {
+  std::mt19937_64 random(74);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int i = 0; i < test::scaled(2'000); ++i) {
+    SCOPED_TRACE(i);
+    Chain chain = test::random_chain(random, 2);
+    test::limit_jerk(chain, random);
+    stepper::MotionState from;
+    Accelerations accel{};
+    for (std::size_t a = 0; a < static_cast<std::size_t>(chain.limits.axes); ++a) {
+      const AxisLimits& axis = chain.limits.axis[a];
+      from.axis[a].speed_q62 =
+          static_cast<std::int64_t>(unit(random) * std::exp(-6 * std::fabs(unit(random))) *
+                                    static_cast<double>(axis.plan_speed_q62));
+      // No more than a ramp of planned motion has: it changes the speed by less than the limit.
+      const double jerk = std::max(1.0, static_cast<double>(axis.jerk_q78) / 65536);
+      const double most = std::min(static_cast<double>(axis.accel_q62),
+                                   std::sqrt(2 * jerk * static_cast<double>(axis.speed_q62)));
+      accel[a] =
+          static_cast<std::int64_t>(unit(random) * std::exp(-6 * std::fabs(unit(random))) * most);
+      if (axis.jerk_q78 == 0) accel[a] = 0;
+      if (random() % 4 == 0) accel[a] = 0;
+      if (random() % 8 == 0) from.axis[a].speed_q62 = 0;
+    }
+    const Segment s = make_brake(from, chain.limits, accel);
+    ASSERT_TRUE(s.end.at_rest());
+    for (std::size_t a = 0; a < static_cast<std::size_t>(chain.limits.axes); ++a) {
+      const AxisLimits& axis = chain.limits.axis[a];
+      const AxisProfile& p = s.axis[a];
+      ASSERT_LE(p.ticks(), s.ticks);
+      ASSERT_LE(abs64(p.end_speed_q62()), stepper::pulse_accel_unit * std::int64_t{s.ticks});
+      ASSERT_EQ(s.end.axis[a].position_q64, displacement_q62(p) << 2);
+      ASSERT_LE(std::max(abs64(p.lead_accel_q62), abs64(p.tail_accel_q62)), axis.accel_q62);
+      if (axis.jerk_q78 == 0 || p.ticks() > 300'000) continue;
+      const test::TickSum sum = test::sum_ticks(p);
+      ASSERT_EQ(native(displacement_q62(p)), sum.end_q62);
+      ASSERT_EQ(sum.sign_changes_outside_turns, 0);
+      ASSERT_LE(sum.largest_accel_q62, axis.accel_q62);
+      test::JerkWatch watch(axis);
+      watch.allow_stairs(p);
+      watch.allow_stairs(stepper::least_stair_ticks);
+      const auto begin = static_cast<double>(accel[a]);
+      watch.start(begin);
+      test::for_each_tick(p,
+                          [&](test::Native, std::int64_t, std::int64_t now) { watch.tick(now); });
+      watch.tick(0);
+      ASSERT_FALSE(watch.broken()) << "axis " << a << ": " << watch.worst() << " stairs";
+    }
+  }
+}
+
+/// Everything that holds for a plan, with jerk: analytically, tick by tick for some.
+Fault fault_of(std::uint64_t number, Planner& planner, bool every_tick) {
+  std::mt19937_64 random(number * 0x9e3779b97f4a7c15u + 7500);
+  Chain chain = test::random_chain(random, 3 + random() % 60);
+  if (random() % 8 == 0) chain.mode = JoinMode::start_stop;
+  test::limit_jerk(chain, random);
+  Fault fault;
+  const ChainPlan plan =
+      test::plan_chain(chain, planner, [&](const Planner& p, const PlanRequest& request) {
+        if (!fault) fault = test::window_fault(chain, p, request);
+      });
+  if (fault) return fault;
+  long ticks = 0;
+  fault = test::plan_fault(chain, plan, ticks);
+  if (fault || !every_tick) return fault;
+  long left = 1'000'000;
+  std::vector<test::JerkWatch> watches;
+  for (const AxisLimits& axis : chain.limits.axis) watches.emplace_back(axis);
+  stepper::MotionState from = test::rest_at_zero();
+  for (const Segment& s : plan.segments) {
+    if ((left -= s.ticks) < 0) break;
+    if (fault = test::tick_fault(chain.limits, from, s); fault) return fault;
+    for (int a = 0; a < chain.limits.axes; ++a) {
+      test::JerkWatch& watch = watches[index(a)];
+      watch.allow_stairs(s.axis[index(a)]);
+      test::for_each_tick(s.axis[index(a)], [&](test::Native, std::int64_t, std::int64_t accel) {
+        watch.tick(accel);
+      });
+      if (watch.broken()) return {"jerks at a tick", s.point, a};
+    }
+    from = s.end;
+  }
+  return {};
+}
+
+TEST(Pulse, ChainsKeepEveryLimitAndCanAlwaysStop) {
+  const auto planner = std::make_unique<Planner>();
+  for (std::uint64_t number = 0; number < static_cast<std::uint64_t>(test::scaled(1'000)); ++number)
+    ASSERT_EQ(fault_of(number, *planner, number % 10 == 0), Fault{}) << "chain " << number;
+}
+
+}  // namespace
+}  // namespace lamplock::motion
