@@ -65,7 +65,7 @@ constexpr std::uint32_t stair_rounding = 16;
 /// Planned is with what pulses of this length are worth, the longest of: nearly half a beat, so
 /// that most ways of one beat can be done; the time in which the jerk gives the acceleration, for
 /// ways of many beats; and this. Found by measuring beats per point on walks.
-constexpr std::int64_t least_pulse_ticks = 400 * (ticks_per_second / 1'000'000);
+constexpr std::int64_t least_pulse_ticks = 2 * stepper::least_stair_ticks;
 constexpr std::int64_t pulse_ticks(std::uint32_t beat, std::int64_t rise_ticks) {
   const std::int64_t half_beat = beat / 64 * 29;
   const std::int64_t longer = half_beat > rise_ticks ? half_beat : rise_ticks;
@@ -83,13 +83,23 @@ bool limit_jerk(AxisLimits& axis, std::uint32_t beat) {
     return ratio_up(Int128(accel_q62) << 16, axis.jerk_q78);
   };
   if (axis.jerk_q78 < min_jerk_q78 || rise(most) > longest_rise_ticks) return false;
+  axis.rise_ticks = stair_rounding;
+  axis.brake_accel_q62 = axis.plan_accel_q62 = most;
+  if (rise(most) <= flat_rise_ticks) return most >= min_accel_q62;
+  // Ramps are no shorter than a stair: as if the jerk were no higher than this.
+  const std::int64_t softest =
+      (Int128(most) << 16).divided_by(stepper::least_stair_ticks).to_int64();
+  const std::int64_t jerk_q78 = axis.jerk_q78 < softest ? axis.jerk_q78 : softest;
   const std::int64_t n = pulse_ticks(beat, rise(most)) - stair_rounding;
-  const Int128 product = Int128::product(axis.jerk_q78, n) >> 16;
+  const Int128 product = Int128::product(jerk_q78, n) >> 16;
   constexpr std::int64_t largest = std::int64_t{1} << 62;
   const std::int64_t jn = product > Int128(largest) ? largest : product.to_int64();
   axis.plan_accel_q62 = jn / 2 < most ? jn / 4 : most - ratio_up(Int128::product(most, most), jn);
+  const std::int64_t flat = (Int128::product(axis.jerk_q78, flat_rise_ticks) >> 16).to_int64();
+  if (axis.plan_accel_q62 < flat) axis.plan_accel_q62 = flat;
   axis.brake_accel_q62 = most < 2 * axis.plan_accel_q62 ? most : 2 * axis.plan_accel_q62;
-  axis.rise_ticks = static_cast<std::uint32_t>(rise(axis.brake_accel_q62)) + stair_rounding;
+  const auto ramp = static_cast<std::uint32_t>(rise(axis.brake_accel_q62));
+  axis.rise_ticks += ramp > stepper::least_stair_ticks ? ramp : stepper::least_stair_ticks;
   return axis.plan_accel_q62 >= min_accel_q62;
 }
 

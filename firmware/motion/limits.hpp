@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "firmware/motion/scaled_reach.hpp"
+#include "firmware/stepper/segment.hpp"
 #include "shared/beat.hpp"
 #include "shared/fixed_point.hpp"
 #include "shared/result.hpp"
@@ -15,6 +16,9 @@
 #include "shared/units.hpp"
 
 namespace lamplock::motion {
+
+/// An acceleration that the jerk gives in this time needs no ramp: half of the shortest stair.
+inline constexpr std::uint32_t flat_rise_ticks = stepper::least_stair_ticks / 2;
 
 /// Limits of one axis.
 struct AxisLimits {

@@ -9,6 +9,7 @@ namespace {
 
 using stepper::falling_ramp;
 using stepper::full_ticks;
+using stepper::least_stair_ticks;
 using stepper::longest_ramp;
 using stepper::pulse_accel_unit;
 using stepper::ramp_of;
@@ -30,13 +31,19 @@ bool suffices(std::uint8_t ramp, std::uint32_t n, std::int64_t change, std::int6
   return Int128::product(jerk_q78, ticks) >= Int128(change) << 16;
 }
 
-/// The shortest ramp; 0 if there is none.
+/// An acceleration may begin and end at once if the jerk gives it in half of the shortest stair.
+bool may_be_flat(std::int64_t accel, std::int64_t jerk_q78) {
+  return Int128::product(jerk_q78, flat_rise_ticks) >= Int128(abs64(accel)) << 16;
+}
+
+/// The shortest ramp, no shorter than a stair if the phase is long enough; 0 if there is none.
 std::uint8_t shortest_ramp(std::uint32_t n, std::int64_t change, std::int64_t jerk_q78) {
   if (!suffices(longest_ramp, n, change, jerk_q78)) return 0;
+  const auto stair = (least_stair_ticks * (2 * longest_ramp) + n - 1) / n;
   std::uint8_t ramp = longest_ramp;
   for (std::uint8_t part = longest_ramp / 2; part != 0; part /= 2) {
     const auto shorter = static_cast<std::uint8_t>(ramp - part);
-    if (suffices(shorter, n, change, jerk_q78)) ramp = shorter;
+    if (shorter >= stair && suffices(shorter, n, change, jerk_q78)) ramp = shorter;
   }
   return ramp;
 }
@@ -47,6 +54,8 @@ bool make_pulse(std::int64_t change, std::uint32_t n, std::int64_t jerk_q78, std
   ramp = 0;
   accel = 0;
   if (change == 0 || n == 0) return true;
+  accel = whole_units(change / static_cast<std::int64_t>(n));
+  if (may_be_flat(accel, jerk_q78)) return true;
   ramp = shortest_ramp(n, abs64(change), jerk_q78);
   // One that is impossible is left steep, to be recognised.
   accel = whole_units(change / static_cast<std::int64_t>(full_ticks(n, ramp)));
@@ -54,8 +63,8 @@ bool make_pulse(std::int64_t change, std::uint32_t n, std::int64_t jerk_q78, std
 }
 
 bool keeps_jerk(std::int64_t accel, std::uint32_t n, std::uint8_t ramp, std::int64_t jerk_q78) {
-  if (accel == 0) return true;
-  const std::uint32_t r = ramp == 0 ? 0 : ramp_of(n, ramp).ticks();
+  if (ramp == 0) return may_be_flat(accel, jerk_q78);
+  const std::uint32_t r = ramp_of(n, ramp).ticks();
   return Int128::product(jerk_q78, r) >= Int128(abs64(accel)) << 16;
 }
 
@@ -84,7 +93,8 @@ std::uint32_t fall_ticks(std::int64_t accel, std::int64_t jerk_q78) {
   const std::uint64_t ticks =
       ((Int128(abs64(accel)) << 16) >> shift).divided_by(static_cast<std::uint32_t>(jerk)).lo();
   constexpr std::uint32_t stairs = 1u << stepper::most_log_stairs;
-  return (static_cast<std::uint32_t>(ticks) / stairs + 1) * stairs;
+  const std::uint64_t least = ticks < least_stair_ticks ? least_stair_ticks : ticks;
+  return (static_cast<std::uint32_t>(least) / stairs + 1) * stairs;
 }
 
 /// A brake from a speed and an acceleration. Its acceleration falls first; or, where the axis

@@ -32,8 +32,9 @@ Int128 ramp_displacement_q62(std::int64_t speed_q62, std::int64_t accel_q62, std
                              std::uint8_t ramp) {
   const Int128 steady = Int128::product(speed_q62, n);
   if (accel_q62 == 0) return steady;
-  // A n (n - r) / 2; the stairs of a fall: A s^2 (4 K^2 - 1)/12 with K = 8.
-  const std::uint64_t quarters = ramp == falling_ramp ? 85 * wide_product(n / 8, n / 8)
+  // A n (n - r) / 2; the stairs of a fall: A s^2 (4 K^2 - 1)/12 with K = 4.
+  static_assert(most_log_stairs == 2);
+  const std::uint64_t quarters = ramp == falling_ramp ? 21 * wide_product(n / 4, n / 4)
                                                       : 2 * wide_product(n, full_ticks(n, ramp));
   return steady + (Int128::product(accel_q62, static_cast<std::int64_t>(quarters)) >> 2);
 }

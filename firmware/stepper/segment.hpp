@@ -38,10 +38,10 @@ struct Ramp {
 inline constexpr std::uint8_t longest_ramp = 128;
 /// A phase that is the second half of a pulse: it only falls, from a motion that is broken off.
 inline constexpr std::uint8_t falling_ramp = 255;
-/// At most so many stairs, and shorter ones than this only if there is just one: each stair costs
-/// the board a block.
-inline constexpr int most_log_stairs = 3;
-inline constexpr std::uint32_t least_stair_ticks = 64 * (ticks_per_second / 1'000'000);
+/// At most four stairs, and no shorter ones than this unless the phase is: each stair costs the
+/// board a block, some 40 us on the Cortex-M0+.
+inline constexpr int most_log_stairs = 2;
+inline constexpr std::uint32_t least_stair_ticks = 256 * (ticks_per_second / 1'000'000);
 /// Accelerations of pulses are whole multiples of this, so that every stair is an even number.
 inline constexpr std::int64_t pulse_accel_unit = std::int64_t{4} << most_log_stairs;
 

@@ -116,7 +116,7 @@ TEST(Pulse, IsRefusedWhereNoRampIsLongEnough) {
   // n^2 J / 4 is the most: a hair less fits, a hair more does not.
   std::mt19937_64 random(73);
   for (int i = 0; i < test::scaled(2'000); ++i) {
-    const auto n = static_cast<std::uint32_t>(1024 + random() % 100'000);
+    const auto n = static_cast<std::uint32_t>(4096 + random() % 100'000);
     const std::int64_t jerk_q78 = std::int64_t{1} << (40 + random() % 6);
     const auto most = static_cast<std::int64_t>(static_cast<double>(jerk_q78) / 65536 * n *
                                                 static_cast<double>(n) / 4);
@@ -172,7 +172,6 @@ TEST(Pulse, BrakesFromAnyStateWithoutAJerk) {
       ASSERT_LE(sum.largest_accel_q62, axis.accel_q62);
       test::JerkWatch watch(axis);
       watch.allow_stairs(p);
-      watch.allow_stairs(stepper::least_stair_ticks);
       const auto begin = static_cast<double>(accel[a]);
       watch.start(begin);
       test::for_each_tick(p,
