@@ -20,6 +20,8 @@ constexpr std::int32_t start_slack_qs = 2 * hair_qs;
 /// Ways too short for their jerk are made longer so often, and so often without standing at their
 /// ends.
 constexpr std::int32_t most_longer = 16, longer_moving = 4;
+/// Labels per point when planning again: the board has not the time for as many as at first.
+constexpr std::uint32_t again_labels = 2;
 
 /// Displacement in steps, Q32, from an exact position to the middle of a step.
 std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {
@@ -321,7 +323,9 @@ void Planner::take_longer() {
   }
   misfits_ = 0;
   guide(window_);
-  beam_.begin(window_, effort());
+  Effort again = effort();
+  if (again.labels > again_labels) again.labels = again_labels;
+  beam_.begin(window_, again);
   phase_ = Phase::search;
   at_ = 0;
 }
