@@ -53,6 +53,20 @@ class NaiveBoard {
     ++blocks_;
   }
 
+  /// A block whose lattice bits come as runs.
+  void play(TickBlock block, const stepper::BitRuns& runs) {
+    const std::uint32_t all = block.ticks;
+    std::uint64_t tick = tick_;
+    for (std::uint32_t i = 0; i < runs.count; tick += runs.run[i++].ticks) {
+      ASSERT_GT(runs.run[i].ticks, 0u);
+      if (!bits_.empty() && bits_.back().bits == runs.run[i].bits) continue;
+      bits_.push_back({tick, runs.run[i].bits});
+    }
+    ASSERT_EQ(tick, tick_ + all) << "runs are not as long as their block";
+    block.bits = bits_.back().bits;
+    play(block);
+  }
+
   std::uint64_t tick() const { return tick_; }
   test::Native position(int a) const { return position_[index(a)]; }
   const std::vector<Step>& steps() const { return steps_; }
@@ -118,8 +132,8 @@ std::vector<Segment> shifted(std::vector<Segment> segments, std::uint64_t ticks)
 test::Chain fast_chain(std::mt19937_64& random, std::size_t points, int axes = 4) {
   std::uniform_real_distribution<double> unit(0, 1);
   test::Chain chain;
-  chain.limits =
-      test::limits_of(test::machine_settings(2000 + 3000 * unit(random), 30, 0.9, axes, 900));
+  chain.settings = test::machine_settings(2000 + 3000 * unit(random), 30, 0.9, axes, 900);
+  chain.limits = test::limits_of(chain.settings);
   std::array<double, max_axes> at{};
   std::normal_distribution<double> normal;
   for (std::size_t i = 0; i < points; ++i) {
@@ -387,6 +401,43 @@ TEST(TickGenerator, AnAxisWithALeadTakesTheSameStepsSoMuchEarlier) {
     EXPECT_FALSE(ahead.generator.underrun());
     EXPECT_TRUE(ahead.queue.released());
   }
+}
+
+/// Of pulses, with axes ahead: the same steps and bits as where bits cut blocks, in fewer blocks.
+TEST(TickGenerator, RunsOfBitsChangeNothingButTheBlocks) {
+  std::mt19937_64 random(74);
+  long cut = 0, whole = 0;
+  for (int i = 0; i < test::scaled(10); ++i) {
+    test::Chain chain = fast_chain(random, 60);
+    if (i % 3 != 0) test::limit_jerk(chain, random);
+    const std::vector<Segment> segments = shifted(plan(chain), 6000);
+    const PerAxis<std::uint32_t> leads = random_leads(random);
+    const std::uint64_t end = std::min<std::uint64_t>(segments.back().end.tick + 1000, 2'000'000);
+    Machine by_bits, by_runs;
+    for (Machine* machine : {&by_bits, &by_runs}) {
+      machine->generator.set_leads(leads);
+      machine->generator.set_arm_lead(5);
+      machine->generator.set_trigger({chain.limits.beat_ticks, 40, 6000});
+    }
+    ASSERT_NO_FATAL_FAILURE(by_bits.run_to(segments, end));
+    TickBlock block;
+    stepper::BitRuns runs;
+    while (by_runs.board.tick() < end) {
+      while (by_runs.fed < segments.size() && by_runs.queue.free() != 0)
+        by_runs.queue.push(segments[by_runs.fed++]);
+      by_runs.generator.fill_runs(
+          block,
+          static_cast<std::uint32_t>(std::min<std::uint64_t>(end - by_runs.board.tick(), 1000)),
+          runs);
+      ASSERT_NO_FATAL_FAILURE(by_runs.board.play(block, runs));
+    }
+    ASSERT_GT(by_bits.board.steps().size(), 20u);
+    EXPECT_EQ(by_runs.board.sorted_steps(), by_bits.board.sorted_steps());
+    EXPECT_EQ(by_runs.board.bits(), by_bits.board.bits());
+    cut += by_bits.board.blocks();
+    whole += by_runs.board.blocks();
+  }
+  EXPECT_LT(whole, cut);
 }
 
 TEST(TickGenerator, BrakesFromTheHeadOnWhateverTheLeads) {
