@@ -6,10 +6,10 @@
 //      known about the ends of the phase stays true. Brakes to rest, with and without jerk.
 // Called by the planner and by the job runner (main loop).
 //
-// What is kept: over any time t the acceleration changes by no more than J t and one stair, which is
-// what J gives in `least_stair_ticks` or in a quarter of a ramp, whichever is more. What J gives in
-// half the shortest stair begins and ends at once; a ramp is never further from a straight one than
-// half a stair and has its speed at the end of every stair.
+// What is kept: over any time t the acceleration changes by no more than J t and one stair, which
+// is what J gives in `least_stair_ticks` or in a quarter of a ramp, whichever is more. What J gives
+// in half the shortest stair begins and ends at once; a ramp is never further from a straight one
+// than half a stair and has its speed at the end of every stair.
 #pragma once
 
 #include <cstdint>
