@@ -490,8 +490,7 @@ std::uint32_t BeatClock::steered(std::uint32_t length, std::uint32_t ticks, int 
   }
   if (!moving) return length;
   // Rather a lattice that lags than motion above its limits.
-  const std::uint32_t least =
-      run_q16(least_.most(tick_, tick_ + ticks + lead_ticks_), ticks);
+  const std::uint32_t least = run_q16(least_.most(tick_, tick_ + ticks + lead_ticks_), ticks);
   return length < least ? least : length;
 }
 
