@@ -3,14 +3,19 @@
 // In:  targets (decoder), outcomes of shots (scheduler), the lamp (beat clock), orders: hold,
 //      resume, stop.
 // Out: segments for the tick generator, plans of beats for the shot scheduler.
-// Called from the main loop, but for plan(). One window is planned at a time, in three steps, so
+// Called from the main loop, but for plan(). One window is planned at a time, in four steps, so
 // that a board with real interrupts masks beat and fill interrupts for the short ones alone:
 //
 //   prepare()  masked     reads outcomes, takes back what was missed, decides whether to plan
 //   plan()     unmasked   a slice of it (window_plan.hpp), on data that no interrupt touches, until
 //                         it is complete: by the main loop, or by another core while that goes on
+//   stage()    unmasked   copies what is next to the place it is handed out from, and its brake
 //   commit()   masked     hands the plan out; a start from rest moves on by whole beats if planning
 //                         has outlasted its margin
+//
+// Planning is ahead of the queues: a plan is made as soon as the one before is handed out, and
+// waits for room. It is handed out in parts, for which room is there sooner, and which keep
+// interrupts masked for a small part of the quickest beat only.
 //
 // Of the rest, what touches motion or shots (read_outcomes, brake, halt) is called masked.
 //
@@ -18,7 +23,8 @@
 //
 //   the planner's     plan_ with request, limits and scratch memory
 //   nobody changes    the settings that plan() is given; targets from the first one in the request
-//                     on: they are not done yet, so no new ones take their place
+//                     on, up to its known_end: they are not done yet, so no new ones take their
+//                     place
 //   the main loop's   everything else: queue_ (but for those targets), clock_, shots_, segments_,
 //                     generator_, brake_limits_, where the next plan starts
 //

@@ -2,7 +2,8 @@
 //
 // One writer (main loop) and one reader (fill interrupt); indices are single words and only ever
 // grow, so neither side needs a lock. But the writer may take back what the reader has not begun;
-// it must do so with the fill interrupt masked (a few instructions).
+// it must do so with the fill interrupt masked (a few instructions). It may also write segments
+// behind the end beforehand: nobody sees them before they are published.
 //
 //   released | begun, still read | not begun: front() ...
 //            kept_               begun()                 end
