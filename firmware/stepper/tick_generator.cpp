@@ -190,16 +190,21 @@ TickGenerator::PhaseView TickGenerator::phase_of(const AxisProfile& p, std::uint
   return {p.tail_accel_q62, p.tail_ticks, p.tail_turn_ticks, p.tail_ramp};
 }
 
-void TickGenerator::begin_phase(Run& r, const AxisProfile& p, std::uint32_t phase) {
+/// The first phase from this one on that takes time.
+TickGenerator::PhaseView TickGenerator::begin_phase(Run& r, const AxisProfile& p,
+                                                    std::uint32_t phase) {
+  if (phase == 0 && p.lead_ticks == 0) phase = 1;
+  if (phase == 1 && p.cruise_ticks == 0) phase = 2;
   const PhaseView view = phase_of(p, phase);
   r.phase = phase & 0xffffu;
   r.stair = first_stair(view.ramp) & 0xffffu;
   r.to_turn = view.turn_ticks;
+  return view;
 }
 
 /// Takes the next stair of the phase that a run is in; false if there is none.
 bool TickGenerator::next_stair(Run& r, const PhaseView& phase) {
-  if (phase.ticks == 0) return false;
+  if (phase.ticks == 0 || (phase.ramp == 0 && r.stair != 0)) return false;
   Stair stair;
   while (stepper::next_stair(phase.accel_q62, phase.ticks, phase.ramp, r.stair, stair)) {
     ++r.stair;
@@ -226,9 +231,11 @@ void TickGenerator::next_piece(Run& r, const AxisProfile& p) {
     r.behind = 0;
     return;
   }
-  for (; r.phase < phases; begin_phase(r, p, r.phase + 1))
-    if (next_stair(r, phase_of(p, r.phase))) return;
-  stand(r);
+  PhaseView view = phase_of(p, r.phase);
+  while (!next_stair(r, view)) {
+    if (r.phase + 1u >= phases) return stand(r);
+    view = begin_phase(r, p, r.phase + 1u);
+  }
 }
 
 void TickGenerator::next_piece(Run& r, int a) const {

@@ -114,7 +114,7 @@ class TickGenerator {
   void begin_segment();
   bool enter(Reader& reader, std::uint64_t tick) const;
   static PhaseView phase_of(const AxisProfile& profile, std::uint32_t phase);
-  static void begin_phase(Run& run, const AxisProfile& profile, std::uint32_t phase);
+  static PhaseView begin_phase(Run& run, const AxisProfile& profile, std::uint32_t phase);
   static bool next_stair(Run& run, const PhaseView& phase);
   static void next_piece(Run& run, const AxisProfile& profile);
   void next_piece(Run& run, int axis) const;
