@@ -18,6 +18,7 @@ bool next_ramp_stair(std::int64_t accel_q62, std::uint32_t n, std::uint8_t ramp,
                      Stair& stair) {
   const Ramp shape = ramp_of(n, ramp);
   const std::uint32_t top = shape.stairs();
+  if (i > 2 * top) return false;
   if (i == top) {
     stair = {accel_q62, ramp == falling_ramp ? 0 : n - 2 * shape.ticks()};
     return true;
@@ -25,7 +26,7 @@ bool next_ramp_stair(std::int64_t accel_q62, std::uint32_t n, std::uint8_t ramp,
   const std::uint32_t halves = 2 * (i < top ? i : 2 * top - i) + 1;
   stair = {(accel_q62 >> (shape.log_stairs + 1)) * static_cast<std::int64_t>(halves),
            shape.stair_ticks};
-  return i <= 2 * top;
+  return true;
 }
 
 Int128 ramp_displacement_q62(std::int64_t speed_q62, std::int64_t accel_q62, std::uint32_t n,

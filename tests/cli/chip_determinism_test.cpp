@@ -25,8 +25,8 @@ constexpr const char* busy_script =
 
 /// Without USB, whose host takes its time, for runs that are slow: boot, the lamp, steps of time.
 constexpr const char* short_script =
-    "at 140ms pulse gpio8 10us every 1ms times 10\n"
-    "at 150ms\n"
+    "at 160ms pulse gpio8 10us every 1ms times 10\n"
+    "at 170ms\n"
     "expect gpio25 frequency 1MHz +-0.1% in 1ms\n"
     "end\n";
 

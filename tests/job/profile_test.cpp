@@ -106,7 +106,7 @@ TEST(Profile, TheExampleIsTheDefaultAndNamesEverySetting) {
     all += (line.rfind("# ", 0) == 0 && line.find(" = ") < 20 ? line.substr(2) : line) + "\n";
   const Profile everything = read(all);
   EXPECT_EQ(everything.settings, settings::Values{});
-  constexpr std::size_t settings_of_an_axis = 6;
+  constexpr std::size_t settings_of_an_axis = 8;
   EXPECT_EQ(everything.stated.count(), settings::setting_count - settings_of_an_axis);
 }
 

@@ -55,8 +55,9 @@ AxisLimits jerk_for(const AxisProfile& p, std::mt19937_64& random) {
   const double lead = static_cast<double>(abs64(p.lead_accel_q62)) / p.lead_ticks;
   const double tail = static_cast<double>(abs64(p.tail_accel_q62)) / p.tail_ticks;
   AxisLimits axis;
-  axis.jerk_q78 = 1 + static_cast<std::int64_t>(65536 * std::min(1e13, std::max(lead, tail)) * 3 *
-                                                std::pow(300, unit(random)));
+  const double jerk =
+      65536 * std::min(1e13, std::max(lead, tail)) * 3 * std::pow(300, unit(random));
+  axis.jerk_q78 = 1 + static_cast<std::int64_t>(std::min(jerk, 9e18));
   return axis;
 }
 

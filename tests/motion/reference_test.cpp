@@ -158,7 +158,8 @@ TEST(Planner, StaysAtTheOptimumOverLongStreams) {
   std::mt19937_64 random(53);
   Planner planner;
   long optimum = 0, planned = 0;
-  for (int i = 0; i < test::scaled(200); ++i) {
+  // A single beat is a tenth of a percent of twenty streams.
+  for (int i = 0; i < std::max(200, test::scaled(200)); ++i) {
     const Chain chain = random_walk(walks[static_cast<std::size_t>(i) % 4], 40, random);
     optimum += bench::fewest_beats(bench::problem_of(chain.limits, chain.targets)).beats;
     const test::ChainPlan plan = test::plan_chain(chain, planner);
