@@ -96,6 +96,7 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   std::uint32_t session = 0;
+  Picoseconds judged_from = 0;
   for (int round = 0; round < scaled(5); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     const std::size_t before = rig.shots().size();
@@ -117,8 +118,11 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
       } else if (what == 2) {
         running.sender.stop();
       } else if (what == 3) {
+        // Pressed, the machine stops dead: what lies on either side is judged.
+        EXPECT_EQ(rig.monitor.violation(profile.settings, judged_from, rig.now()), "");
+        judged_from = rig.now() + 10 * ps_per_ms;
         rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
-        rig.board.world().schedule(sim::Pin::estop, false, rig.now() + 10 * ps_per_ms);
+        rig.board.world().schedule(sim::Pin::estop, false, judged_from);
       } else {
         rig.board.world().schedule(sim::Pin::door, true, rig.now() + ps_per_us);
         rig.board.world().schedule(sim::Pin::door, false, rig.now() + 20 * ps_per_ms);
@@ -147,7 +151,7 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
   }
   EXPECT_GT(in_a_plan_, 0);
   EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
-  EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+  EXPECT_EQ(rig.monitor.violation(profile.settings, judged_from), "");
   expect_no_violations(rig);
 }
 
