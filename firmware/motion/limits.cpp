@@ -12,6 +12,8 @@ using settings::Id;
 
 /// Beats are at least this long, so that the margins below make sense.
 constexpr std::uint32_t min_beat_ticks = 100;
+/// Units of the search that the speeds of a way may be off, times four: 32.
+constexpr int search_share_bits = 5;
 /// A step needs a high and a low phase inside its tick; leave the last two per cent to rounding.
 constexpr std::int64_t max_speed_q62 = one_q62 / 100 * 98;
 /// About 0.2 step/s2; below it the reciprocal would lose its meaning.
@@ -230,6 +232,12 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
       setting = settings::row(settings::for_axis(Id::acceleration_x, a)).number;
       return Result::bad_value;
     }
+    set_reciprocal(axis, beat);
+    axis.speed_q32 = normalised_speed_q32(axis, beat);
+    axis.scale = make_scale(axis.speed_q32);
+    // A speed that is some units of the search off costs four times as much of the acceleration in
+    // a way of one beat: it matters where V/A is seconds.
+    axis.plan_accel_q62 -= axis.plan_accel_q62 >> (axis.scale.bits - search_share_bits);
     set_reciprocal(axis, beat);
     axis.speed_q32 = normalised_speed_q32(axis, beat);
     axis.scale = make_scale(axis.speed_q32);
