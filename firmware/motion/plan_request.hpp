@@ -19,9 +19,9 @@ using stepper::AxisState;
 using stepper::MotionState;
 using stepper::Segment;
 
-/// Segments made of a window, at most; the points behind them are what the plan looks ahead. Eight
+/// Segments made of a window, at most; the points behind them are what the plan looks ahead. Four
 /// are enough: with more of them the plans are no shorter.
-inline constexpr std::uint32_t commit_points = window_points - 8;
+inline constexpr std::uint32_t commit_points = window_points - 4;
 
 /// Points behind a window that are looked at for the length of a row (run_up.hpp).
 inline constexpr std::uint32_t run_horizon = 256;

@@ -16,7 +16,7 @@ using Steps = PerAxis<std::int32_t>;
 struct Row {
   std::uint32_t ways = 0;
   std::int32_t beats = 0;     ///< per way, at its speed
-  std::int32_t climbing = 0;  ///< per way, without a run-up
+  std::int32_t climbing = 1;  ///< per way, without a run-up
   std::int32_t run_up = 0;    ///< beats of the run-up
   bool pays() const { return static_cast<std::int64_t>(ways) * (climbing - beats) > run_up; }
 };
@@ -36,11 +36,13 @@ class Rows {
     Row row;
     if (!goes_on(point)) return row;
     const Steps first = way_from(point);
-    row.beats = beats_of(point);
-    row.climbing = row.beats;
     const std::int32_t longest = longest_units(first);
     const auto k = [&row](std::int64_t add) { return std::int64_t{row.climbing} + add; };
     while (2 * std::int64_t{longest} > k(0) * k(1) * (2 * k(0) + 1)) ++row.climbing;
+    // Most ways: not even at any speed that climbing does not reach by itself.
+    if (goes_on(point + 1) && !even(first, way_from(point + 1), row.climbing - 1)) return {};
+    row.beats = beats_of(point);
+    if (row.climbing < row.beats) row.climbing = row.beats;
     row.run_up = longest / row.beats * run_up_share / run_up_divisor;
     for (row.ways = 1; row.climbing > row.beats && goes_on(point + row.ways); ++row.ways)
       if (!even(way_from(point + row.ways - 1), way_from(point + row.ways), row.beats)) break;

@@ -23,7 +23,7 @@
 namespace lamplock::motion {
 
 /// Points planned at once.
-inline constexpr std::uint32_t window_points = 40;
+inline constexpr std::uint32_t window_points = 36;
 
 /// Speeds of all axes at one point.
 using Box = PerAxis<SpeedRange>;
