@@ -30,6 +30,15 @@ constexpr std::uint64_t wide_product(std::uint32_t a, std::uint32_t b) {
 #endif
 }
 
+/// a n for n below 2^16, modulo 2^64: three products of 32 bits, where a general one calls a
+/// function.
+constexpr std::int64_t short_product(std::int64_t a, std::uint32_t n) {
+  const auto low = static_cast<std::uint32_t>(a), high = static_cast<std::uint32_t>(a >> 32);
+  const std::uint32_t low0 = (low & 0xffffu) * n, low1 = (low >> 16) * n;
+  const std::uint64_t product = (std::uint64_t{low1} << 16) + low0;
+  return static_cast<std::int64_t>(product + (std::uint64_t{high * n} << 32));
+}
+
 /// Two's complement, wraps like the built-in unsigned types.
 class Int128 {
  public:
@@ -48,6 +57,17 @@ class Int128 {
     if ((a < 0) == (b < 0)) return p;
     const std::uint64_t lo = 0 - p.lo_;
     return {~p.hi_ + (lo == 0 ? 1u : 0u), lo};
+  }
+
+  /// a n for n below 2^16, exact: four products of 32 bits.
+  static constexpr Int128 short_product(std::int64_t a, std::uint32_t n) {
+    const auto low = static_cast<std::uint32_t>(a), high = static_cast<std::uint32_t>(a >> 32);
+    const std::uint64_t p0 = (std::uint64_t{(low >> 16) * n} << 16) + (low & 0xffffu) * n;
+    const std::uint64_t p1 =
+        (std::uint64_t{(high >> 16) * n} << 16) + (high & 0xffffu) * n + (p0 >> 32);
+    // Of a negative number 2^64 n too much.
+    const std::uint64_t top = (p1 >> 32) - (a < 0 ? n : 0);
+    return {top, p1 << 32 | static_cast<std::uint32_t>(p0)};
   }
 
   friend constexpr Int128 operator+(Int128 a, Int128 b) {

@@ -215,13 +215,14 @@ bool Controller::prepare(std::uint64_t clock) {
   return planning_;
 }
 
-void Controller::commit() {
+bool Controller::commit() {
   // A hold or an alarm since prepare() has made the plan worthless.
+  const bool planned = planning_ && runner_.part_waits();
   if (planning_ && moving_ && !runner_.underrun() && runner_.commit() != Result::ok) {
     link_.refuse_point(Result::unreachable, runner_.failed_point());
     stop();
   }
-  planning_ = false;
+  planning_ = planning_ && moving_ && runner_.part_waits();
   // A stop is over when the machine stands and the last shot that was decided has been counted.
   const bool stopping = !job_ && (state_ == MachineState::run || state_ == MachineState::hold ||
                                   state_ == MachineState::door);
@@ -233,7 +234,7 @@ void Controller::commit() {
   if (state_ == MachineState::run && job_ && runner_.complete() && runner_.at_rest())
     state_ = MachineState::idle;
   end_overrides();
-  link_.poll(*this);
+  return planned;
 }
 
 bool Controller::ready_to_move() const {
@@ -651,13 +652,15 @@ void Controller::send_status_line() {
 
 void Controller::add_beats(TextLine& line) const {
   line.add(clock_.locked() ? "|Lamp:1," : "|Lamp:0,").add(std::int64_t{clock_.edges()});
-  const BeatsByReason inside = shots_.ledger().by_reason();
-  const BeatsByReason outside = shots_.ledger().outside();
+  wire::Status status;
+  fill_status(status);
+  const BeatsByReason &inside = status.beats_by_reason, &outside = status.beats_outside;
   for (std::size_t i = 0; i < beat_reason_count; ++i)
     line.add(i == 0 ? "|Beats:" : ",").add(std::int64_t{inside[i]} + outside[i]);
 }
 
 void Controller::fill_status(wire::Status& status) const {
+  const Masked masked(mask_);
   status.state = state_;
   status.hold_reason = hold_reason_;
   status.alarm = alarm_;

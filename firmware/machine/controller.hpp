@@ -101,12 +101,21 @@ class Controller {
   /// dropped, a job goes on. Touches nothing that is shared with interrupts.
   void new_connection() { link_.new_connection(); }
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
+  /// Not masked, directly before prepare(): makes that short.
+  void look_ahead() {
+    if (job_ && moving_) runner_.look_ahead();
+  }
   bool prepare(std::uint64_t clock);
   /// Not masked, before commit(): makes that short.
   void stage() {
     if (planning_ && moving_) runner_.stage();
   }
-  void commit();
+  /// True if something was handed out.
+  bool commit();
+  /// There is room for another part of the plan at once: stage() and commit() again.
+  bool part_waits() const { return planning_; }
+  /// Not masked: a STATUS that is due is made, which takes longer than a shot can wait.
+  void tell() { link_.poll(*this); }
   void input_changed(Input input, bool active);
   /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.
   void start_in_alarm() { raise_alarm(alarm_position_lost); }
@@ -142,8 +151,9 @@ class Controller {
 
   // Interrupts of the board.
   void fill(stepper::TickBlock& block, std::uint32_t max_ticks) { runner_.fill(block, max_ticks); }
-  void fill_runs(stepper::TickBlock& block, std::uint32_t max_ticks, stepper::BitRuns& runs) {
-    runner_.fill_runs(block, max_ticks, runs);
+  template <class Board>
+  void fill_axes(std::uint32_t ticks, Board& board) {
+    runner_.fill_axes(ticks, board);
   }
   lamp::TickSpan next_span(std::uint32_t max_ticks) { return clock_.next_span(max_ticks); }
   /// An edge longer than a runt; `token_spent` if a loaded token was taken by it.
@@ -156,7 +166,7 @@ class Controller {
     shots_.photosensors(answered, clock);
   }
   /// Exact as of the last lamp_edge(). Beat interrupt, or main loop with it masked.
-  JobMark job_mark() const {
+  JobMark job_mark() {
     if (!job_) return {};
     return {link_.session(), runner_.first_unfired(), shots_.undecided()};
   }

@@ -25,6 +25,7 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   clear();
   options_ = options;
   queue_.reset(first);
+  recount();
   first_ = received_ = first;
   next_ = {first, 0};
   starvations_ = misses_ = 0;
@@ -42,7 +43,9 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
 void JobRunner::clear() {
   hand_over_.recall();
   options_ = RunOptions{};
+  looked_ = false;
   queue_.reset(0);
+  recount();
   next_ = {};
   from_rest_ = astray_ = true;
   returning_ = starving_ = braked_ = waiting_for_beam_ = false;
@@ -62,6 +65,7 @@ void JobRunner::recall_plan() {
 
 void JobRunner::change_beat(const settings::Values& values, std::int32_t least_beats) {
   options_.least_beats = least_beats;
+  looked_ = false;
   plan_.begin_job(values, clock_.beat_ticks(), shortest_tick_q16());
   brake_limits_ = plan_.brake_limits();
   shots_.cancel_after(0);  // beats have other numbers now
@@ -89,6 +93,7 @@ void JobRunner::read_outcomes() {
   }
   // A point fired after a brake had put it back: its place in the queue may be another's by now.
   if (next_.point < queue_.begin()) next_ = {queue_.begin(), 0};
+  recount();
   if (missed) {
     ++misses_;
     go_back();
@@ -97,6 +102,7 @@ void JobRunner::read_outcomes() {
 
 void JobRunner::go_back() {
   hand_over_.recall();
+  looked_ = false;
   // What is being run is carried to its end; what has not begun is taken back.
   segments_.clear();
   provisional_ = 0;
@@ -114,15 +120,15 @@ void JobRunner::go_back() {
   if (!from_rest_) commit_brake();
 }
 
-std::uint32_t JobRunner::first_unfired() const {
-  std::uint32_t point = queue_.begin(), fired = 0;
+std::uint32_t JobRunner::first_unfired() {
   lamp::PointOutcome o;
-  for (std::uint32_t i = 0; shots_.untaken(i, o) && o.outcome != lamp::Outcome::missed; ++i) {
-    if (o.point != point || ++fired < queue_.left(point)) continue;
-    ++point;
-    fired = 0;
+  for (; shots_.untaken(count_.outcomes, o) && o.outcome != lamp::Outcome::missed;
+       ++count_.outcomes) {
+    if (o.point != count_.point || ++count_.fired < queue_.left(count_.point)) continue;
+    ++count_.point;
+    count_.fired = 0;
   }
-  return point;
+  return count_.point;
 }
 
 // What a tick takes may have changed since the last start.
@@ -153,8 +159,17 @@ bool JobRunner::prepare_start() {
   return true;
 }
 
-bool JobRunner::window_ready() {
+void JobRunner::look_ahead() {
+  // Of a plan that was recalled the request belongs to the planner until the end of its slice.
+  if (looked_ || !hand_over_.at_home()) return;
+  window_ready_ = find_window();
+  looked_ = true;
+}
+
+/// Fills the request with what comes next; true if all of it is known.
+bool JobRunner::find_window() {
   plan_.request().count = 0;
+  staged_ = handed_ = 0;
   gone_to_ = has_shot_ = false;
   bool room = true, other_beam = false;
   lamp::Beam last;
@@ -255,7 +270,8 @@ bool JobRunner::may_plan() {
     received_ = queue_.end();
     receive_tick_ = generator_.head();
   }
-  if (window_ready()) {
+  look_ahead();
+  if (window_ready_) {
     starving_ = false;
     return true;
   }
@@ -268,14 +284,13 @@ bool JobRunner::may_plan() {
   return plan_.request().count != 0 && !patient;
 }
 
-/// Segments of the plan that can be handed out now: all that are left, or a part if the queues have
-/// room for no more. Planning is ahead of them.
+/// Segments of the plan that can be handed out now. Planning is ahead of the queues.
 std::uint32_t JobRunner::part() const {
   const std::uint32_t left = plan_.request().commits() - handed_;
+  const std::uint32_t next = left < part_segments ? left : part_segments;
   const std::uint32_t free = segments_.free() + provisional_;
   const std::uint32_t room = free < shots_.free() ? free : shots_.free();
-  if (room > left) return left;  // a brake comes behind them
-  return room > part_segments ? part_segments : 0;
+  return room > next ? next : 0;  // a brake comes behind them
 }
 
 bool JobRunner::prepare(bool go) {
@@ -289,8 +304,10 @@ bool JobRunner::prepare(bool go) {
     return false;
   }
   if (hand_over_.asked()) return !hand_over_.complete() || !plan_.found() || part() != 0;
-  // What was recalled belongs to the planner until the end of its slice.
-  if (!hand_over_.at_home() || !may_plan() || !prepare_start()) return false;
+  if (!hand_over_.at_home()) return false;
+  const bool may = may_plan() && prepare_start();
+  looked_ = false;  // more points will be known
+  if (!may) return false;
   motion::PlanRequest& request = plan_.request();
   request.queue = &queue_;
   request.mode = options_.mode;
@@ -300,7 +317,6 @@ bool JobRunner::prepare(bool go) {
   // Axes with different leads never stand at the same tick: no other length can begin there.
   plan_.start({shortest_tick_q16(), job_speed_},
               generator_.lead() == 0 ? clock_.longest_tick_q16() : full_tick_q16);
-  staged_ = handed_ = 0;
   hand_over_.hand_out();
   return true;
 }
@@ -308,6 +324,8 @@ bool JobRunner::prepare(bool go) {
 Result JobRunner::commit() {
   if (!hand_over_.complete() || (plan_.found() && part() == 0)) return Result::ok;
   const bool found = plan_.found();
+  // Complete since stage(): the next time.
+  if (stages_ && found && staged_ == 0) return Result::ok;
   // Planning took too long and what it started from has passed, or there is no way on from there.
   if (provisional_begun() || (!found && provisional_ != 0)) {
     keep_provisional();
@@ -329,6 +347,7 @@ void JobRunner::take_back_provisional() {
 
 void JobRunner::keep_provisional() {
   hand_over_.recall();
+  looked_ = false;
   provisional_ = 0;
   plan_state_ = rest_state_;
   from_rest_ = true;
@@ -353,6 +372,7 @@ void JobRunner::commit_plan() {
   clock_.set_least_tick(plan_state_.tick, plan_.least_tick_q16());
   clock_.set_tick_length(plan_state_.tick, plan_.tick_length_q16());
   const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(first).start_tick;
+  if (late_ticks != 0) staged_ = 0;  // for another time
   for (std::uint32_t i = first; i < end; ++i) push(i, late_ticks, plan_beat_);
   plan_state_ = plan_.segment(end - 1).end;
   plan_state_.tick += late_ticks;
@@ -369,8 +389,9 @@ void JobRunner::commit_plan() {
   if (handed_ == plan_.request().commits()) hand_over_.recall();
 }
 
-stepper::Segment JobRunner::segment_of(std::uint32_t i, std::uint64_t late_ticks) const {
-  stepper::Segment segment = plan_.segment(i);
+void JobRunner::write_segment(std::uint32_t i, std::uint64_t late_ticks,
+                              stepper::Segment& segment) const {
+  segment = plan_.segment(i);
   segment.start_tick += late_ticks;
   segment.end.tick += late_ticks;
   segment.reason = returning_ && i == 0 ? BeatReason::returning
@@ -378,32 +399,32 @@ stepper::Segment JobRunner::segment_of(std::uint32_t i, std::uint64_t late_ticks
                                         : BeatReason::moving;
   if (gone_to_ && i == 0) segment.ends_point = false;
   if (options_.dry) segment.shot.present = false;
-  return segment;
 }
 
 void JobRunner::stage() {
-  if (staged_ != 0 || !hand_over_.complete() || !plan_.found() || provisional_ == 0) return;
+  stages_ = true;
+  if (staged_ != 0 || !hand_over_.complete() || !plan_.found()) return;
   staged_ = part();
   if (staged_ == 0) return;
-  // The first one takes the place of the brake, which may still begin.
+  // The first one may take the place of a brake, which may still begin.
   for (std::uint32_t i = 1; i < staged_; ++i)
-    segments_.stage(segment_of(handed_ + i, 0), i - provisional_);
+    write_segment(handed_ + i, 0, segments_.stage(i - provisional_));
   const stepper::MotionState& end = plan_.segment(handed_ + staged_ - 1).end;
-  segments_.stage(motion::make_brake(end, plan_.brake_limits()), staged_ - provisional_);
+  segments_.stage(staged_ - provisional_) = motion::make_brake(end, plan_.brake_limits());
 }
 
 void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {
-  if (staged_ == 0 || i == handed_) segments_.stage(segment_of(i, late_ticks));
+  if (staged_ == 0 || i == handed_) write_segment(i, late_ticks, segments_.stage());
   const auto beats = static_cast<std::uint64_t>(plan_.beats(i));
-  shots_.commit(segments_.staged(), beat + 1, beat + beats);
+  shots_.commit(segments_.stage(), beat + 1, beat + beats);
   segments_.publish();
   beat += beats;
 }
 
 void JobRunner::commit_brake() {
   clock_.keep_tick_length(plan_state_.tick);
-  if (staged_ == 0) segments_.stage(motion::make_brake(plan_state_, brake_limits_));
-  const stepper::Segment& s = segments_.staged();
+  stepper::Segment& s = segments_.stage();
+  if (staged_ == 0) s = motion::make_brake(plan_state_, brake_limits_);
   segments_.publish();
   provisional_ = 1;
   rest_state_ = s.end;
@@ -430,6 +451,7 @@ stepper::MotionState JobRunner::brake_from(const stepper::MotionState& head) {
 
 void JobRunner::brake() {
   hand_over_.recall();
+  looked_ = false;
   segments_.clear();
   provisional_ = 0;
   const stepper::MotionState head = generator_.state();
@@ -450,6 +472,7 @@ void JobRunner::brake() {
 
 void JobRunner::halt() {
   hand_over_.recall();
+  looked_ = false;
   generator_.halt();
   provisional_ = 0;
   shots_.cancel_after(0);

@@ -3,9 +3,10 @@
 // In:  targets (decoder), outcomes of shots (scheduler), the lamp (beat clock), orders: hold,
 //      resume, stop.
 // Out: segments for the tick generator, plans of beats for the shot scheduler.
-// Called from the main loop, but for plan(). One window is planned at a time, in four steps, so
+// Called from the main loop, but for plan(). One window is planned at a time, in five steps, so
 // that a board with real interrupts masks beat and fill interrupts for the short ones alone:
 //
+//   look_ahead() unmasked finds the points of the next window
 //   prepare()  masked     reads outcomes, takes back what was missed, decides whether to plan
 //   plan()     unmasked   a slice of it (window_plan.hpp), on data that no interrupt touches, until
 //                         it is complete: by the main loop, or by another core while that goes on
@@ -98,6 +99,9 @@ class JobRunner {
   motion::PointQueue& queue() { return queue_; }
   const motion::PointQueue& queue() const { return queue_; }
 
+  /// Finds the next window, so that prepare() need not: some 100 us. Not masked, directly before
+  /// it; may be left out.
+  void look_ahead();
   /// Reads outcomes; true if `go` and there is a plan to be made, or one to commit.
   bool prepare(bool go);
   /// Plans a slice of what prepare() has found, for the job's settings on a machine with its own;
@@ -114,6 +118,8 @@ class JobRunner {
   void stage();
   /// Hands out what was planned. Error: unreachable (failed_point()).
   Result commit();
+  /// Another part of the plan can be handed out.
+  bool part_waits() const { return hand_over_.complete() && plan_.found() && part() != 0; }
   /// What the hardware has done so far, nothing else.
   void read_outcomes();
   /// Brakes every axis at its limit, from the next tick to be filled.
@@ -127,9 +133,9 @@ class JobRunner {
   }
   /// Every point of the job is done.
   bool complete() const { return queue_.begin() == options_.points_total; }
-  /// First point that is not done, outcomes counted that prepare() has not read yet. Also beat
-  /// interrupt.
-  std::uint32_t first_unfired() const;
+  /// First point that is not done, outcomes counted that prepare() has not read yet. Beat
+  /// interrupt, or main loop with it masked.
+  std::uint32_t first_unfired();
   bool starving() const { return starving_; }
   /// The next points wait for the shutter or the attenuator.
   bool waiting_for_beam() const { return waiting_for_beam_; }
@@ -145,15 +151,17 @@ class JobRunner {
   void fill(stepper::TickBlock& block, std::uint32_t max_ticks) {
     generator_.fill(block, max_ticks);
   }
-  void fill_runs(stepper::TickBlock& block, std::uint32_t max_ticks, stepper::BitRuns& runs) {
-    generator_.fill_runs(block, max_ticks, runs);
+  template <class Board>
+  void fill_axes(std::uint32_t ticks, Board& board) {
+    generator_.fill_axes(ticks, board);
   }
   stepper::TickGenerator& generator() { return generator_; }
 
  private:
   void clear();
-  /// Handed out at once if there is no room for all: some 40 us with interrupts masked, a small
-  /// part of the quickest beat.
+  /// Counting outcomes for first_unfired() begins anew.
+  void recount() { count_ = {0, queue_.begin(), 0}; }
+  /// Handed out at once: some 40 us with interrupts masked, a small part of the quickest beat.
   static constexpr std::uint32_t part_segments = 8;
 
   /// Where handing out goes on.
@@ -161,10 +169,16 @@ class JobRunner {
     std::uint32_t point = 0;      ///< first target not handed out whole
     std::uint32_t committed = 0;  ///< flashes of it that are handed out and not judged
   };
+  /// What first_unfired() has counted: outcomes not read yet, up to this flash.
+  struct Count {
+    std::uint32_t outcomes = 0;
+    std::uint32_t point = 0;
+    std::uint32_t fired = 0;
+  };
   void go_back();
   bool may_plan();
   std::uint32_t part() const;
-  bool window_ready();
+  bool find_window();
   bool rows_known();
   bool needs_another_beam(const motion::Target& target, lamp::Beam& last);
   bool beam_ready();
@@ -176,7 +190,7 @@ class JobRunner {
   void set_leads();
   void start_later();
   void commit_plan();
-  stepper::Segment segment_of(std::uint32_t i, std::uint64_t late_ticks) const;
+  void write_segment(std::uint32_t i, std::uint64_t late_ticks, stepper::Segment& segment) const;
   void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);
   void commit_brake();
   stepper::MotionState brake_from(const stepper::MotionState& head);
@@ -194,7 +208,9 @@ class JobRunner {
   bool has_shot_ = false;             ///< among these points, the first one through
   lamp::Beam first_beam_;             ///< this beam
   bool waiting_for_beam_ = false;
-  bool gone_to_ = false;  ///< the first way of the request only leads to its dwell
+  bool looked_ = false;        ///< the request is that of the next window
+  bool window_ready_ = false;  ///< which is all there
+  bool gone_to_ = false;       ///< the first way of the request only leads to its dwell
   std::uint32_t job_speed_ = full_job_speed;
   stepper::TickGenerator generator_{segments_};
   RunOptions options_;
@@ -206,6 +222,7 @@ class JobRunner {
   bool from_rest_ = true;                ///< the next window starts on a fresh beat
   std::uint32_t handed_ = 0;             ///< segments of the plan that have been handed out
   std::uint32_t staged_ = 0;  ///< and of the next part, which lies in the queue but for its first
+  bool stages_ = false;       ///< what is handed out is always staged
   bool returning_ = false;
   bool astray_ = true;   ///< the next window does not start at the target before it
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet
@@ -218,6 +235,7 @@ class JobRunner {
   std::uint32_t starvations_ = 0;
   std::uint32_t misses_ = 0;
   std::uint32_t failed_point_ = 0;
+  Count count_;
 };
 
 }  // namespace lamplock::machine

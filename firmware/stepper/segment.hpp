@@ -89,6 +89,9 @@ struct AxisProfile {
   std::uint8_t tail_ramp = 0;
 
   constexpr std::uint32_t ticks() const { return lead_ticks + cruise_ticks + tail_ticks; }
+  constexpr bool stands() const {
+    return speed_q62 == 0 && lead_accel_q62 == 0 && tail_accel_q62 == 0;
+  }
   std::int64_t cruise_speed_q62() const {
     return speed_q62 +
            lead_accel_q62 * static_cast<std::int64_t>(full_ticks(lead_ticks, lead_ramp));
@@ -102,6 +105,8 @@ struct AxisProfile {
 /// Displacement of n ticks from speed v with (even) acceleration A, Q62 (exact).
 constexpr Int128 displacement_q62(std::int64_t speed_q62, std::int64_t accel_q62, std::uint32_t n) {
   if (n == 0) return {};
+  // n (v + n A / 2): the sum is the mean speed of the phase.
+  if (n >> 16 == 0) return Int128::short_product(speed_q62 + short_product(accel_q62 / 2, n), n);
   if (accel_q62 == 0) return Int128::product(speed_q62, n);
   const auto square = static_cast<std::int64_t>(wide_product(n, n));
   return Int128::product(speed_q62, n) + Int128::product(accel_q62 / 2, square);

@@ -28,13 +28,12 @@ class SegmentQueue {
   /// Nothing that has begun is read any more.
   bool released() const { return kept_ == begun_; }
 
-  /// Writes a segment that is `ahead` places behind the end; nobody sees it before publish().
-  void stage(const Segment& s, std::uint32_t ahead = 0) { at(end_ + ahead) = s; }
-  const Segment& staged() const { return at(end_); }
+  /// The place `ahead` behind the end, to be written to; nobody sees it before publish().
+  Segment& stage(std::uint32_t ahead = 0) { return at(end_ + ahead); }
   /// The segment staged at the end is one of the queue.
   void publish() { end_ = end_ + 1; }
   void push(const Segment& s) {
-    stage(s);
+    stage() = s;
     publish();
   }
   const Segment& front() const { return at(begun_); }

@@ -1,12 +1,12 @@
 // A block of ticks: what the board turns into edges.
 //
 // In every block each axis has constant acceleration and does not change direction, and the lattice
-// bits are constant. A board either expands it tick by tick (`phase += rate, rate += accel`, the
-// carry is a step) or jumps to any tick by the closed form; both give the same steps at the same
-// ticks, to the bit.
+// bits are constant. A board that jumps from step to step by the closed form takes blocks; one that
+// expands ticks (`phase += rate, rate += accel`, the carry is a step) takes the same runs of each
+// axis by itself (TickGenerator::fill_axes()). Both give the same steps at the same ticks, to the
+// bit.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "shared/int128.hpp"
@@ -26,24 +26,25 @@ struct AxisRun {
   std::int64_t rate_q62 = 0;   ///< added by the first tick; never changes sign inside a block
   std::int64_t accel_q62 = 0;  ///< added to the rate after every tick
 
-  /// Position after n ticks, exact.
+  constexpr bool stands() const { return rate_q62 == 0 && accel_q62 == 0; }
+  /// Position after n ticks, exact: n times the mean of first and last rate, whose sum is below two
+  /// steps a tick.
   constexpr Int128 position_after(std::uint32_t n) const {
-    const auto triangle = static_cast<std::int64_t>(std::uint64_t{n} * (std::uint64_t{n} - 1) / 2);
-    return position_q64 +
-           ((Int128::product(rate_q62, n) + Int128::product(accel_q62, triangle)) << 2);
+    if (n >> 16 != 0) {
+      const auto triangle =
+          static_cast<std::int64_t>(std::uint64_t{n} * (std::uint64_t{n} - 1) / 2);
+      return position_q64 +
+             ((Int128::product(rate_q62, n) + Int128::product(accel_q62, triangle)) << 2);
+    }
+    if (n == 0) return position_q64;
+    const std::int64_t both = 2 * rate_q62 + short_product(accel_q62, n - 1);
+    return position_q64 + (Int128::short_product(both, n) << 1);
   }
-};
-
-/// Ticks with the same lattice bits.
-struct BitRun {
-  std::uint32_t ticks = 0;
-  std::uint8_t bits = 0;  ///< LatticeBit
-};
-
-/// The lattice bits of a block of which motion alone has set the length.
-struct BitRuns {
-  std::array<BitRun, 6> run;  ///< two arm windows and a trigger pulse begin and end
-  std::uint32_t count = 0;
+  /// The rate of the tick after the next n.
+  constexpr std::int64_t rate_after(std::uint32_t n) const {
+    return rate_q62 +
+           (n >> 16 != 0 ? accel_q62 * static_cast<std::int64_t>(n) : short_product(accel_q62, n));
+  }
 };
 
 /// A run of ticks.

@@ -49,11 +49,11 @@ PerAxis<std::int64_t> TickGenerator::accelerations_q62() const {
   return accelerations;
 }
 
-inline void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
+void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
   if (r.at.left == 0) return;
-  if (r.run.rate_q62 != 0 || r.run.accel_q62 != 0) {
+  if (!r.run.stands()) {
     r.run.position_q64 = r.run.position_after(ticks);
-    r.run.rate_q62 += r.run.accel_q62 * static_cast<std::int64_t>(ticks);
+    r.run.rate_q62 = r.run.rate_after(ticks);
   }
   r.at.left -= ticks;
   r.left -= ticks;
@@ -67,29 +67,44 @@ inline void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
 void TickGenerator::run_to_head(Run& r, int a) const {
   std::uint64_t tick = tick_ + r.at.lead;
   for (;;) {
-    std::uint32_t ticks = wait(r, a, tick, static_cast<std::uint32_t>(head() - tick));
+    const std::uint32_t ticks = run_ticks(r, a, tick, static_cast<std::uint32_t>(head() - tick));
     if (ticks == 0) return;
-    if (r.left < ticks) ticks = r.left;
     go_on(r, a, ticks);
     tick += ticks;
   }
 }
 
-/// The head goes on to the next segment.
-void TickGenerator::begin_segment() {
+/// The head, at `tick`, goes on to the next segment.
+void TickGenerator::begin_segment(std::uint64_t tick) {
   if (running_ && left_ == 0) {
-    const bool follows = !queue_.empty() && queue_.front().start_tick == head();
+    const bool follows = !queue_.empty() && queue_.front().start_tick == tick;
     if (!follows && !segment().end.at_rest()) underrun_ = true;
     running_ = false;
   }
-  if (running_ || queue_.empty() || queue_.front().start_tick > head()) return;
+  if (running_ || queue_.empty() || queue_.front().start_tick > tick) return;
   // Run late, it would arm its shots where the machine is not.
-  if (queue_.front().start_tick < head()) {
+  if (queue_.front().start_tick < tick) {
     underrun_ = true;
   } else {
     left_ = queue_.front().ticks;
     queue_.begin_front();
     running_ = true;
+  }
+}
+
+/// All that begin while the head passes these ticks.
+void TickGenerator::begin_segments(std::uint32_t ticks) {
+  for (std::uint64_t tick = head(); ticks != 0;) {
+    begin_segment(tick);
+    std::uint32_t n = ticks;
+    if (running_) {
+      if (left_ < n) n = left_;
+      left_ -= n;
+    } else if (!queue_.empty()) {
+      n = limit_to(queue_.front().start_tick, tick, n);
+    }
+    tick += n;
+    ticks -= n;
   }
 }
 
@@ -112,10 +127,22 @@ std::uint32_t TickGenerator::wait(Run& r, int a, std::uint64_t tick, std::uint32
     r.run.rate_q62 = p.speed_q62;
     r.run.accel_q62 = 0;
     r.behind = 0;
-    begin_phase(r, p, 0);
-    next_piece(r, a);
+    if (p.stands()) {
+      r.left = r.at.left;
+    } else {
+      begin_phase(r, p, 0);
+      next_piece(r, a);
+    }
   }
   return limit_by(r.at, tick, ticks);
+}
+
+/// How many of these ticks, the first one being `tick` of its own, the axis goes on as it does.
+std::uint32_t TickGenerator::run_ticks(Run& r, int a, std::uint64_t tick,
+                                       std::uint32_t ticks) const {
+  if (r.at.left == 0 && r.at.segment == queue_.begun()) return ticks;
+  const std::uint32_t n = wait(r, a, tick, ticks);
+  return r.left < n ? r.left : n;
 }
 
 void TickGenerator::open_window() {
@@ -275,64 +302,51 @@ std::uint8_t TickGenerator::bits(std::uint64_t tick) const {
   return bits;
 }
 
+/// The lattice bits have come to `tick`, over the last n ticks.
+void TickGenerator::advance_bits(std::uint64_t tick, std::uint32_t ticks) {
+  if (lattice_.left != 0) {
+    lattice_.left -= ticks;
+    if (lattice_.left == 0) ++lattice_.segment;
+  }
+  if (trigger_.period_ticks == 0) return;
+  if (trigger_on_ < tick) last_trigger_ = trigger_on_;
+  while (trigger_on_ + trigger_.width_ticks <= tick) trigger_on_ += trigger_.period_ticks;
+}
+
+void TickGenerator::release() {
+  // The end of the segment at the head is asked for until the next one begins.
+  const bool at_end = running_ && lattice_.segment == queue_.begun();
+  queue_.release(lattice_.segment - (at_end ? 1 : 0));
+}
+
 void TickGenerator::advance(std::uint32_t ticks) {
   tick_ += ticks;
   for (int a = 0; a < max_axes; ++a)
     if (runs_[index(a)].at.left != 0) go_on(runs_[index(a)], a, ticks);
   if (running_) left_ -= ticks;
-  if (lattice_.left != 0) {
-    lattice_.left -= ticks;
-    if (lattice_.left == 0) ++lattice_.segment;
-  }
-  // The end of the segment at the head is asked for until the next one begins.
-  const bool at_end = running_ && lattice_.segment == queue_.begun();
-  queue_.release(lattice_.segment - (at_end ? 1 : 0));
-  if (trigger_.period_ticks == 0) return;
-  if (trigger_on_ < tick_) last_trigger_ = trigger_on_;
-  while (trigger_on_ + trigger_.width_ticks <= tick_) trigger_on_ += trigger_.period_ticks;
+  advance_bits(tick_, ticks);
+  release();
 }
 
 /// Up to where every axis goes on as it does, and the windows of the present segment hold.
 std::uint32_t TickGenerator::limit_by_motion(std::uint32_t ticks) {
-  begin_segment();
-  const std::uint32_t begun = queue_.begun();
+  begin_segment(head());
   if (running_ && left_ < ticks) ticks = left_;
   if (!running_ && !queue_.empty()) ticks = limit_to(queue_.front().start_tick, head(), ticks);
-  for (int a = 0; a < max_axes; ++a) {
-    Run& r = runs_[index(a)];
-    if (r.at.left == 0 && r.at.segment != begun) ticks = wait(r, a, tick_ + r.at.lead, ticks);
-    if (r.left < ticks) ticks = r.left;
-  }
+  for (int a = 0; a < max_axes; ++a)
+    ticks = run_ticks(runs_[index(a)], a, tick_ + runs_[index(a)].at.lead, ticks);
   if (lattice_.left == 0 && enter(lattice_, tick_)) open_window();
   return limit_by(lattice_, tick_, ticks);
 }
 
-void TickGenerator::take(TickBlock& block, std::uint32_t ticks) {
+void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
+  const std::uint32_t ticks = limit_by_bits(tick_, limit_by_motion(max_ticks));
   block.first_tick = tick_;
   block.ticks = ticks;
   block.bits = bits(tick_);
   block.moving = lattice_.segment != queue_.begun();
   for (int a = 0; a < max_axes; ++a) block.axis[index(a)] = runs_[index(a)].run;
   advance(ticks);
-}
-
-void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
-  take(block, limit_by_bits(tick_, limit_by_motion(max_ticks)));
-}
-
-void TickGenerator::fill_runs(TickBlock& block, std::uint32_t max_ticks, BitRuns& runs) {
-  std::uint32_t ticks = limit_by_motion(max_ticks);
-  // Where the next trigger pulse is, is known at the end of this one.
-  if (trigger_.period_ticks != 0)
-    ticks = limit_to(trigger_on_ + trigger_.width_ticks, tick_, ticks);
-  runs.count = 0;
-  for (std::uint32_t done = 0; done != ticks;) {
-    const std::uint64_t tick = tick_ + done;
-    const std::uint32_t n = limit_by_bits(tick, ticks - done);
-    runs.run[runs.count++] = {n, bits(tick)};
-    done += n;
-  }
-  take(block, ticks);
 }
 
 }  // namespace lamplock::stepper

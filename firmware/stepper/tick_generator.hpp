@@ -1,9 +1,11 @@
 // The tick generator: Bresenham in time.
 //
 // In:  segments (SegmentQueue).
-// Out: blocks of ticks, ahead of time; when there is no segment, blocks of standing still.
+// Out: ticks, ahead of time, as runs of constant acceleration: in blocks that end where any axis or
+//      lattice bit changes (fill), or every axis by itself (fill_axes), where an axis costs nothing
+//      for what the others do; when there is no segment, ticks of standing still.
 // Called by the fill interrupt of the board (lowest of the motion interrupts) whenever its output
-// wants more; budget: no division, a few 64-bit products per axis and block.
+// wants more; budget: no division, some twenty 32-bit products per run.
 //
 // Each axis distributes its steps over the ticks by its own accumulator; nothing ties a minor axis
 // to a major one. Remainders stay in the 64-bit fraction and are carried from block to block and
@@ -53,8 +55,13 @@ class TickGenerator {
 
   /// Next block, at most `max_ticks` long.
   void fill(TickBlock& block, std::uint32_t max_ticks);
-  /// The same where lattice bits do not cut blocks; they come as runs.
-  void fill_runs(TickBlock& block, std::uint32_t max_ticks, BitRuns& runs);
+  /// The next `ticks` ticks, fewer than 2^16, of every axis by itself and of the lattice bits. The
+  /// board is told, for each of them from the first tick to the last:
+  ///   put_still(axis, ticks)        and then set_step(axis, step) where the axis is behind
+  ///   put_axis(axis, run, ticks)    the last one
+  ///   put_bits(bits, ticks)
+  template <class Board>
+  void fill_axes(std::uint32_t ticks, Board& board);
 
   /// The next tick of the lattice to be filled.
   std::uint64_t tick() const { return tick_; }
@@ -111,7 +118,13 @@ class TickGenerator {
     }
   };
 
-  void begin_segment();
+  void begin_segment(std::uint64_t tick);
+  void begin_segments(std::uint32_t ticks);
+  template <class Board>
+  void fill_axis(int axis, std::uint32_t ticks, Board& board);
+  template <class Board>
+  void fill_bits(std::uint32_t ticks, Board& board);
+  std::uint32_t run_ticks(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
   bool enter(Reader& reader, std::uint64_t tick) const;
   static PhaseView phase_of(const AxisProfile& profile, std::uint32_t phase);
   static PhaseView begin_phase(Run& run, const AxisProfile& profile, std::uint32_t phase);
@@ -130,8 +143,9 @@ class TickGenerator {
   std::uint32_t limit_by_motion(std::uint32_t ticks);
   std::uint32_t limit_by_bits(std::uint64_t tick, std::uint32_t ticks) const;
   std::uint8_t bits(std::uint64_t tick) const;
-  void take(TickBlock& block, std::uint32_t ticks);
   void advance(std::uint32_t ticks);
+  void advance_bits(std::uint64_t tick, std::uint32_t ticks);
+  void release();
 
   SegmentQueue& queue_;
   std::uint64_t tick_ = 0;
@@ -148,5 +162,48 @@ class TickGenerator {
   std::uint64_t trigger_on_ = 0;    ///< tick of the next or present trigger pulse
   std::uint64_t last_trigger_ = 0;  ///< and of the last that has begun
 };
+
+template <class Board>
+void TickGenerator::fill_axes(std::uint32_t ticks, Board& board) {
+  begin_segments(ticks);
+  for (int a = 0; a < max_axes; ++a) fill_axis(a, ticks, board);
+  fill_bits(ticks, board);
+  tick_ += ticks;
+  release();
+}
+
+template <class Board>
+void TickGenerator::fill_axis(int a, std::uint32_t ticks, Board& board) {
+  Run& r = runs_[index(a)];
+  std::uint64_t tick = tick_ + r.at.lead;
+  std::uint32_t still = 0;
+  while (ticks != 0) {
+    const std::uint32_t n = run_ticks(r, a, tick, ticks);
+    if (r.run.stands()) {
+      still += n;
+    } else {
+      if (still != 0) board.put_still(a, still);
+      still = 0;
+      board.put_axis(a, r.run, n);
+    }
+    go_on(r, a, n);
+    tick += n;
+    ticks -= n;
+  }
+  if (still != 0) board.put_still(a, still);
+  board.set_step(a, static_cast<std::int32_t>(r.run.position_q64.hi()));
+}
+
+template <class Board>
+void TickGenerator::fill_bits(std::uint32_t ticks, Board& board) {
+  for (std::uint64_t tick = tick_; ticks != 0;) {
+    if (lattice_.left == 0 && enter(lattice_, tick)) open_window();
+    const std::uint32_t n = limit_by_bits(tick, limit_by(lattice_, tick, ticks));
+    board.put_bits(bits(tick), n);
+    tick += n;
+    ticks -= n;
+    advance_bits(tick, n);
+  }
+}
 
 }  // namespace lamplock::stepper

@@ -131,6 +131,7 @@ void VirtualBoard::service() {
   } else if (planned_at_ <= now_) {
     planned_at_ = never;
     controller_->commit();
+    controller_->tell();
   }
   feed_lattice();
   check_outputs();
@@ -153,6 +154,7 @@ void VirtualBoard::main_loop() {
     if (planning_time_ != 0) planned_at_ = now_ + planning_time_;
   }
   if (planned_at_ == never) controller_->commit();
+  controller_->tell();
   std::array<std::uint8_t, bytes_per_service> packet;
   const std::size_t n = controller_->transmit(packet);
   to_host_.insert(to_host_.end(), packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(n));

@@ -47,6 +47,7 @@ class HandBoard {
     while (plans_itself && plan && core.plan()) {
     }
     core.commit();
+    core.tell();
     if (gap == 3) interrupt();
     feed();
     withdraw();

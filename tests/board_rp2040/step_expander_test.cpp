@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "firmware/stepper/segment.hpp"
 #include "sim/virtual_board/step_edges.hpp"
 #include "tests/scale.hpp"
 
@@ -69,6 +70,26 @@ class Blocks {
   PerAxis<Int128> position_{};
 };
 
+/// A block in pieces: each axis cut anywhere, by itself.
+void put(StepExpander& expander, const TickBlock& block, std::mt19937_64& random) {
+  for (int a = 0; a < max_axes; ++a) {
+    AxisRun run = block.axis[index(a)];
+    for (std::uint32_t left = block.ticks; left != 0;) {
+      const auto n = static_cast<std::uint32_t>(random() % 4 == 0 ? 1 + random() % left : left);
+      if (run.stands())
+        expander.put_still(a, n);
+      else
+        expander.put_axis(a, run, n);
+      run.position_q64 = run.position_after(n);
+      run.rate_q62 = run.rate_after(n);
+      left -= n;
+    }
+    expander.set_step(a, static_cast<std::int32_t>(run.position_q64.hi()));
+  }
+  expander.put_bits(block.bits, block.ticks);
+  expander.end_runs(block.ticks);
+}
+
 Tick tick_in_ring(const LatticeRings& rings, std::size_t axis, std::uint64_t place) {
   const std::uint64_t at = place % ring_ticks;
   const std::uint32_t word = rings.steps[axis][at / ticks_per_step_word];
@@ -86,6 +107,7 @@ TEST(StepExpander, StepsAtTheTicksOfTheClosedForm) {
     auto rings = std::make_unique<LatticeRings>();
     StepExpander expander(*rings);
     Blocks blocks(seed);
+    std::mt19937_64 random(seed);
     const std::uint64_t first = seed * 1237;
     blocks.start_at(first);
     expander.begin(first, first, {});
@@ -93,7 +115,7 @@ TEST(StepExpander, StepsAtTheTicksOfTheClosedForm) {
     std::vector<TickBlock> kept;
     for (int n = 0; n < 40; ++n) {
       kept.push_back(blocks.next());
-      expander.put(kept.back());
+      put(expander, kept.back(), random);
       // Words that are complete.
       const std::uint64_t whole = first + (expander.end_tick() - first) / 16 * 16;
       while (!kept.empty() && kept.front().first_tick + kept.front().ticks <= whole) {
@@ -131,7 +153,7 @@ TEST(StepExpander, KnowsWhereTheAxesStandAtAnyTickStillInTheRings) {
     std::vector<TickBlock> all;
     for (int n = 0; n < 60; ++n) {
       all.push_back(blocks.next());
-      expander.put(all.back());
+      put(expander, all.back(), random);
       for (int k = 0; k < 4; ++k) {
         const std::uint64_t end = expander.end_tick();
         const std::uint64_t tick = end - random() % std::min<std::uint64_t>(end + 1, 3000);
@@ -149,7 +171,7 @@ TEST(StepExpander, KnowsWhereTheAxesStandAtAnyTickStillInTheRings) {
   }
 }
 
-TEST(StepExpander, StandsUntilTheFirstBlockAfterARestart) {
+TEST(StepExpander, StandsUntilTheFirstRunAfterARestart) {
   auto rings = std::make_unique<LatticeRings>();
   for (auto& ring : rings->steps) ring.fill(~0u);
   rings->bits.fill(~0u);
@@ -160,22 +182,14 @@ TEST(StepExpander, StandsUntilTheFirstBlockAfterARestart) {
   for (std::size_t a = 0; a < 4; ++a)
     for (std::uint64_t i = 0; i < 32; ++i) EXPECT_FALSE(tick_in_ring(*rings, a, i).step);
   for (std::uint64_t i = 0; i < 32; ++i) EXPECT_EQ(nibble_in_ring(*rings, i), 0u);
-  // A block that began before the restart is clipped.
-  TickBlock block;
-  block.first_tick = 990;
-  block.ticks = 60;
-  expander.put(block);
-  EXPECT_EQ(expander.end_tick(), 1050u);
 }
 
-TEST(StepExpander, NeverLetsABlockRunIntoTicksNotYetPutOut) {
+TEST(StepExpander, HasNoRoomForTicksNotYetPutOut) {
   auto rings = std::make_unique<LatticeRings>();
   StepExpander expander(*rings);
   expander.begin(0, 0, {});
-  TickBlock block;
-  block.ticks = expander.room(0);
-  ASSERT_LT(block.ticks, ring_ticks);
-  expander.put(block);
+  ASSERT_LT(expander.room(0), ring_ticks);
+  expander.end_runs(expander.room(0));
   EXPECT_EQ(expander.room(0), 0u);
   EXPECT_EQ(expander.room(100), 100u);
 }

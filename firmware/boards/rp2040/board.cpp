@@ -112,26 +112,38 @@ void Board::receive() {
 }
 
 bool Board::work() {
+  bool more = prepare();
+  if (!second_core_ && more) more = core_.plan();  // a slice at a time: the host does not wait
+  if (hand_out()) more = prepare();  // the other core has not to wait for a whole round
+  return more;
+}
+
+bool Board::prepare() {
   bool plan = false;
+  core_.look_ahead();
   {
     const machine::Masked masked(mask_);
     real_time_.top_up(core_);
     plan = core_.prepare(real_time_.now());
   }
-  if (!second_core_) {
-    if (plan) plan = core_.plan();  // a slice at a time: the host does not wait for it
-  } else {
-    if (core_.plan_waits()) send_event();
-    plan = plan && !core_.planning();
-  }
-  core_.stage();
-  const machine::Masked masked(mask_);
-  real_time_.top_up(core_);
-  core_.commit();
-  return plan;
+  if (!second_core_) return plan;
+  if (core_.plan_waits()) send_event();
+  return plan && !core_.planning();
+}
+
+bool Board::hand_out() {
+  bool any = false;
+  do {
+    core_.stage();
+    const machine::Masked masked(mask_);
+    real_time_.top_up(core_);
+    any = core_.commit() || any;
+  } while (core_.part_waits());
+  return any;
 }
 
 void Board::transmit() {
+  core_.tell();
   std::array<std::uint8_t, piece> bytes;
   for (std::size_t room = ports_.room(); room != 0;) {
     const std::size_t n =

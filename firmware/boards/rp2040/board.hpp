@@ -97,6 +97,10 @@ class Board {
   void receive();
   /// Motion and state; true while a plan is being made here, or if one was complete.
   bool work();
+  /// Looks what is to be planned; true as work().
+  bool prepare();
+  /// Hands out what there is room for; true if there was something.
+  bool hand_out();
   void sign();
   void transmit();
   void store_settings();

@@ -11,7 +11,8 @@ namespace {
 using boards::Role;
 
 constexpr std::uint32_t fill_lead_ticks = 2000;
-constexpr std::uint32_t most_block_ticks = 1024;
+/// A little at a time costs every axis a cut, much keeps brakes waiting; whole words.
+constexpr std::uint32_t filled_at_once = 512;
 /// Between two alarms: what has to be tried again must not take all the time.
 constexpr std::uint32_t least_wait_us = 5;
 constexpr std::uint32_t beat_period_us = 100;
@@ -211,10 +212,9 @@ void RealTime::fill_interrupt(machine::Controller& core) {
     if (end >= wanted) return;
     const std::uint32_t room = expander_.room(widen(played_, end));
     if (room == 0) return;
-    stepper::TickBlock block;
-    stepper::BitRuns runs;
-    core.fill_runs(block, room < most_block_ticks ? room : most_block_ticks, runs);
-    expander_.put(block, runs);
+    const std::uint32_t ticks = room < filled_at_once ? room : filled_at_once;
+    core.fill_axes(ticks, expander_);
+    expander_.end_runs(ticks);
     filled_end_ = static_cast<std::uint32_t>(expander_.end_tick());
   }
 }

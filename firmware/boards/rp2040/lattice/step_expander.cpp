@@ -37,108 +37,75 @@ void put_alike(std::array<std::uint32_t, ring_words>& ring, std::uint32_t& parti
 
 }  // namespace
 
-void StepExpander::begin(std::uint64_t first, std::uint64_t first_block,
-                         const StepPosition& steps) {
-  base_ = end_ = first;
-  place_ = 0;
-  partial_ = {};
-  partial_bits_ = 0;
-  dir_ = {};
-  last_ = stepper::TickBlock{};
-  last_.first_tick = first;
-  for (int a = 0; a < max_axes; ++a)
-    last_.axis[index(a)].position_q64 = stepper::middle_of_step(steps[index(a)]);
-  if (first_block <= first) return;
-  stepper::TickBlock still = last_;
-  still.ticks = static_cast<std::uint32_t>(first_block - first);
-  put(still);
-}
-
-void StepExpander::put(const stepper::TickBlock& block) {
-  stepper::BitRuns runs;
-  runs.run[0] = {block.ticks, block.bits};
-  runs.count = 1;
-  put(block, runs);
-}
-
-void StepExpander::put(const stepper::TickBlock& block, const stepper::BitRuns& runs) {
-  const std::uint64_t block_end = block.first_tick + block.ticks;
-  if (block_end <= end_) return;
-  const auto ticks = static_cast<std::uint32_t>(block_end - end_);
-  for (int a = 0; a < max_axes; ++a) {
-    const stepper::AxisRun& run = block.axis[index(a)];
-    if (run.rate_q62 == 0 && run.accel_q62 == 0)
-      put_still(a, ticks);
-    else
-      put_axis(a, run, ticks);
-  }
-  put_bits(runs, block.ticks - ticks);
-  place_ = (place_ + ticks) & place_mask;
-  end_ = block_end;
-  last_ = block;
+void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPosition& steps) {
+  end_ = first;
+  rows_ = {};
+  bits_ = {};
+  steps_ = steps;
+  if (filled <= first) return;
+  const auto ticks = static_cast<std::uint32_t>(filled - first);
+  for (int a = 0; a < max_axes; ++a) put_still(a, ticks);
+  put_bits(0, ticks);
+  end_runs(ticks);
 }
 
 void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t ticks) {
   auto& ring = rings_.steps[index(axis)];
-  std::uint32_t& partial = partial_[index(axis)];
+  Row& row = rows_[index(axis)];
   StepPhase phase(run);
-  const std::uint32_t dir = StepPhase::backwards(run) ? all_dir_bits : 0;
-  dir_[index(axis)] = dir;
-  const auto one_tick = [&phase, &partial, dir] {
-    partial = partial << 2 | (dir & 2) | (phase.tick() ? 1u : 0u);
-  };
-  std::uint32_t place = place_;
-  for (; place % ticks_per_step_word != 0 && ticks != 0; ++place, --ticks) {
-    one_tick();
-    if ((place + 1) % ticks_per_step_word == 0) ring[place / ticks_per_step_word] = partial;
+  const std::uint32_t dir = row.dir = StepPhase::backwards(run) ? all_dir_bits : 0;
+  std::uint32_t at = row.place / ticks_per_step_word;
+  if (const std::uint32_t begun = row.place % ticks_per_step_word; begun != 0) {
+    const std::uint32_t left = ticks_per_step_word - begun, n = ticks < left ? ticks : left;
+    row.partial = expand_some(phase, row.partial, n, dir);
+    row.place += n;
+    ticks -= n;
+    if (n == left) ring[at++ % step_ring_words] = row.partial;
   }
-  std::uint32_t words = ticks / ticks_per_step_word;
+  row.place = (row.place + ticks) & place_mask;
+  const bool rare = phase.steps_rarely(ticks);
+  for (std::uint32_t words = ticks / ticks_per_step_word; words != 0;) {
+    at %= step_ring_words;
+    const std::uint32_t n = words < step_ring_words - at ? words : step_ring_words - at;
+    if (rare)
+      expand_rare_words(phase, ring.data() + at, ring.data() + at + n, dir);
+    else
+      expand_words(phase, ring.data() + at, ring.data() + at + n, dir);
+    words -= n;
+    at += n;
+  }
   ticks %= ticks_per_step_word;
-  std::uint32_t at = (place & place_mask) / ticks_per_step_word;
-  while (words != 0) {
-    const std::uint32_t run_length = words < step_ring_words - at ? words : step_ring_words - at;
-    expand_words(phase, ring.data() + at, ring.data() + at + run_length, dir);
-    words -= run_length;
-    at = (at + run_length) % step_ring_words;
-  }
-  for (; ticks != 0; --ticks) one_tick();
+  if (ticks != 0) row.partial = expand_some(phase, row.partial, ticks, dir);
 }
 
 void StepExpander::put_still(int axis, std::uint32_t ticks) {
-  put_alike<ticks_per_step_word>(rings_.steps[index(axis)], partial_[index(axis)],
-                                 dir_[index(axis)], place_, ticks);
+  Row& row = rows_[index(axis)];
+  put_alike<ticks_per_step_word>(rings_.steps[index(axis)], row.partial, row.dir, row.place, ticks);
+  row.place = (row.place + ticks) & place_mask;
 }
 
-/// `skip`: ticks at the beginning that have been put already.
-void StepExpander::put_bits(const stepper::BitRuns& runs, std::uint32_t skip) {
-  std::uint32_t place = place_;
-  for (std::uint32_t i = 0; i < runs.count; ++i) {
-    std::uint32_t ticks = runs.run[i].ticks;
-    const std::uint32_t skipped = skip < ticks ? skip : ticks;
-    skip -= skipped;
-    ticks -= skipped;
-    put_alike<ticks_per_bits_word>(rings_.bits, partial_bits_,
-                                   lattice_nibble(runs.run[i].bits) * 0x11111111u, place, ticks);
-    place += ticks;
-  }
+void StepExpander::put_bits(std::uint8_t bits, std::uint32_t ticks) {
+  put_alike<ticks_per_bits_word>(rings_.bits, bits_.partial, lattice_nibble(bits) * 0x11111111u,
+                                 bits_.place, ticks);
+  bits_.place = (bits_.place + ticks) & place_mask;
 }
 
 std::uint32_t StepExpander::word_of(int axis, std::uint32_t place) const {
-  const std::uint32_t begun = place_ % ticks_per_step_word;
-  if (begun != 0 && place / ticks_per_step_word == place_ / ticks_per_step_word)
-    return partial_[index(axis)] << 2 * (ticks_per_step_word - begun);
+  const Row& row = rows_[index(axis)];
+  const std::uint32_t begun = row.place % ticks_per_step_word;
+  if (begun != 0 && place / ticks_per_step_word == row.place / ticks_per_step_word)
+    return row.partial << 2 * (ticks_per_step_word - begun);
   return rings_.steps[index(axis)][place / ticks_per_step_word];
 }
 
 StepPosition StepExpander::steps_at(std::uint64_t tick) const {
-  // From the end of the last block back: what is still in the rings was not put out.
+  // From the end back: what is still in the rings was not put out.
   StepPosition steps{};
-  const auto after_last = static_cast<std::uint32_t>(end_ - last_.first_tick);
   const auto open = static_cast<std::uint32_t>(end_ > tick ? end_ - tick : 0);
   for (int a = 0; a < max_axes; ++a) {
-    std::int64_t step = last_.axis[index(a)].position_after(after_last).hi();
+    std::int64_t step = steps_[index(a)];
     for (std::uint32_t left = open; left != 0;) {
-      const std::uint32_t place = (place_ - left) & place_mask;
+      const std::uint32_t place = (rows_[index(a)].place - left) & place_mask;
       const std::uint32_t skip = place % ticks_per_step_word;
       const std::uint32_t n = left < ticks_per_step_word - skip ? left : ticks_per_step_word - skip;
       // DIR belongs to the tick: a word may hold both directions.

@@ -3,7 +3,7 @@
 // In:  phase, rate and acceleration of an axis, 64-bit fractions of a step, rate not negative.
 // Out: words of 16 ticks x (DIR, STEP), the first tick in the two uppermost bits; the state after.
 // Who: StepExpander (fill interrupt). Cost on the Cortex-M0+: 6 cycles a tick, 7 a word; about 26
-//      cycles a tick for four axes.
+//      cycles a tick for four axes. Of a slow axis most words have no step: those take 40 cycles.
 //
 //   P += R, the carry is a step; R += A
 //
@@ -49,6 +49,16 @@ struct StepPhase {
     rate += accel;
     return phase < before;
   }
+
+  std::uint32_t phase_top() const { return static_cast<std::uint32_t>(phase >> 32); }
+  std::uint32_t rate_top() const { return static_cast<std::uint32_t>(rate >> 32); }
+
+  /// True if over so many ticks most words have no step: the rate is below 1/32, at both ends.
+  bool steps_rarely(std::uint32_t ticks) const {
+    const std::uint64_t last =
+        rate + static_cast<std::uint64_t>(short_product(static_cast<std::int64_t>(accel), ticks));
+    return (rate_top() | static_cast<std::uint32_t>(last >> 32)) >> 27 == 0;
+  }
 };
 
 /// Writes words out..end-1; `dir` is all_dir_bits or 0. What every machine computes.
@@ -61,6 +71,14 @@ inline void expand_words_portable(StepPhase& axis, std::uint32_t* out, const std
     *out++ = word | dir;
   }
   axis = s;
+}
+
+/// Shifts n ticks, 1..16, into a word from below.
+inline std::uint32_t expand_some_portable(StepPhase& axis, std::uint32_t word, std::uint32_t n) {
+  StepPhase s = axis;
+  for (; n != 0; --n) word = word << 2 | (s.tick() ? 1u : 0u);
+  axis = s;
+  return word;
 }
 
 #if defined(__thumb__) && defined(__ARM_ARCH_6M__)
@@ -97,16 +115,73 @@ inline void expand_words(StepPhase& axis, std::uint32_t* out, const std::uint32_
       [p0] "+l"(p0), [p1] "+l"(p1), [r0] "+l"(r0), [r1] "+l"(r1), [word] "+l"(word), [out] "+l"(out)
       : [a0] "l"(a0), [a1] "l"(a1), [dir] "h"(dir), [end] "h"(end)
       : "cc", "memory");
+  axis.phase = std::uint64_t{p1} << 32 | p0;
+  axis.rate = std::uint64_t{r1} << 32 | r0;
+}
+/// Some ticks by hand: into the same sixteen where n of them are left.
+inline std::uint32_t expand_some_ticks(StepPhase& axis, std::uint32_t word, std::uint32_t n) {
+  auto p0 = static_cast<std::uint32_t>(axis.phase);
+  auto p1 = static_cast<std::uint32_t>(axis.phase >> 32);
+  auto r0 = static_cast<std::uint32_t>(axis.rate);
+  auto r1 = static_cast<std::uint32_t>(axis.rate >> 32);
+  const auto a0 = static_cast<std::uint32_t>(axis.accel);
+  const auto a1 = static_cast<std::uint32_t>(axis.accel >> 32);
+  constexpr std::uint32_t tick_bytes = 6 * 2;
+  const std::uint32_t skip = (ticks_per_step_word - n) * tick_bytes;
+  asm volatile(
+      ".syntax unified\n"
+      ".balign 4\n"
+      "add pc, %[skip]\n"  // from four bytes on
+      "nop\n"              //
+      LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS
+      : [p0] "+l"(p0), [p1] "+l"(p1), [r0] "+l"(r0), [r1] "+l"(r1), [word] "+l"(word)
+      : [a0] "l"(a0), [a1] "l"(a1), [skip] "h"(skip)
+      : "cc");
 #undef LAMPLOCK_FOUR_TICKS
 #undef LAMPLOCK_ONE_TICK
   axis.phase = std::uint64_t{p1} << 32 | p0;
   axis.rate = std::uint64_t{r1} << 32 | r0;
+  return word;
 }
 #else
 inline void expand_words(StepPhase& axis, std::uint32_t* out, const std::uint32_t* end,
                          std::uint32_t dir) {
   expand_words_portable(axis, out, end, dir);
 }
+inline std::uint32_t expand_some_ticks(StepPhase& axis, std::uint32_t word, std::uint32_t n) {
+  return expand_some_portable(axis, word, n);
+}
 #endif
+
+/// True if 16 ticks at no more than this rate certainly make no step.
+inline bool is_stepless(const StepPhase& s, std::uint32_t most_rate_top) {
+  return most_rate_top < ~s.phase_top() >> 4;
+}
+
+/// n ticks, 1..16, shifted into a word from below.
+inline std::uint32_t expand_some(StepPhase& axis, std::uint32_t word, std::uint32_t n,
+                                 std::uint32_t dir) {
+  const std::uint32_t mine = n == ticks_per_step_word ? ~0u : (1u << 2 * n) - 1;
+  return expand_some_ticks(axis, word, n) | (dir & mine);
+}
+
+/// As expand_words() where the axis steps_rarely(): whole words without a step at once.
+inline void expand_rare_words(StepPhase& axis, std::uint32_t* out, const std::uint32_t* end,
+                              std::uint32_t dir) {
+  StepPhase s = axis;
+  const std::uint64_t accel16 = s.accel << 4, accel120 = (accel16 << 3) - (s.accel << 3);
+  for (; out != end; ++out) {
+    const std::uint64_t next = s.rate + accel16;
+    const auto next_top = static_cast<std::uint32_t>(next >> 32);
+    if (is_stepless(s, s.rate_top() > next_top ? s.rate_top() : next_top)) {
+      s.phase += (s.rate << 4) + accel120;  // 16 R + (0 + 1 + ... + 15) A
+      s.rate = next;
+      *out = dir;
+    } else {
+      *out = expand_some_ticks(s, 0, ticks_per_step_word) | dir;
+    }
+  }
+  axis = s;
+}
 
 }  // namespace lamplock::rp2040
