@@ -49,7 +49,7 @@ void Beam::begin(const Window& window, const Effort& effort) {
 }
 
 bool Beam::extend(const Window& window, std::uint32_t i) {
-  from_ = to_;
+  for (std::uint32_t l = 0; l < to_count_; ++l) from_[l] = to_[l];
   from_count_ = to_count_;
   to_count_ = 0;
   for (std::uint32_t p = 0; p < from_count_; ++p)

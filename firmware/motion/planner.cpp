@@ -278,6 +278,10 @@ void Planner::make_segments() {
 std::int64_t Planner::end_speed_q62(std::uint32_t i, int a, Int128 way_q62) const {
   const std::int64_t speed = limits_->speed_q62(a, speed_q32(i, a));
   if (speed == 0) return 0;
+  // As near as that can be told without a long division.
+  const std::int32_t near_qs =
+      mean_speed(window_.ways[i].displacement_qs[index(a)], beats_[i]).down_qs;
+  if (abs64(std::int64_t{speed_qs_[i][index(a)]} - near_qs) > 2 * hair_qs) return speed;
   const std::int64_t mean =
       way_q62.divided_by(static_cast<std::uint32_t>(beats_[i]) * limits_->beat_ticks).to_int64();
   const AxisScale& scale = limits_->axis[index(a)].scale;

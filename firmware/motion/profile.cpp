@@ -66,7 +66,7 @@ std::int64_t saturated(Int128 speed_q62) {
 AxisProfile solve(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_t lead,
                   std::uint32_t cruise, std::uint32_t tail) {
   // D = (v0 + vc) lead / 2 + vc cruise + (vc + v1) tail / 2, solved for vc.
-  const Int128 numerator = (distance << 1) - Int128::product(v0, lead) - Int128::product(v1, tail);
+  const Int128 numerator = (distance << 1) - Int128::times(v0, lead) - Int128::times(v1, tail);
   const std::int64_t vc = saturated(numerator.divided_by(lead + 2 * cruise + tail));
   AxisProfile p;
   p.speed_q62 = v0;
@@ -185,7 +185,7 @@ bool make_cruise(Int128 distance, std::int64_t v0, std::int64_t v1, std::uint32_
   if (v0 == 0 || v1 == 0) {
     if (v0 != v1 || distance != Int128(0)) return false;
   } else {
-    const Int128 off = distance - Int128::product(v0, ticks);
+    const Int128 off = distance - Int128::times(v0, ticks);
     if (off > Int128(millionth_step_q62) || off < Int128(-millionth_step_q62)) return false;
     if (abs64(v1 - v0) > millionth_step_q62 / static_cast<std::int64_t>(ticks)) return false;
   }

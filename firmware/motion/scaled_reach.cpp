@@ -15,10 +15,13 @@ std::uint32_t bits_of(std::int32_t x) { return static_cast<std::uint32_t>(x); }
 /// Root, rounded down and up to two units less.
 std::int32_t root(std::uint64_t x) { return static_cast<std::int32_t>(nearly_isqrt(x)); }
 
+/// Zero bits in front of a positive number but for that of its sign.
+int spare_bits(std::int32_t x) { return std::countl_zero(bits_of(x)) - 1; }
+
 /// The same of a product of two positive numbers, in 32 bits: no more than 2^-28 of itself and one
-/// unit too small.
-std::int32_t root_of_product(std::int32_t x, std::int32_t y) {
-  const int x_shift = std::countl_zero(bits_of(x)) - 1, y_shift = std::countl_zero(bits_of(y)) - 1;
+/// unit too small. The spare bits of the first one are known.
+std::int32_t root_of_product(std::int32_t x, int x_shift, std::int32_t y) {
+  const int y_shift = spare_bits(y);
   const std::uint32_t a = bits_of(x) << x_shift, b = bits_of(y) << y_shift;
   // Upper half of the product, at most three too small.
   const std::uint32_t a1 = a >> 16, a0 = a & 0xffffu, b1 = b >> 16, b0 = b & 0xffffu;
@@ -39,6 +42,7 @@ std::int32_t root_of_product(std::int32_t x, std::int32_t y) {
 struct Time {
   std::int32_t beats;
   std::int32_t t_qs;  ///< 0: longer than eight times the limit
+  int spare = 0;      ///< spare_bits(t_qs)
 };
 
 /// Least start speed, not below -V, from which the way can be covered: accelerate all the way, at
@@ -62,7 +66,7 @@ std::int32_t largest_end_qs(const AxisScale& axis, const Time& time, std::int32_
   const std::int32_t limit = axis.limit_qs;
   if (time.t_qs != 0) {
     const std::int32_t spare = time.t_qs / 2 + mean_down - v;
-    const std::int32_t r = spare > 0 ? root_of_product(time.t_qs, spare) : 0;
+    const std::int32_t r = spare > 0 ? root_of_product(time.t_qs, time.spare, spare) : 0;
     const std::int32_t dip = v - time.t_qs + r;
     if (dip >= -limit) return dip + r < limit ? dip + r : limit;
   }
@@ -92,12 +96,13 @@ AxisScale make_scale(std::int64_t speed_limit_q32) {
 bool reach(const AxisScale& axis, const SpeedRange& from, const MeanSpeed& mean, std::int32_t beats,
            SpeedRange& to) {
   if (mean.up_qs > axis.limit_qs || mean.down_qs < -axis.limit_qs) return false;
-  const Time time{beats, beats < axis.lasting_beats ? beats << axis.bits : 0};
+  Time time{beats, beats < axis.lasting_beats ? beats << axis.bits : 0};
   const std::int32_t least = least_start_qs(axis, time, mean.up_qs);
   const std::int32_t lo = from.lo_qs > least ? from.lo_qs : least;
   const std::int32_t most = -least_start_qs(axis, time, -mean.down_qs);
   const std::int32_t hi = from.hi_qs < most ? from.hi_qs : most;
   if (lo > hi) return false;
+  if (time.t_qs != 0) time.spare = spare_bits(time.t_qs);
   // Both bounds fall with the start speed, hence the crossed arguments.
   to.hi_qs = largest_end_qs(axis, time, mean.down_qs, lo);
   to.lo_qs = -largest_end_qs(axis, time, -mean.up_qs, -hi);

@@ -41,53 +41,92 @@ double virtual_beats(const job::Profile& profile, const job::Job& job) {
   return beats_of(board.world().laser().shots());
 }
 
-/// Runs a job; how much of it is left to the caller to judge.
-void run(ChipRig& rig, const job::Job& job) {
+/// Runs a job; how much of it is left to the caller to judge. Flooded: somebody asks for the status
+/// and types what nobody understands as quickly as the board takes it.
+void run(ChipRig& rig, const job::Job& job, bool flooded = false) {
   const sim::BoardTiming timing(rig.board, flash_image());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   RunningJob running(rig, job, 1);
+  std::mt19937_64 random(4);
+  std::size_t junk = 0;
+  while (flooded && running.sender.step() && rig.now() < running.limit()) {
+    if (rig.board.usb_host().unsent() != 0) continue;
+    rig.type(random() % 4 == 0 ? std::string(random() % 200, 'j') + "\n" : "?");
+    ++junk;
+  }
   ASSERT_EQ(running.finish(), link::JobEnd::done);
   expect_fired(rig, job);
   expect_no_violations(rig);
   const Picoseconds delay = Picoseconds{5} * ps_per_us;
   std::cout << sim::timing_text(timing.table(delay));
+  if (flooded) std::cout << junk << " requests and lines of junk\n";
 }
 
-TEST(Throughput, ARowIsFiredAtEveryBeatOf4Kilohertz) {
-  const job::Profile profile = quick_profile(4000);
-  // More than the queue holds. At the end nobody knows of a row that would pay for its speed.
-  const std::size_t points = 1400;
-  points::PointCloud row;
-  for (std::size_t i = 0; i < points; ++i)
-    row.push_back({-28 + 0.04 * static_cast<double>(i), 0, 0});
-  const job::Job job = job::make_job(row, profile, {});
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(run(rig, job));
-  std::cout << longest_run(rig.shots()) << " of " << points << " points at 4000 points/s\n";
-  EXPECT_GE(longest_run(rig.shots()), 1000u);
+/// Even rows there and back, 40 um apart along x.
+job::Job rows(const job::Profile& profile, std::size_t count, std::size_t points) {
+  points::PointCloud cloud;
+  for (std::size_t row = 0; row < count; ++row)
+    for (std::size_t i = 0; i < points; ++i) {
+      const std::size_t at = row % 2 == 0 ? i : points - 1 - i;
+      cloud.push_back({-28 + 0.04 * static_cast<double>(at), 0.2 * static_cast<double>(row), 0});
+    }
+  return job::make_job(cloud, profile, {});
 }
 
-TEST(Throughput, UnevenCloudsAreNotWaitedFor) {
-  const job::Profile profile = quick_profile(4000);
+/// Steps of a random length in random directions.
+job::Job uneven_cloud(const job::Profile& profile, std::size_t points, double shortest_mm,
+                      double longest_mm) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> part(0, 1);
   points::PointCloud cloud;
   std::array<double, 3> at{};
-  for (std::size_t i = 0; i < 320; ++i) {
-    const double length = 0.005 * std::pow(6, part(random));
+  for (std::size_t i = 0; i < points; ++i) {
+    const double length = shortest_mm * std::pow(longest_mm / shortest_mm, part(random));
     std::array<double, 3> way{normal(random), normal(random), normal(random)};
     const double norm = std::hypot(way[0], way[1], way[2]);
     for (std::size_t a = 0; a < 3; ++a) at[a] += length * way[a] / norm;
     cloud.push_back({at[0], at[1], at[2]});
   }
-  const job::Job job = job::make_job(cloud, profile, {});
+  return job::make_job(cloud, profile, {});
+}
+
+/// The queue holds fewer points than a row has. At the end of the last one nobody knows of a row
+/// that would pay for its speed.
+TEST(Throughput, ARowIsFiredAtEveryBeatOf4Kilohertz) {
+  const job::Profile profile = quick_profile(4000);
+  const std::size_t points = 1400;
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(run(rig, job));
+  ASSERT_NO_FATAL_FAILURE(run(rig, rows(profile, 1, points)));
+  std::cout << longest_run(rig.shots()) << " of " << points << " points at 4000 points/s\n";
+  EXPECT_GE(longest_run(rig.shots()), points - 32);
+}
+
+TEST(Throughput, RowsFollowEachOtherWithABusyLink) {
+  const job::Profile profile = quick_profile(4000);
+  ChipRig rig(profile);
+  const job::Job job = rows(profile, 2, 1100);
+  ASSERT_NO_FATAL_FAILURE(run(rig, job, true));
   const double beats = beats_of(rig.shots()), least = virtual_beats(profile, job);
-  std::cout << 4000.0 * static_cast<double>(cloud.size()) / beats << " points/s in " << beats
-            << " beats; planned in no time " << least << " beats\n";
+  std::cout << longest_run(rig.shots()) << " of 1100 points at 4000 points/s, " << beats
+            << " beats; planned in no time and a quiet link " << least << " beats\n";
+  EXPECT_GE(longest_run(rig.shots()), 1000u);
   EXPECT_LE(beats, 1.1 * least);
+}
+
+/// 1500 points a second, uneven ones.
+TEST(Throughput, UnevenCloudsAreNotWaitedFor) {
+  job::Profile profile = quick_profile(5000);
+  job::set_acceleration(profile, 20);
+  const job::Job job = uneven_cloud(profile, 400, 0.001, 0.008);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(run(rig, job, true));
+  const double beats = beats_of(rig.shots()), least = virtual_beats(profile, job);
+  const double rate = 5000.0 * static_cast<double>(job.targets.size()) / beats;
+  std::cout << rate << " points/s in " << beats << " beats; planned in no time " << least
+            << " beats\n";
+  EXPECT_LE(beats, 1.02 * least);
+  EXPECT_GE(rate, 1500.0);
 }
 
 }  // namespace
