@@ -8,7 +8,7 @@
 //   estop_interrupt    IO_IRQ_BANK0, priority 0                 1.25 us, off after 0.5 us
 //   edge_interrupt     PIO0_IRQ_0, priority 1                   45 us
 //   beat_interrupt     TIMER_IRQ_1, priority 1                  40 us
-//   fill_interrupt     interrupt 26, priority 3                 30 % of the time in motion, 40 %
+//   fill_interrupt     interrupt 26, priority 3                 25 % of the time in motion, a third
 //                                                               with what interrupts it
 //   poll               main loop, every 1 ms, beat and fill masked at the NVIC; 3 ms when it
 //                      starts the lattice again (e-stop, limit, ticks that ran out)
