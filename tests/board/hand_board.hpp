@@ -22,6 +22,7 @@ class HandBoard {
   HandBoard(const job::Job& job, std::uint64_t seed)
       : core(job.settings), job_(job), random_(seed) {
     stop_tick_ = 200'000 + random_() % 300'000;
+    stages_ = random_() % 2 == 0;
   }
 
   machine::Controller core;
@@ -41,12 +42,16 @@ class HandBoard {
     const std::uint64_t gap = random_() % 4;
     if (gap == 0) interrupt();
     order();
+    if (stages_) core.look_ahead();
     if (gap == 1) interrupt();
     const bool plan = core.prepare(now_ * clocks_per_tick);
     if (gap == 2) interrupt();
     while (plans_itself && plan && core.plan()) {
     }
-    core.commit();
+    do {
+      if (stages_) core.stage();
+      core.commit();
+    } while (stages_ && core.part_waits());
     core.tell();
     if (gap == 3) interrupt();
     feed();
@@ -128,6 +133,7 @@ class HandBoard {
   lamp::FireToken held_;
   bool token_ = false;
   std::uint64_t now_ = 0, filled_ = 0, stop_tick_ = 0;
+  bool stages_ = false;  ///< as a board with interrupts, which masks them for short
   std::uint64_t beat_ = 2;
   std::uint32_t beat_ticks_ = core.clock().beat_ticks();
 };
