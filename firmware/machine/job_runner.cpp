@@ -48,7 +48,7 @@ void JobRunner::clear() {
   recount();
   next_ = {};
   from_rest_ = astray_ = true;
-  returning_ = starving_ = braked_ = waiting_for_beam_ = false;
+  returning_ = starving_ = braked_ = waiting_for_beam_ = planning_late_ = false;
 }
 
 bool JobRunner::plan(const settings::Values& values, const settings::Values& own) {
@@ -139,8 +139,13 @@ void JobRunner::set_leads() {
   clock_.set_lead(generator_.lead());
 }
 
+bool JobRunner::starts_late() const {
+  return planning_late_ && at_rest() && plan_.request().count == motion::window_points;
+}
+
 std::uint64_t JobRunner::start_beat() const {
-  const std::uint64_t head = generator_.head() + start_margin_ticks;
+  const std::uint64_t head =
+      generator_.head() + start_margin_ticks + (starts_late() ? plan_ticks_ : 0);
   return clock_.beat_at_or_after(plan_state_.tick > head ? plan_state_.tick : head);
 }
 
@@ -317,6 +322,7 @@ bool JobRunner::prepare(bool go) {
   // Axes with different leads never stand at the same tick: no other length can begin there.
   plan_.start({shortest_tick_q16(), job_speed_},
               generator_.lead() == 0 ? clock_.longest_tick_q16() : full_tick_q16);
+  asked_tick_ = generator_.tick();
   hand_over_.hand_out();
   return true;
 }
@@ -346,8 +352,10 @@ void JobRunner::take_back_provisional() {
 }
 
 void JobRunner::keep_provisional() {
+  if (hand_over_.asked() && !returning_) planning_late_ = true;
   hand_over_.recall();
   looked_ = false;
+  staged_ = 0;
   provisional_ = 0;
   plan_state_ = rest_state_;
   from_rest_ = true;
@@ -367,6 +375,7 @@ void JobRunner::start_later() {
 void JobRunner::commit_plan() {
   const std::uint32_t first = handed_, end = handed_ + (staged_ != 0 ? staged_ : part());
   brake_limits_ = plan_.brake_limits();
+  if (first == 0) plan_ticks_ = generator_.tick() - asked_tick_;
   take_back_provisional();
   start_later();
   clock_.set_least_tick(plan_state_.tick, plan_.least_tick_q16());

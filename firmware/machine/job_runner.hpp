@@ -52,6 +52,10 @@
 // Where shutter or attenuator need time between two points, the first one is a rest: a window ends
 // there, and the next one waits until all shots are judged and the beam is ready.
 //
+// Where the machine is quicker than planning, it starves. Started at once after that it would again
+// after every window, for the next plan takes as long as this one lasts. So it starts as much later
+// as a plan takes: it is a window ahead then, and starves no sooner than that is used up.
+//
 // Astray: after a brake the machine does not come from the target before. Then the first way takes
 // as long as it has to, and a dwell is gone to before it is begun.
 //
@@ -187,6 +191,8 @@ class JobRunner {
   Place place_after(std::uint32_t count) const;
   bool prepare_start();
   std::uint64_t start_beat() const;
+  /// The start waits until the next plan will be there too.
+  bool starts_late() const;
   void set_leads();
   void start_later();
   void commit_plan();
@@ -227,6 +233,9 @@ class JobRunner {
   bool astray_ = true;   ///< the next window does not start at the target before it
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet
   bool starving_ = false;
+  bool planning_late_ = false;       ///< in this job the machine has been quicker than planning
+  std::uint64_t asked_tick_ = 0;     ///< when the plan was asked for
+  std::uint64_t plan_ticks_ = 0;     ///< what it has taken
   stepper::MotionState plan_state_;  ///< where committed motion ends
   std::uint64_t plan_beat_ = 0;      ///< on which beat
   std::uint32_t provisional_ = 0;    ///< segments at the end of the queue that may be taken back

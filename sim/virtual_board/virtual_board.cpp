@@ -148,7 +148,8 @@ void VirtualBoard::main_loop() {
     controller_->receive(std::span<const std::uint8_t>(packet).first(n));
   }
   controller_->take_settings(stored_);
-  if (controller_->prepare(static_cast<std::uint64_t>(now_ / ps_per_clock))) {
+  controller_->prepare(static_cast<std::uint64_t>(now_ / ps_per_clock));
+  if (controller_->plan_waits()) {
     while (controller_->plan()) {
     }
     if (planning_time_ != 0) planned_at_ = now_ + planning_time_;

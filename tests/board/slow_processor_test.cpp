@@ -53,5 +53,24 @@ TEST(SlowProcessor, APlanInTimeIsThePlanOfAFastOne) {
     ASSERT_EQ(shots[1][i].beat - shots[0][i].beat, start) << i;
 }
 
+/// Planning that takes a little longer than the motion planned: about as long, not twice as long as
+/// where every window was waited for.
+TEST(SlowProcessor, KeepsUpAsWellAsItCan) {
+  const job::Profile profile = lamp_profile();
+  const std::size_t points = 1200;
+  const job::Job job = job::make_job(histogram_walk(points, 4), profile, {});
+  const auto run = [&](sim::Picoseconds planning_time) {
+    Rig rig(profile);
+    rig.board.set_planning_time(planning_time);
+    EXPECT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    return static_cast<double>(rig.shots().back().beat - rig.shots().front().beat);
+  };
+  const double beats = run(0);
+  const double window_s = beats / 100 / static_cast<double>(points) * motion::commit_points;
+  const double late = run(static_cast<sim::Picoseconds>(1.05 * window_s * ps_per_s));
+  std::cout << beats << " beats, " << late << " with slow planning\n";
+  EXPECT_LE(late, 1.3 * beats);
+}
+
 }  // namespace
 }  // namespace lamplock::test
