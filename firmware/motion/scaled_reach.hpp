@@ -64,14 +64,16 @@ struct MeanSpeed {
 /// Mean speed of a displacement (scaled like speeds, in beats squared, rounded down) in some beats;
 /// the displacement is at most the limit times the beats.
 inline MeanSpeed mean_speed(std::int64_t displacement_qs, std::int32_t beats) {
+  // Rounded down: towards zero and, below zero, one less than what the next number gives.
   const auto low = static_cast<std::int32_t>(displacement_qs);
   if (low == displacement_qs) {
     if (low == 0) return {};
-    const std::int32_t mean = (low < 0 ? low - beats + 1 : low) / beats;
+    const std::int32_t sign = low >> 31;
+    const std::int32_t mean = (low - sign) / beats + sign;
     return {mean, mean + 1};
   }
-  const std::int64_t wide = displacement_qs < 0 ? displacement_qs - beats + 1 : displacement_qs;
-  const auto mean = static_cast<std::int32_t>(wide / beats);
+  const std::int64_t sign = displacement_qs >> 63;
+  const auto mean = static_cast<std::int32_t>((displacement_qs - sign) / beats + sign);
   return {mean, mean + 1};
 }
 

@@ -138,6 +138,18 @@ TEST(ScaledReach, TheMeanSpeedLiesBetweenItsNeighbours) {
   }
 }
 
+// Random ways hardly ever come so near to the ends of 32 bits.
+TEST(ScaledReach, TheMeanSpeedHasNoSeamWhere32BitsEnd) {
+  for (const std::int64_t end : {std::int64_t{-1} << 31, (std::int64_t{1} << 31) - 1})
+    for (std::int64_t way = end - 9000; way <= end + 9000; ++way)
+      for (const std::int32_t beats : {16, 17, 500, 8192}) {
+        const MeanSpeed mean = mean_speed(way, beats);
+        ASSERT_LE(std::int64_t{mean.down_qs} * beats, way);
+        ASSERT_GT(std::int64_t{mean.up_qs} * beats, way);
+        ASSERT_EQ(mean.up_qs, mean.down_qs + 1);
+      }
+}
+
 TEST(ScaledReach, RootsAreNeverTooLarge) {
   std::mt19937_64 random(25);
   for (int i = 0; i < test::scaled(200'000); ++i) {
