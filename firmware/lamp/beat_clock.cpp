@@ -529,10 +529,10 @@ std::uint32_t BeatClock::shortest_tick_q16() const {
   const std::int64_t tick = tick_q32_ < nominal_tick_q32 ? tick_q32_ : nominal_tick_q32;
   // What the lamp may gain until the plan has been run, at least another slew; but the period
   // stays inside its range.
-  const std::int64_t drift = planned_beats * drift_q32_;
-  const std::int64_t shortest =
-      tick - share_q32(tick, slew_q32_) -
-      share_q32(tick, drift > slew_q32_ ? static_cast<std::uint32_t>(drift) : slew_q32_);
+  constexpr std::int64_t all_q32 = 0xffffffff;
+  const auto drift_q32 =
+      static_cast<std::uint32_t>(clamped(planned_beats * drift_q32_, slew_q32_, all_q32));
+  const std::int64_t shortest = tick - share_q32(tick, slew_q32_) - share_q32(tick, drift_q32);
   const std::int64_t range_end = tick_of_period_q32(nominal_q16_ - range_q16_);
   const std::int64_t floor = range_end - share_q32(range_end, slew_q32_);
   return static_cast<std::uint32_t>(((shortest > floor ? shortest : floor) >> 16) /

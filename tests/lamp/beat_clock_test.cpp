@@ -312,6 +312,20 @@ TEST(BeatClock, ShortestTickHoldsWhileTheLampWanders) {
   EXPECT_GT(checked, 1'000u);
 }
 
+TEST(BeatClock, ShortestTickFallsWithTheDriftToTheEndOfTheLockRange) {
+  // The most drift at the slowest lamps: more than a whole period in what is planned ahead.
+  for (std::int32_t milli_hz = 1000; milli_hz <= 10'000; milli_hz += 1) {
+    settings::Values values = lamp_settings(1);
+    ASSERT_TRUE(values.set_milli(settings::Id::lamp_frequency, milli_hz));
+    ASSERT_TRUE(values.set_milli(settings::Id::lamp_drift, 10'000));
+    BeatClock clock;
+    clock.configure(values);
+    const double range = values.milli(settings::Id::lock_range) / 100'000.0;
+    const double slew = values.milli(settings::Id::slew_limit) / 100'000.0;
+    ASSERT_NEAR(clock.shortest_tick_q16(), 65536 * (1 - range) * (1 - slew), 2) << milli_hz;
+  }
+}
+
 TEST(BeatClock, TicksAreExactWithoutALampToFollow) {
   for (const auto mode : {settings::LampMode::master, settings::LampMode::free_beat}) {
     std::mt19937_64 random(78);
