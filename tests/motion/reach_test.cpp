@@ -1,23 +1,26 @@
-// reach() against the definition of what it computes, by bisection in long double.
-#include "firmware/motion/reach.hpp"
-
+// reach() of either width against the definition of what it computes, by bisection in long double.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <random>
+#include <string>
+#include <type_traits>
 
+#include "tests/motion/reach_question.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::motion {
 namespace {
 
+using test::hair;
+using test::Question;
+using test::random_question;
 using Real = long double;
 
 constexpr Real unit = 4294967296.0L;  // 2^32
 Real real(std::int64_t q32) { return static_cast<Real>(q32) / unit; }
-std::int64_t q32(Real x) { return static_cast<std::int64_t>(std::floor(x * unit)); }
 
 /// Furthest that a motion from a to b in t gets: up to the limit, stay there, down.
 Real furthest(Real a, Real b, Real t, Real limit) {
@@ -78,128 +81,109 @@ std::optional<Truth> truth(Real a, Real b, Real q, Real t, Real limit) {
   return result;
 }
 
-/// A question to reach().
-struct Question {
-  SpeedInterval from;
-  std::int64_t q = 0;
-  std::int32_t beats = 1;
-  std::int64_t limit = 0;
-};
-
-Question random_question(std::mt19937_64& random, int longest) {
-  std::uniform_real_distribution<double> around(-1, 1);
-  Question ask;
-  ask.beats = 1 + static_cast<std::int32_t>(std::pow(longest, std::fabs(around(random)))) % longest;
-  const Real t = ask.beats;
-  const Real limit = std::pow(10.0L, 1.5L * around(random)) * t;
-  Real a = around(random) * std::min(limit, 2 * t), b = around(random) * std::min(limit, 2 * t);
-  if (a > b) std::swap(a, b);
-  if (random() % 3 == 0) b = a;
-  if (random() % 5 == 0) a = b = 0;
-  // Displacements near what the middle of the interval covers, so that most can be reached.
-  const Real q = std::clamp((a + b) / 2 * t + around(random) * t * t / 2, -limit * t, limit * t);
-  ask.from = {q32(a), q32(b)};
-  ask.q = q32(q);
-  ask.limit = q32(limit);
-  return ask;
-}
-
-/// Rounding inwards by one unit next to a vertical tangent moves a root by up to root(2^-32 t).
-Real hair(const Question& ask) {
-  return 4 * std::sqrt(static_cast<Real>(ask.beats) * (ask.beats + real(ask.limit)) / unit);
-}
-
+template <class Width>
 void expect_truth(const Question& ask) {
-  SpeedInterval got;
-  const bool can = reach(ask.from, ask.q, ask.beats, ask.limit, got);
-  const auto want =
-      truth(real(ask.from.lo_q32), real(ask.from.hi_q32), real(ask.q), ask.beats, real(ask.limit));
-  const auto text = [&] {
-    return testing::Message() << "from [" << ask.from.lo_q32 << ", " << ask.from.hi_q32 << "] q "
-                              << ask.q << " beats " << ask.beats << " limit " << ask.limit;
-  };
-  if (can) {
+  const auto got = Width::reach(ask);
+  const auto want = truth(real(ask.from.lo_q32), real(ask.from.hi_q32), real(ask.q_q32), ask.beats,
+                          real(ask.limit_q32()));
+  if (got) {
     // Never larger than the truth: a unit or two of the last place is what the long double costs.
-    ASSERT_TRUE(want.has_value()) << text();
+    ASSERT_TRUE(want.has_value()) << ask;
     const Real slack = 2 / unit * (1 + ask.beats * 1e-9L);
-    ASSERT_GE(real(got.lo_q32), want->lo - slack) << text();
-    ASSERT_LE(real(got.hi_q32), want->hi + slack) << text();
-    ASSERT_LE(real(got.lo_q32), want->lo + hair(ask)) << text();
-    ASSERT_GE(real(got.hi_q32), want->hi - hair(ask)) << text();
+    ASSERT_GE(real(got->lo_q32), want->lo - slack) << ask;
+    ASSERT_LE(real(got->hi_q32), want->hi + slack) << ask;
+    ASSERT_LE(real(got->lo_q32), want->lo + hair<Width>(ask)) << ask;
+    ASSERT_GE(real(got->hi_q32), want->hi - hair<Width>(ask)) << ask;
   } else if (want) {
-    ASSERT_LE(want->hi - want->lo, hair(ask)) << text();
+    ASSERT_LE(want->hi - want->lo, hair<Width>(ask)) << ask;
   }
 }
 
-TEST(Reach, IsTheExactProjectionForShortTimes) {
+template <class Width>
+class Reach : public testing::Test {};
+struct Names {
+  template <class Width>
+  static std::string GetName(int) {
+    return std::is_same_v<Width, test::Wide> ? "64" : "32";
+  }
+};
+using Widths = testing::Types<test::Wide, test::Scaled>;
+TYPED_TEST_SUITE(Reach, Widths, Names);
+
+TYPED_TEST(Reach, IsTheExactProjectionForShortTimes) {
   std::mt19937_64 random(11);
-  for (int i = 0; i < test::scaled(2'000); ++i) expect_truth(random_question(random, 8));
+  for (int i = 0; i < test::scaled(2'000); ++i)
+    ASSERT_NO_FATAL_FAILURE(expect_truth<TypeParam>(random_question(random, 8)));
 }
 
-TEST(Reach, IsTheExactProjectionForKilohertzLamps) {
+TYPED_TEST(Reach, IsTheExactProjectionForKilohertzLamps) {
   std::mt19937_64 random(12);
-  for (int i = 0; i < test::scaled(2'000); ++i) expect_truth(random_question(random, 4000));
+  for (int i = 0; i < test::scaled(2'000); ++i)
+    ASSERT_NO_FATAL_FAILURE(expect_truth<TypeParam>(random_question(random, 4000)));
 }
 
-TEST(Reach, AnswersBothWaysOften) {
+TYPED_TEST(Reach, AnswersBothWaysOften) {
   // The questions above would be worthless if nearly all had the same answer.
-  std::mt19937_64 random(11);
-  int can = 0;
-  SpeedInterval to;
-  for (int i = 0; i < 1000; ++i) {
-    const Question ask = random_question(random, 8);
-    can += reach(ask.from, ask.q, ask.beats, ask.limit, to) ? 1 : 0;
+  for (const int longest : {8, 4000}) {
+    std::mt19937_64 random(11);
+    int can = 0;
+    for (int i = 0; i < 1000; ++i)
+      can += TypeParam::reach(random_question(random, longest)) ? 1 : 0;
+    EXPECT_GT(can, 300);
+    EXPECT_LT(can, 950);
   }
-  EXPECT_GT(can, 300);
-  EXPECT_LT(can, 950);
 }
 
-TEST(Reach, MirrorsWithTheDisplacement) {
+TYPED_TEST(Reach, MirrorsWithTheDisplacement) {
   std::mt19937_64 random(13);
-  for (int i = 0; i < test::scaled(20'000); ++i) {
-    const Question ask = random_question(random, 100);
-    SpeedInterval to, mirrored;
-    const bool can = reach(ask.from, ask.q, ask.beats, ask.limit, to);
-    ASSERT_EQ(can,
-              reach({-ask.from.hi_q32, -ask.from.lo_q32}, -ask.q, ask.beats, ask.limit, mirrored));
-    if (!can) continue;
-    ASSERT_EQ(mirrored.lo_q32, -to.hi_q32);
-    ASSERT_EQ(mirrored.hi_q32, -to.lo_q32);
+  for (int i = 0; i < test::scaled(50'000); ++i) {
+    const Question ask = random_question(random, 8000);
+    const auto to = TypeParam::reach(ask), mirrored = TypeParam::reach(ask.mirrored());
+    ASSERT_EQ(to.has_value(), mirrored.has_value()) << ask;
+    if (!to) continue;
+    ASSERT_EQ(mirrored->lo_q32, -to->hi_q32) << ask;
+    ASSERT_EQ(mirrored->hi_q32, -to->lo_q32) << ask;
   }
 }
 
-TEST(Reach, AnswersTheSameBackwards) {
+TYPED_TEST(Reach, AnswersTheSameBackwards) {
   // From every speed that can be reached, the backward answer leads into the start interval.
   std::mt19937_64 random(14);
   int tried = 0;
   for (int i = 0; i < test::scaled(20'000); ++i) {
-    const Question ask = random_question(random, 50);
-    SpeedInterval to, back;
-    if (!reach(ask.from, ask.q, ask.beats, ask.limit, to)) continue;
-    const std::int64_t middle = to.lo_q32 + (to.hi_q32 - to.lo_q32) / 2;
-    if (to.hi_q32 - to.lo_q32 < 1000) continue;
-    ASSERT_TRUE(reach({middle, middle}, ask.q, ask.beats, ask.limit, back));
-    const auto slack = static_cast<std::int64_t>(hair(ask) * unit);
-    ASSERT_LE(back.lo_q32, ask.from.hi_q32 + slack);
-    ASSERT_GE(back.hi_q32, ask.from.lo_q32 - slack);
+    Question ask = random_question(random, 50);
+    const auto to = TypeParam::reach(ask);
+    const std::int64_t unit_q32 = ask.axis.q32(1);
+    if (!to || to->hi_q32 - to->lo_q32 < 1000 * unit_q32) continue;
+    const SpeedInterval from = ask.from;
+    const std::int64_t middle = (to->lo_q32 + to->hi_q32) / 2 / unit_q32 * unit_q32;
+    ask.from = {middle, middle};
+    const auto back = TypeParam::reach(ask);
+    ASSERT_TRUE(back.has_value()) << ask;
+    const auto slack = static_cast<std::int64_t>(std::ldexp(hair<TypeParam>(ask), 32));
+    ASSERT_LE(back->lo_q32, from.hi_q32 + slack) << ask;
+    ASSERT_GE(back->hi_q32, from.lo_q32 - slack) << ask;
     ++tried;
   }
   EXPECT_GT(tried, test::scaled(20'000) / 4);
 }
 
-TEST(Reach, ReachesMoreFromMore) {
+TYPED_TEST(Reach, ReachesMoreFromMore) {
   std::mt19937_64 random(15);
   for (int i = 0; i < test::scaled(20'000); ++i) {
-    const Question ask = random_question(random, 100);
-    SpeedInterval to, more;
-    if (!reach(ask.from, ask.q, ask.beats, ask.limit, to)) continue;
+    Question ask = random_question(random, 100);
+    const auto to = TypeParam::reach(ask);
+    if (!to) continue;
+    const std::int64_t unit_q32 = ask.axis.q32(1);
     const auto wider = static_cast<std::int64_t>(random() % (std::uint64_t{1} << 33));
-    const SpeedInterval from{std::max(ask.from.lo_q32 - wider, -ask.limit),
-                             std::min(ask.from.hi_q32 + wider, ask.limit)};
-    ASSERT_TRUE(reach(from, ask.q, ask.beats, ask.limit, more));
-    const auto slack = static_cast<std::int64_t>(hair(ask) * unit);
-    ASSERT_LE(more.lo_q32, to.lo_q32 + slack);
-    ASSERT_GE(more.hi_q32, to.hi_q32 - slack);
+    const std::int64_t whole = wider / unit_q32 * unit_q32;
+    ask.from = {std::max(ask.from.lo_q32 - whole, -ask.limit_q32()),
+                std::min(ask.from.hi_q32 + whole, ask.limit_q32())};
+    const auto more = TypeParam::reach(ask);
+    ASSERT_TRUE(more.has_value()) << ask;
+    const auto slack = static_cast<std::int64_t>(std::ldexp(hair<TypeParam>(ask), 32));
+    ASSERT_LE(more->lo_q32, to->lo_q32 + slack) << ask;
+    ASSERT_GE(more->hi_q32, to->hi_q32 - slack) << ask;
   }
 }
 
