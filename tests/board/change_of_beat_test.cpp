@@ -49,10 +49,8 @@ TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheLampIsTurned) {
   for (int seed = 0; seed < scaled(16); ++seed) {
     const double other = std::array{50.0, 200.0, 80.0, 1000.0}[static_cast<std::size_t>(seed % 4)];
     const job::Profile profile = lamp_profile(100);
-    job::JobOptions options;
-    options.mode = both_modes[seed / 4 % 2];
-    const job::Job job =
-        job::make_job(histogram_walk(400, static_cast<std::uint64_t>(seed)), profile, options);
+    const job::Job job = job_for(histogram_walk(400, static_cast<std::uint64_t>(seed)), profile,
+                                 both_modes[seed / 4 % 2]);
     // The machine may be told before or after the lamp turns.
     const auto told = static_cast<sim::Picoseconds>(random() % 3'000) * ps_per_ms + ps_per_ms * 200;
     const auto turned = told + (static_cast<sim::Picoseconds>(random() % 600) - 200) * ps_per_ms;

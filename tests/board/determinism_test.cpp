@@ -8,9 +8,7 @@ constexpr sim::LampConfig lamp{
     .jitter_us = 20, .wander = 0.01, .dropout = 0.01, .runt = 0.05, .doubled = 0.02, .seed = 5};
 
 job::Job some_job(const job::Profile& profile, std::uint64_t seed, JoinMode mode) {
-  job::JobOptions options;
-  options.mode = mode;
-  return job::make_job(histogram_walk(500, seed), profile, options);
+  return job_for(histogram_walk(500, seed), profile, mode);
 }
 
 /// Everything that came out on the pins.

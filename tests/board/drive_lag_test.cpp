@@ -10,12 +10,6 @@ using settings::LampMode;
 constexpr JoinMode all_modes[] = {JoinMode::free, JoinMode::path, JoinMode::start_stop};
 constexpr std::uint16_t x_lag_number = 1071;
 
-job::Job job_for(const points::PointCloud& points, const job::Profile& profile, JoinMode mode) {
-  job::JobOptions options;
-  options.mode = mode;
-  return job::make_job(points, profile, options);
-}
-
 /// How far a load was from its point at a shot, at most, in steps over all axes.
 std::int32_t worst_error(const Rig& rig, const job::Job& job) {
   std::int32_t worst = 0;
@@ -45,11 +39,10 @@ TEST(DriveLag, LoadsAreAtTheirPointAtEveryShot) {
       set_lag(profile, {0, 150, 900});
       const job::Job job = job_for(histogram_walk(120, ++seed), profile, mode);
       Rig rig(profile);
-      ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
-      ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+      link::JobResult result;
+      ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job, false, result));
       EXPECT_EQ(worst_error(rig, job), 0);
       EXPECT_EQ(rig.board.controller().runner().misses(), 0u);
-      expect_sound(rig, profile.settings);
     }
 }
 
@@ -106,11 +99,8 @@ TEST(DriveLag, RandomLagsUpToTheLongest) {
                                  profile, all_modes[i % 3]);
     SCOPED_TRACE(testing::Message() << "seed " << i << ", " << machine.hz << " Hz");
     Rig rig(profile, lamp);
-    const link::JobResult result = run_job(rig, job);
-    ASSERT_EQ(result.end, link::JobEnd::done);
-    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, faults));
-    expect_sound(rig, profile.settings);
-    expect_ledger(rig, result.status);
+    link::JobResult result;
+    ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job, faults, result));
     EXPECT_EQ(result.status.starvations, 0u);
   }
 }

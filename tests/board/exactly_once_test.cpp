@@ -28,18 +28,13 @@ TEST_P(ExactlyOnce, EveryPointInsideTheLimits) {
     lamp.phase_us = 1234.5 * seed / 10;
     const job::Profile profile = lamp_profile(c.hz, c.mode);
     const auto count = static_cast<std::size_t>(c.points);
-    job::JobOptions options;
-    options.mode = mode;
-    const job::Job job = job::make_job(
-        seed % 2 == 0 ? histogram_walk(count, number) : wild_points(count / 4, number), profile,
-        options);
+    const job::Job job =
+        job_for(seed % 2 == 0 ? histogram_walk(count, number) : wild_points(count / 4, number),
+                profile, mode);
     Rig rig(profile, lamp);
-    const link::JobResult result = run_job(rig, job);
+    link::JobResult result;
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    ASSERT_EQ(result.end, link::JobEnd::done);
-    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, jitter));
-    expect_sound(rig, profile.settings);
-    expect_ledger(rig, result.status);
+    ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job, jitter, result));
     EXPECT_EQ(result.status.starvations, 0u);
     EXPECT_EQ(rig.board.controller().clock().lock_losses(), 0u);
     const auto outside = beats_of(result.status, BeatReason::outside_tolerance);
@@ -109,12 +104,9 @@ TEST(ShotTolerance, HoldsAtTheRealEdgeWithoutRoomToSpare) {
     const job::Job job =
         job::make_job(wild_points(static_cast<std::size_t>(scaled(100)), 5), profile, {});
     Rig rig(profile, {.jitter_us = 30, .wander = 0.01, .seed = 3});
-    const link::JobResult result = run_job(rig, job);
+    link::JobResult result;
     SCOPED_TRACE(testing::Message() << per_mm << " steps/mm, " << tolerance_um << " um");
-    ASSERT_EQ(result.end, link::JobEnd::done);
-    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, true));
-    expect_sound(rig, profile.settings);
-    expect_ledger(rig, result.status);
+    ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job, true, result));
   }
 }
 
@@ -124,11 +116,8 @@ TEST(ShotTolerance, EdgesOutsideAreMissedBeats) {
   job::state_setting(profile, Id::lamp_jitter, 300, "test");
   const job::Job job = job::make_job(histogram_walk(600, 2), profile, {});
   Rig rig(profile, {.jitter_us = 300, .seed = 4});
-  const link::JobResult result = run_job(rig, job);
-  ASSERT_EQ(result.end, link::JobEnd::done);
-  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, true));
-  expect_sound(rig, profile.settings);
-  expect_ledger(rig, result.status);
+  link::JobResult result;
+  ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job, true, result));
   EXPECT_GT(beats_of(result.status, BeatReason::outside_tolerance), 10u);
   EXPECT_GT(beats_of(result.status, BeatReason::returning), 10u);
 }

@@ -15,6 +15,15 @@ inline constexpr std::uint64_t pass_ticks = 250;
 inline constexpr std::uint64_t timing_lead_ticks = 300;
 inline constexpr std::uint64_t fill_lead_ticks = 2000;
 
+/// Points in a row that jumps from side to side: every point at a place of its own.
+inline job::Job jumping_row(int points, std::uint64_t seed) {
+  points::PointCloud cloud;
+  std::mt19937_64 random(seed);
+  for (int i = 0; i < points; ++i)
+    cloud.push_back({i * 0.05, static_cast<double>(random() % 100) * 0.005, 0});
+  return job::make_job(cloud, lamp_profile(200, settings::LampMode::master), {});
+}
+
 /// A board as short as can be, for a lamp that we trigger (ticks of nominal length). The edge of a
 /// beat comes in one of the gaps between the calls of a pass.
 class HandBoard {

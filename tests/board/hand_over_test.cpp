@@ -151,13 +151,6 @@ class PlannerThread {
 
 class PlanOnAnotherCore : public testing::Test {
  protected:
-  static job::Job job(std::uint64_t seed) {
-    points::PointCloud cloud;
-    std::mt19937_64 random(seed);
-    for (int i = 0; i < 90; ++i)
-      cloud.push_back({i * 0.05, static_cast<double>(random() % 100) * 0.005, 0});
-    return job::make_job(cloud, lamp_profile(200, settings::LampMode::master), {});
-  }
   /// Lets the planner get on with it; by no means always.
   static void wait(HandBoard& board, std::mt19937_64& random) {
     const std::uint64_t patience = random() % 4 == 0 ? 1'000'000 : random() % 40;
@@ -179,7 +172,7 @@ TEST_F(PlanOnAnotherCore, OrdersAtRandomMoments) {
   int stops = 0, in_flight = 0, moving = 0;
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(10)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const job::Job job = this->job(seed);
+    const job::Job job = jumping_row(90, seed);
     HandBoard board(job, seed);
     board.plans_itself = false;
     machine::Controller& core = board.core;

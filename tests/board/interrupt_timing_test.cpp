@@ -6,23 +6,11 @@
 namespace lamplock::test {
 namespace {
 
-class InterruptTiming : public testing::Test {
- protected:
-  static job::Job job(std::uint64_t seed) {
-    // Every point at a place of its own.
-    points::PointCloud cloud;
-    std::mt19937_64 random(seed);
-    for (int i = 0; i < 40; ++i)
-      cloud.push_back({i * 0.05, static_cast<double>(random() % 100) * 0.005, 0});
-    return job::make_job(cloud, lamp_profile(200, settings::LampMode::master), {});
-  }
-};
-
-TEST_F(InterruptTiming, IdleAfterAStopKnowsEveryShot) {
+TEST(InterruptTiming, IdleAfterAStopKnowsEveryShot) {
   int unfinished = 0;
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(300)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const job::Job job = this->job(seed);
+    const job::Job job = jumping_row(40, seed);
     HandBoard board(job, seed);
     ASSERT_NO_FATAL_FAILURE(board.begin(0));
     // Half of the stops in a pass that has an edge.
@@ -40,11 +28,11 @@ TEST_F(InterruptTiming, IdleAfterAStopKnowsEveryShot) {
   EXPECT_GT(unfinished, 0);
 }
 
-TEST_F(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
+TEST(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
   int found = 0;
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(100)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const job::Job job = this->job(seed);
+    const job::Job job = jumping_row(40, seed);
     HandBoard board(job, seed);
     ASSERT_NO_FATAL_FAILURE(board.begin(0));
     while (!board.stop_due() || !board.edge_ahead()) board.pass();

@@ -22,10 +22,8 @@ TEST(Jerk, JobsAreDoneInsideTheWorkSpace) {
     for (const JoinMode mode : both_modes) {
       SCOPED_TRACE(jerk);
       const job::Profile profile = jerk_profile(jerk);
-      job::JobOptions options;
-      options.mode = mode;
       const job::Job job =
-          job::make_job(wild_points(static_cast<std::size_t>(scaled(60)), 91), profile, options);
+          job_for(wild_points(static_cast<std::size_t>(scaled(60)), 91), profile, mode);
       Rig rig(profile);
       EXPECT_EQ(run_job(rig, job).end, link::JobEnd::done);
       expect_each_once(rig, job, false);
@@ -69,11 +67,9 @@ std::string refusal(Rig& rig, const job::Job& job) {
 TEST(Jerk, PathsAndLooserLimitsAreRefusedWithTheSetting) {
   const job::Profile profile = jerk_profile(100);
   const points::PointCloud points = wild_points(10, 1);
-  job::JobOptions path;
-  path.mode = JoinMode::path;
   {
     Rig rig(profile);
-    EXPECT_THAT(refusal(rig, job::make_job(points, profile, path)), HasSubstr("$1081"));
+    EXPECT_THAT(refusal(rig, job_for(points, profile, JoinMode::path)), HasSubstr("$1081"));
     EXPECT_TRUE(rig.monitor.nothing_happened());
   }
   for (const double asked : {0.0, 100.5}) {

@@ -64,9 +64,7 @@ TEST(JobSpeed, FasterThanTheJobButNotThanTheMachine) {
 /// Way in `beats` at s % is that in beats x 100 / s at 100 %: rest to rest, to rounding.
 TEST(JobSpeed, HalfTheSpeedIsTwiceTheBeats) {
   const job::Profile profile = lamp_profile(1000);
-  job::JobOptions options;
-  options.mode = JoinMode::start_stop;
-  const job::Job job = job::make_job(histogram_walk(100, 5), profile, options);
+  const job::Job job = job_for(histogram_walk(100, 5), profile, JoinMode::start_stop);
   std::vector<double> beats;
   for (const std::uint32_t percent : {100u, 50u, 25u}) {
     Rig rig(profile);
@@ -126,9 +124,7 @@ TEST(JobSpeed, TakesEffectBehindWhatIsCommitted) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const auto number = static_cast<std::uint64_t>(seed);
     const job::Profile profile = lamp_profile(seed % 2 == 0 ? 100 : 500);
-    job::JobOptions options;
-    options.mode = both_modes[seed / 2 % 2];
-    job::Job job = job::make_job(histogram_walk(200, number), profile, options);
+    job::Job job = job_for(histogram_walk(200, number), profile, both_modes[seed / 2 % 2]);
     constexpr std::size_t stands = 150;  // its third flash finds the machine at rest
     job.targets[stands].shots = 6;
     Rig rig(profile);

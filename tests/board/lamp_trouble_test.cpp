@@ -17,9 +17,7 @@ class ScriptedLamp : public testing::Test {
       set_lag(profile_, {0, 3000, 150});
       world.drives = world_for(profile_).drives;
     }
-    job::JobOptions options;
-    options.mode = mode;
-    job_ = job::make_job(histogram_walk(500, static_cast<std::uint64_t>(seed)), profile_, options);
+    job_ = job_for(histogram_walk(500, static_cast<std::uint64_t>(seed)), profile_, mode);
     rig_ = std::make_unique<Rig>(profile_.settings, world);
     script.connect(rig_->board);
     result_ = run_job(*rig_, job_);
@@ -172,10 +170,8 @@ TEST(StarvedHost, SlowsDownAndLosesNothing) {
   for (const JoinMode mode : both_modes) {
     for (int seed = 0; seed < scaled(4); ++seed) {
       const job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);
-      job::JobOptions options;
-      options.mode = mode;
       const job::Job job =
-          job::make_job(histogram_walk(400, static_cast<std::uint64_t>(seed)), profile, options);
+          job_for(histogram_walk(400, static_cast<std::uint64_t>(seed)), profile, mode);
       Rig rig(profile);
       SleepyTransport transport(rig.board, std::chrono::milliseconds(300));
       link::SenderOptions sending;

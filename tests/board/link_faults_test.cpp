@@ -17,9 +17,7 @@ TEST_P(BadCableToBoard, EveryPointIsFiredOnce) {
   for (int seed = 0; seed < scaled(6); ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
     const job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);
-    job::JobOptions options;
-    options.mode = both_modes[seed % 2];
-    const job::Job job = job::make_job(histogram_walk(600, number), profile, options);
+    const job::Job job = job_for(histogram_walk(600, number), profile, both_modes[seed % 2]);
     Rig rig(profile, {.jitter_us = 20, .wander = 0.01, .seed = number + 1});
     BoardCable cable(rig, GetParam().faults, number);
     link::SenderOptions sending;

@@ -26,11 +26,8 @@ class Disturbed : public testing::Test {
     // A lag is turned into ticks at rest; a lamp that wanders after that makes long ones wrong.
     if (seed % 5 == 4) set_lag(profile_, {150, 0, jitter ? 300.0 : 4000.0});
     if (seed % 5 == 2) set_lag(profile_, {0, jitter ? 200.0 : 900.0, 100});
-    job::JobOptions options;
-    options.mode = both_modes[seed % 2];
-    job_ =
-        job::make_job(seed % 3 == 0 ? wild_points(20, number) : histogram_walk(job_points, number),
-                      profile_, options);
+    job_ = job_for(seed % 3 == 0 ? wild_points(20, number) : histogram_walk(job_points, number),
+                   profile_, both_modes[seed % 2]);
     rig_ = std::make_unique<Rig>(profile_, sim::LampConfig{.jitter_us = jitter ? 20.0 : 0.0,
                                                            .wander = jitter ? 0.01 : 0.0,
                                                            .seed = number + 1});
@@ -158,9 +155,8 @@ TEST_F(Disturbed, HoldsWhileSomeAxesAreBehindTheOthers) {
     jitter_ = false;
     profile_ = lamp_profile(2000, settings::LampMode::slave, 10);
     set_lag(profile_, {5000, 0, 300});
-    job::JobOptions options;
-    options.mode = both_modes[seed % 2];
-    job_ = job::make_job(histogram_walk(100, static_cast<std::uint64_t>(seed)), profile_, options);
+    job_ = job_for(histogram_walk(100, static_cast<std::uint64_t>(seed)), profile_,
+                   both_modes[seed % 2]);
     rig_ = std::make_unique<Rig>(profile_);
     cable_ = std::make_unique<BoardCable>(*rig_);
     sender_ = std::make_unique<link::JobSender>(*cable_, job_, session(1));

@@ -31,15 +31,10 @@ struct Outcome {
 
 void run(const job::Profile& profile, const points::PointCloud& cloud, JoinMode mode,
          Outcome& outcome) {
-  job::JobOptions options;
-  options.mode = mode;
-  const job::Job job = job::make_job(cloud, profile, options);
+  const job::Job job = job_for(cloud, profile, mode);
   Rig rig(profile);
-  const link::JobResult result = run_job(rig, job);
-  ASSERT_EQ(result.end, link::JobEnd::done);
-  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
-  expect_sound(rig, profile.settings);
-  expect_ledger(rig, result.status);
+  link::JobResult result;
+  ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job, false, result));
   EXPECT_EQ(rig.board.controller().runner().misses(), 0u);
   EXPECT_EQ(result.status.starvations, 0u);
   const double nominal = 1e15 / profile.settings.milli(Id::lamp_frequency);
@@ -134,10 +129,8 @@ TEST(MasterPeriod, HoldsAndDropOutsStayInsideTheLimits) {
   std::mt19937_64 random(93);
   for (int seed = 0; seed < scaled(8); ++seed) {
     const job::Profile profile = master_profile(100, 10);
-    job::JobOptions options;
-    options.mode = JoinMode::start_stop;
-    const job::Job job =
-        job::make_job(histogram_walk(150, static_cast<std::uint64_t>(seed)), profile, options);
+    const job::Job job = job_for(histogram_walk(150, static_cast<std::uint64_t>(seed)), profile,
+                                 JoinMode::start_stop);
     Rig rig(profile, {.dropout = 0.03, .seed = static_cast<std::uint64_t>(seed) + 1});
     link::SenderOptions sending;
     sending.session = 1;

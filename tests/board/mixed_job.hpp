@@ -8,9 +8,7 @@ namespace lamplock::test {
 /// A walk in which about every third target is something else than a point with one shot.
 inline job::Job mixed_job(const job::Profile& profile, std::size_t points, std::uint64_t seed,
                           JoinMode mode) {
-  job::JobOptions options;
-  options.mode = mode;
-  job::Job job = job::make_job(histogram_walk(points, seed), profile, options);
+  job::Job job = job_for(histogram_walk(points, seed), profile, mode);
   std::mt19937_64 random(seed);
   const auto pick = [&random](int from, int to) {
     return std::uniform_int_distribution<>(from, to)(random);

@@ -31,12 +31,6 @@ job::Profile path_profile(double hz, settings::LampMode mode, double accel_m_s2,
   return profile;
 }
 
-job::Job path_job(const points::PointCloud& points, const job::Profile& profile) {
-  job::JobOptions options;
-  options.mode = JoinMode::path;
-  return job::make_job(points, profile, options);
-}
-
 /// Steps of the machine against the straight lines between its shots: the largest distance.
 double farthest_from_lines(const Rig& rig, const job::Job& job) {
   const auto& fires = rig.monitor.fires();
@@ -72,14 +66,11 @@ double farthest_from_lines(const Rig& rig, const job::Job& job) {
 
 TEST(PathJob, EachPointOnceOnItsLineWithoutStopping) {
   const job::Profile profile = path_profile(40, settings::LampMode::slave, 0.3, 0.75);
-  const job::Job job = path_job(outline(400, 0.125), profile);
+  const job::Job job = job_for(outline(400, 0.125), profile, JoinMode::path);
   Rig rig(profile.settings, world_for(profile));
   rig.monitor.allow_speed_jumps();
-  const link::JobResult result = run_job(rig, job);
-  ASSERT_EQ(result.end, link::JobEnd::done);
-  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
-  expect_sound(rig, profile.settings);
-  expect_ledger(rig, result.status);
+  link::JobResult result;
+  ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job, false, result));
   EXPECT_EQ(result.status.starvations, 0u);
   EXPECT_LE(result.status.beats, 400 + 20);
   // Counted steps are the true position rounded down, so that the line is seen half a step off.
@@ -105,15 +96,13 @@ TEST_P(PathLamps, EveryPointOnceInsideTheLimits) {
     lamp.seed = number + 1;
     const job::Profile profile = path_profile(c.hz, c.mode, 2, c.jump_mm_s);
     const job::Job job =
-        path_job(seed % 2 == 0 ? histogram_walk(200, number) : wild_points(60, number), profile);
+        job_for(seed % 2 == 0 ? histogram_walk(200, number) : wild_points(60, number), profile,
+                JoinMode::path);
     Rig rig(profile.settings, world_for(profile, lamp));
     rig.monitor.allow_speed_jumps();
-    const link::JobResult result = run_job(rig, job);
+    link::JobResult result;
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    ASSERT_EQ(result.end, link::JobEnd::done);
-    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, jitter));
-    expect_sound(rig, profile.settings);
-    expect_ledger(rig, result.status);
+    ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job, jitter, result));
   }
 }
 

@@ -92,6 +92,14 @@ inline points::PointCloud wild_points(std::size_t count, std::uint64_t seed) {
   return cloud;
 }
 
+/// A job whose points are joined so.
+inline job::Job job_for(const points::PointCloud& points, const job::Profile& profile,
+                        JoinMode mode) {
+  job::JobOptions options;
+  options.mode = mode;
+  return job::make_job(points, profile, options);
+}
+
 /// Board with its monitor.
 struct Rig {
   explicit Rig(const job::Profile& profile, const sim::LampConfig& lamp = {})
@@ -179,6 +187,15 @@ inline void expect_ledger(const Rig& rig, const wire::Status& status) {
   EXPECT_EQ(std::int64_t{status.beats}, periods + 1);
   const std::int64_t flashes = rig.shots().back().beat - rig.shots().front().beat;
   EXPECT_EQ(reasons[static_cast<std::size_t>(BeatReason::no_edge)], periods - flashes);
+}
+
+/// Runs a job to its end, after which all of this has to hold.
+inline void run_to_the_end(Rig& rig, const job::Job& job, bool jitter, link::JobResult& result) {
+  result = run_job(rig, job);
+  ASSERT_EQ(result.end, link::JobEnd::done);
+  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, jitter));
+  expect_sound(rig, job.settings);
+  expect_ledger(rig, result.status);
 }
 
 inline std::uint32_t beats_of(const wire::Status& status, BeatReason reason) {

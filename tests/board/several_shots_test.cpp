@@ -62,9 +62,7 @@ TEST(Dwell, OneBeatMoreIsOneBeatMore) {
   for (const JoinMode mode : both_modes) {
     std::vector<std::uint32_t> beats;
     for (const unsigned dwell : {1u, 2u, 7u, 300u}) {
-      job::JobOptions options;
-      options.mode = mode;
-      job::Job job = job::make_job(histogram_walk(40, 6), profile, options);
+      job::Job job = job_for(histogram_walk(40, 6), profile, mode);
       for (const std::ptrdiff_t place : {8, 17, 30}) {
         motion::Target target = job.targets[static_cast<std::size_t>(place) - 1];
         target.shots = 0;
@@ -152,9 +150,7 @@ TEST(FixedBeats, HoldNotFromAnywhereElse) {
   const job::Profile profile = lamp_profile();
   points::PointCloud cloud;
   for (int i = 0; i < 30; ++i) cloud.push_back({30 + 0.1 * i, 30, -30});
-  job::JobOptions options;
-  options.mode = JoinMode::start_stop;
-  job::Job job = job::make_job(cloud, profile, options);
+  job::Job job = job_for(cloud, profile, JoinMode::start_stop);
   for (motion::Target& target : job.targets) target.beats = 2;
   Rig rig(profile);
   link::SenderOptions sending;
@@ -171,10 +167,8 @@ TEST(FixedBeats, HoldOnlyOnTheWayFromTheTargetBefore) {
   for (int seed = 0; seed < scaled(30); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const job::Profile profile = lamp_profile(100, settings::LampMode::slave, 10);
-    job::JobOptions options;
-    options.mode = both_modes[seed % 2];
-    job::Job job =
-        job::make_job(histogram_walk(60, static_cast<std::uint64_t>(seed)), profile, options);
+    job::Job job = job_for(histogram_walk(60, static_cast<std::uint64_t>(seed)), profile,
+                           both_modes[seed % 2]);
     // 16 mm, from rest to rest in 8 beats of 10 ms, is the most.
     constexpr int far_steps = 3000;
     for (std::size_t i = 1; i < job.targets.size(); ++i) {

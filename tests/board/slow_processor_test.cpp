@@ -17,9 +17,8 @@ TEST(SlowProcessor, LatePlansCostBeatsAndNothingElse) {
     const double hz = seed % 3 == 0 ? 100 : seed % 3 == 1 ? 1000 : 250;
     const job::Profile profile =
         lamp_profile(hz, settings::LampMode::slave, seed % 2 == 0 ? 2 : 10);
-    job::JobOptions options;
-    options.mode = both_modes[seed % 5 == 0 ? 1 : 0];
-    const job::Job job = job::make_job(histogram_walk(250, seed), profile, options);
+    const job::Job job =
+        job_for(histogram_walk(250, seed), profile, both_modes[seed % 5 == 0 ? 1 : 0]);
     // Missed flashes too: the way back is planned while the machine goes on.
     Rig rig(profile, {.dropout = seed % 4 == 0 ? 0.05 : 0.0, .seed = seed});
     rig.board.set_planning_time(
