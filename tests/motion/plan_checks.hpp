@@ -182,4 +182,14 @@ inline Fault window_fault(const Chain& chain, const motion::Planner& planner,
   return {};
 }
 
+/// Plans a chain: what is wrong with a window, or with the whole, no tick looked at.
+inline Fault chain_fault(const Chain& chain, motion::Planner& planner, ChainPlan& plan) {
+  Fault fault;
+  plan = plan_chain(chain, planner, [&](const motion::Planner& p, const motion::PlanRequest& r) {
+    if (!fault) fault = window_fault(chain, p, r);
+  });
+  long no_ticks = 0;
+  return fault ? fault : plan_fault(chain, plan, no_ticks);
+}
+
 }  // namespace lamplock::test

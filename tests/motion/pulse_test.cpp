@@ -189,14 +189,8 @@ Fault fault_of(std::uint64_t number, Planner& planner, bool every_tick) {
   Chain chain = test::random_chain(random, 3 + random() % 60);
   if (random() % 8 == 0) chain.mode = JoinMode::start_stop;
   test::limit_jerk(chain, random);
-  Fault fault;
-  const ChainPlan plan =
-      test::plan_chain(chain, planner, [&](const Planner& p, const PlanRequest& request) {
-        if (!fault) fault = test::window_fault(chain, p, request);
-      });
-  if (fault) return fault;
-  long ticks = 0;
-  fault = test::plan_fault(chain, plan, ticks);
+  ChainPlan plan;
+  Fault fault = test::chain_fault(chain, planner, plan);
   if (fault || !every_tick) return fault;
   long left = 1'000'000;
   std::vector<test::JerkWatch> watches;
