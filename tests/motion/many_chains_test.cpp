@@ -47,14 +47,8 @@ Fault fault_of(std::uint64_t number, Planner& planner) {
   Chain chain = test::random_chain(random, points);
   // Seven of eight free: resting everywhere is the simpler thing.
   chain.mode = random() % 8 == 0 ? JoinMode::start_stop : JoinMode::free;
-  Fault fault;
-  const ChainPlan plan =
-      test::plan_chain(chain, planner, [&](const Planner& p, const PlanRequest& request) {
-        if (!fault) fault = test::window_fault(chain, p, request);
-      });
-  if (fault) return fault;
-  long no_ticks = 0;
-  fault = test::plan_fault(chain, plan, no_ticks);
+  ChainPlan plan;
+  Fault fault = test::chain_fault(chain, planner, plan);
   if (!fault && number % tick_by_tick_every == 0) fault = every_tick(chain, plan);
   return fault;
 }
