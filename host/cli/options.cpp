@@ -226,9 +226,16 @@ sim::LampConfig LampFaults::lamp(const settings::Values& values) const {
 }
 
 void SimulatedDrives::add(CLI::App& app) {
-  app.add_option("--drive-lag", lag_us, "How late each axis follows its steps, X first")
+  constexpr const char* name = "--drive-lag";
+  const auto take = [this](const std::vector<double>& values) {
+    if (values.size() > max_axes)
+      throw CLI::ArgumentMismatch::AtMost(name, max_axes, values.size());
+    lag_us = values;
+  };
+  app.add_option_function<std::vector<double>>(name, take,
+                                               "How late each axis follows its steps, X first")
       ->delimiter(',')
-      ->expected(1, max_axes)
+      ->allow_extra_args(false)  // the word behind it is not another axis
       ->check(CLI::Range(0.0, settings::row(Id::drive_lag_x).max_milli / milli_per_unit)
                   .description(""))
       ->type_name("US,US,...")

@@ -195,6 +195,14 @@ TEST(Engrave, faults_of_the_lamp_cost_beats_never_points) {
   EXPECT_NE(other["beats_by_reason"], faulty["beats_by_reason"]);
 }
 
+TEST(Engrave, drives_that_follow_late_and_are_not_known_to) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(100, 3)));
+  EXPECT_LE(run_json({"engrave", list})["largest_error_steps"], 0.5);
+  for (const char* lag : {"900", "0,900", "0,0,900"})
+    EXPECT_GT(run_json({"engrave", "--drive-lag", lag, list})["largest_error_steps"], 1) << lag;
+}
+
 TEST(Engrave, trace_of_the_pins) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(20, 3)));
