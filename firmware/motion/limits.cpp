@@ -163,6 +163,58 @@ std::int64_t shot_tolerance_q32(const settings::Values& values, int a) {
   return set == 0 && steps_q32 < half_step_q32 ? half_step_q32 : steps_q32;
 }
 
+/// The planning limits in the units of the search.
+void normalise(AxisLimits& axis, std::uint32_t beat) {
+  set_reciprocal(axis, beat);
+  axis.speed_q32 = normalised_speed_q32(axis, beat);
+  axis.scale = make_scale(axis.speed_q32);
+}
+
+/// Speed and acceleration of an axis in a tick so long; false if the speed is none or too high.
+bool set_limits(AxisLimits& axis, const settings::Values& values, int a, std::uint32_t tick_q16) {
+  const std::int32_t steps_milli = values.milli(Id::steps_per_mm_x, a);
+  const std::int64_t q16 = tick_q16;
+  axis.speed_q62 =
+      mul_div(speed_per_tick_q62(values.milli(Id::max_rate_x, a), steps_milli), q16, 65536);
+  axis.accel_q62 = mul_div(
+      mul_div(accel_per_tick_q62(values.milli(Id::acceleration_x, a), steps_milli), q16, 65536),
+      q16, 65536);
+  axis.jerk_q78 = jerk_per_tick_q78(values.milli(Id::jerk_x, a), steps_milli);
+  for (int power = 0; power < 3; ++power) axis.jerk_q78 = mul_div(axis.jerk_q78, q16, 65536);
+  axis.jump_q62 =
+      mul_div(jump_per_tick_q62(values.milli(Id::speed_jump_x, a), steps_milli), q16, 65536);
+  return axis.speed_q62 <= max_speed_q62 && axis.speed_q62 > 0;
+}
+
+/// What is planned with. Rounding switch points to whole ticks costs at most 1.02/n of the
+/// acceleration and 4.8/n of the speed over n ticks (measured; a segment has at least one beat),
+/// rounding of the search about 0.02/n to 0.2/n of the acceleration (scaled_reach.hpp; the slower
+/// the axis, the more).
+void set_plan_limits(AxisLimits& axis, std::uint32_t beat) {
+  const std::uint32_t margin = beat * 10;
+  axis.plan_accel_q62 = mul_div(axis.accel_q62, margin - 13, margin) - 1;
+  axis.plan_speed_q62 = mul_div(axis.speed_q62, margin - 50, margin) - 1;
+  axis.brake_accel_q62 = axis.plan_accel_q62;
+  axis.rise_ticks = 0;
+}
+
+/// Limits of one axis; the first axis' row of the setting that is bad, or none.
+Id make_axis(AxisLimits& axis, const settings::Values& values, int a, std::uint32_t beat,
+             std::uint32_t tick_q16) {
+  if (!set_limits(axis, values, a, tick_q16)) return Id::max_rate_x;
+  set_plan_limits(axis, beat);
+  if (values.milli(Id::jerk_x, a) != 0 && !limit_jerk(axis, beat)) return Id::jerk_x;
+  if (axis.plan_accel_q62 < min_accel_q62 || axis.plan_speed_q62 <= 0) return Id::acceleration_x;
+  normalise(axis, beat);
+  // A speed that is some units of the search off costs four times as much of the acceleration in
+  // a way of one beat: it matters where V/A is seconds.
+  axis.plan_accel_q62 -= axis.plan_accel_q62 >> (axis.scale.bits - search_share_bits);
+  normalise(axis, beat);
+  axis.shot_tolerance_q32 = shot_tolerance_q32(values, a);
+  axis.shot_way_q32 = axis.displacement_q32(axis.shot_tolerance_q32);
+  return Id::count;
+}
+
 }  // namespace
 
 AxisBrake::AxisBrake(const AxisLimits& axis)
@@ -201,51 +253,13 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
   const StepLimits space = work_space(values);
   for (int a = 0; a < out.axes; ++a) {
     AxisLimits& axis = out.axis[static_cast<std::size_t>(a)];
-    const std::int32_t steps_milli = values.milli(Id::steps_per_mm_x, a);
-    const std::int64_t q16 = tick_q16;
-    axis.speed_q62 =
-        mul_div(speed_per_tick_q62(values.milli(Id::max_rate_x, a), steps_milli), q16, 65536);
-    axis.accel_q62 = mul_div(
-        mul_div(accel_per_tick_q62(values.milli(Id::acceleration_x, a), steps_milli), q16, 65536),
-        q16, 65536);
-    if (axis.speed_q62 > max_speed_q62 || axis.speed_q62 <= 0) {
-      setting = settings::row(settings::for_axis(Id::max_rate_x, a)).number;
-      return Result::bad_value;
-    }
-    // Rounding switch points to whole ticks costs at most 1.02/n of the acceleration and 4.8/n of
-    // the speed over n ticks (measured; a segment has at least one beat), rounding of the search
-    // about 0.02/n to 0.2/n of the acceleration (scaled_reach.hpp; the slower the axis, the more).
-    const std::uint32_t margin = beat * 10;
-    axis.plan_accel_q62 = mul_div(axis.accel_q62, margin - 13, margin) - 1;
-    axis.plan_speed_q62 = mul_div(axis.speed_q62, margin - 50, margin) - 1;
-    axis.brake_accel_q62 = axis.plan_accel_q62;
-    axis.jerk_q78 = jerk_per_tick_q78(values.milli(Id::jerk_x, a), steps_milli);
-    for (int power = 0; power < 3; ++power) axis.jerk_q78 = mul_div(axis.jerk_q78, q16, 65536);
-    axis.rise_ticks = 0;
-    if (values.milli(Id::jerk_x, a) != 0 && !limit_jerk(axis, beat)) {
-      setting = settings::row(settings::for_axis(Id::jerk_x, a)).number;
-      return Result::bad_value;
-    }
     axis.min_steps = space.min[static_cast<std::size_t>(a)];
     axis.max_steps = space.max[static_cast<std::size_t>(a)];
-    if (axis.plan_accel_q62 < min_accel_q62 || axis.plan_speed_q62 <= 0) {
-      setting = settings::row(settings::for_axis(Id::acceleration_x, a)).number;
+    axis.weight_q31 = weight_q31(values, out.axes, a);
+    if (const Id bad = make_axis(axis, values, a, beat, tick_q16); bad != Id::count) {
+      setting = settings::row(settings::for_axis(bad, a)).number;
       return Result::bad_value;
     }
-    set_reciprocal(axis, beat);
-    axis.speed_q32 = normalised_speed_q32(axis, beat);
-    axis.scale = make_scale(axis.speed_q32);
-    // A speed that is some units of the search off costs four times as much of the acceleration in
-    // a way of one beat: it matters where V/A is seconds.
-    axis.plan_accel_q62 -= axis.plan_accel_q62 >> (axis.scale.bits - search_share_bits);
-    set_reciprocal(axis, beat);
-    axis.speed_q32 = normalised_speed_q32(axis, beat);
-    axis.scale = make_scale(axis.speed_q32);
-    axis.jump_q62 =
-        mul_div(jump_per_tick_q62(values.milli(Id::speed_jump_x, a), steps_milli), q16, 65536);
-    axis.weight_q31 = weight_q31(values, out.axes, a);
-    axis.shot_tolerance_q32 = shot_tolerance_q32(values, a);
-    axis.shot_way_q32 = axis.displacement_q32(axis.shot_tolerance_q32);
   }
   return Result::ok;
 }
