@@ -1,9 +1,11 @@
 // The beat clock: where the lamp is, and how long the next ticks have to be.
 //
 // In:  accepted LAMP SYNC edges with their time in system clocks (beat interrupt).
-// Out: spans of ticks with their length in clocks (timing interrupt, up to 1 ms ahead), such that
+// Out: spans of ticks with their length in clocks (beat interrupt, up to 1 ms ahead), such that
 //      the lattice tick of beat k falls on edge k + delay; the beat number of every edge.
-// Budget: no division outside configure(); 4 us a span, 8 us an edge on the board. So what changes
+// Who: edge() and next_span() at the level of the beat; what divides, as it says there, by the main
+//      loop with that masked.
+// Budget: no division at that level; 4 us a span, 8 us an edge on the board. So what changes
 // with an edge only (length of a tick, where the beats should begin) is worked out there, a span
 // adds to it; products of a span fit 32 bits.
 //
@@ -114,7 +116,7 @@ class BeatClock {
   bool locked() const { return locked_; }
   /// Locked, and the lattice has caught up with the lamp: motion may begin.
   bool settled() const;
-  /// Shortest tick to expect over the nominal one, Q16, slew included.
+  /// Shortest tick to expect over the nominal one, Q16, slew included (main loop: divides).
   std::uint32_t shortest_tick_q16() const;
 
   settings::LampMode mode() const { return mode_; }

@@ -1,8 +1,10 @@
 // The machine's limits in the planner's units.
 //
-// In:  settings (mm, mm/min, mm/s2) and the length of a beat in ticks.
-// Out: per axis, limits in steps and ticks, and the same normalised for reach.hpp.
-// Made once per job and when the tracked lamp period has moved (main loop).
+// In:  settings (mm, mm/min, mm/s2, m/s3) and the length of a beat in ticks.
+// Out: per axis, limits in steps and ticks, and the same normalised for reach.hpp and
+//      scaled_reach.hpp.
+// Made once per job (main loop) and when the tracked lamp period or the job speed has moved (who
+// plans: main loop, or the core that plans).
 #pragma once
 
 #include <cstdint>

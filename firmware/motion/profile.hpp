@@ -3,7 +3,7 @@
 // In:  displacement and both end speeds of one axis, the ticks between, its limits.
 // Out: a profile of up to three phases with the least peak acceleration, exact in position to
 //      better than 1e-6 step (the rest is carried into the next segment) and exact in end speed.
-// Called by the planner (main loop), once per axis and segment.
+// Called by the planner (main loop, or the core that plans), once per axis and segment.
 //
 // With e = d - (v0 + v1) t/2 and w = v1 - v0 two phases of equal and opposite acceleration need
 // A = (2|e| + sqrt(4 e^2 + w^2 t^2)) / t^2; a cruise phase is put between them where the speed

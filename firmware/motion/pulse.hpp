@@ -4,7 +4,8 @@
 // Out: the same with ramps (segment.hpp): each phase becomes a pulse over the same ticks that
 //      changes the speed as much. By its symmetry it also goes equally far, so that everything
 //      known about the ends of the phase stays true. Brakes to rest, with and without jerk.
-// Called by the planner and by the job runner (main loop).
+// Called by the planner (main loop, or the core that plans), once or a few times per axis and
+// segment; brakes also by the job runner (main loop), with what is handed out and to hold.
 //
 // What is kept: over any time t the acceleration changes by no more than J t and one stair, which
 // is what J gives in `least_stair_ticks` or in a quarter of a ramp, whichever is more. What J gives

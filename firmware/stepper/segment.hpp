@@ -1,7 +1,8 @@
 // A segment: a run of ticks from one point to the next, exact to the tick and the step.
 //
-// In:  made by the planner (main loop).
-// Out: read by the tick generator (interrupt), which needs no division to run it.
+// In:  made by the planner (main loop, or the core that plans), brakes by the job runner; put into
+//      the queue by the main loop.
+// Out: read by the tick generator (fill interrupt), which needs no division to run it.
 //
 // Per axis the speed is piecewise linear over three phases: `lead` ticks at lead_accel, `cruise`
 // ticks at constant speed, the rest at tail_accel. Positions at ticks lie exactly on the continuous

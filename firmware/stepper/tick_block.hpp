@@ -1,5 +1,7 @@
 // A block of ticks: what the board turns into edges.
 //
+// In:  filled by the tick generator (fill interrupt). Out: read by the board, in the same call.
+//
 // In every block each axis has constant acceleration and does not change direction, and the lattice
 // bits are constant. A board that jumps from step to step by the closed form takes blocks; one that
 // expands ticks (`phase += rate, rate += accel`, the carry is a step) takes the same runs of each
