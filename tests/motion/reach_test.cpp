@@ -103,7 +103,7 @@ template <class Width>
 class Reach : public testing::Test {};
 struct Names {
   template <class Width>
-  static std::string GetName(int) {
+  static std::string GetName(int) {  // NOLINT(readability-identifier-naming): googletest's name
     return std::is_same_v<Width, test::Wide> ? "64" : "32";
   }
 };
