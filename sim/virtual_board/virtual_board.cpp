@@ -167,7 +167,7 @@ void VirtualBoard::main_loop() {
 }
 
 void VirtualBoard::feed_lattice() {
-  while (ticks_.end_time() < now_ + timing_lead) ticks_.push(controller_->next_span(span_ticks));
+  while (ticks_.end_time() < now_ + timing_lead) next_span();
   while (filled_ < ticks_.end_tick() + motion_lead_ticks) {
     stepper::TickBlock block;
     controller_->fill(block, block_ticks);
@@ -180,6 +180,13 @@ void VirtualBoard::feed_lattice() {
     if (block.first_tick < ticks_.end_tick()) bits_change_ = ticks_.time_of(block.first_tick);
     break;
   }
+}
+
+void VirtualBoard::next_span() {
+  const std::uint64_t beat = controller_->clock().next_beat();
+  ticks_.push(controller_->next_span(span_ticks));
+  if (listener_ != nullptr && controller_->clock().next_beat() != beat)
+    listener_->beat_begins(ticks_.end_tick(), ticks_.end_time());
 }
 
 void VirtualBoard::play(Picoseconds until) {
@@ -225,7 +232,14 @@ void VirtualBoard::play_block(const stepper::TickBlock& block, std::uint64_t to_
   if (block.moving) {
     for (int axis = 0; axis < max_axes; ++axis) step_axis(axis, block, to_tick);
   }
+  if (listener_ != nullptr) tell_ticks(block, to_tick);
   played_ = to_tick;
+}
+
+void VirtualBoard::tell_ticks(const stepper::TickBlock& block, std::uint64_t to_tick) {
+  if (to_tick == played_) return;
+  listener_->ticks_played(
+      {block, played_, to_tick, ticks_.time_of(played_), ticks_.time_of(to_tick)});
 }
 
 void VirtualBoard::step_axis(int axis, const stepper::TickBlock& block, std::uint64_t to_tick) {

@@ -18,6 +18,7 @@
 #include "sim/virtual_board/fire_stage.hpp"
 #include "sim/virtual_board/step_edges.hpp"
 #include "sim/virtual_board/tick_line.hpp"
+#include "sim/virtual_board/tick_listener.hpp"
 #include "sim/world/world.hpp"
 
 namespace lamplock::sim {
@@ -48,6 +49,8 @@ class VirtualBoard final : public Board, private PinListener {
   /// How long the main loop of the board is away to plan one window; 0 unless a slow processor is
   /// to be imitated. Interrupts go on meanwhile.
   void set_planning_time(Picoseconds time) { planning_time_ = time; }
+  /// Tells one listener about ticks from now on; it must live as long as the board runs.
+  void listen(TickListener& listener) { listener_ = &listener; }
   /// What the board would start with after power-up.
   const settings::Values& stored_settings() const { return stored_; }
   const machine::Controller& controller() const { return *controller_; }
@@ -60,10 +63,12 @@ class VirtualBoard final : public Board, private PinListener {
   void service();
   void main_loop();
   void feed_lattice();
+  void next_span();
   void play(Picoseconds until);
   void forget();
   void begin_block(const stepper::TickBlock& block);
   void play_block(const stepper::TickBlock& block, std::uint64_t to_tick);
+  void tell_ticks(const stepper::TickBlock& block, std::uint64_t to_tick);
   void step_axis(int axis, const stepper::TickBlock& block, std::uint64_t to_tick);
   void apply_bits(std::uint8_t bits, Picoseconds at);
   void decide();
@@ -102,6 +107,7 @@ class VirtualBoard final : public Board, private PinListener {
   std::deque<std::uint8_t> from_host_;
   std::deque<std::uint8_t> to_host_;
   std::vector<LatticeShot> lattice_shots_;
+  TickListener* listener_ = nullptr;
 };
 
 }  // namespace lamplock::sim

@@ -1,0 +1,30 @@
+// Who hears what the virtual board makes of time and motion, exactly: ticks, not pins.
+//
+// In:  every run of ticks as it is put out, the beginning of every beat. Out: whatever is made of
+// it. Who: motion_trace.hpp, tests. Costs nothing while nobody listens.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/stepper/tick_block.hpp"
+#include "sim/time.hpp"
+
+namespace lamplock::sim {
+
+/// Ticks `from` to `to` of a block, the last one not included.
+struct PlayedTicks {
+  const stepper::TickBlock& block;
+  std::uint64_t from, to;
+  Picoseconds start, end;  ///< when the first one begins and the last one ends
+};
+
+/// Calls come in order of ticks; a beat is told before the ticks in it.
+class TickListener {
+ public:
+  virtual ~TickListener() = default;
+  virtual void ticks_played(const PlayedTicks& ticks) = 0;
+  /// A beat of the lattice begins at this tick and time, however the lamp does.
+  virtual void beat_begins(std::uint64_t tick, Picoseconds at) = 0;
+};
+
+}  // namespace lamplock::sim
