@@ -64,6 +64,28 @@ std::string refusal(Rig& rig, const job::Job& job) {
   return "taken";
 }
 
+TEST(Jerk, PathsAreRefusedWithTheSettingAndTheReason) {
+  job::JobOptions path;
+  path.mode = JoinMode::path;
+  for (int axis = 0; axis < 3; ++axis) {
+    job::Profile profile = lamp_profile();
+    job::state_setting(profile, settings::for_axis(Id::jerk_x, axis), 100, "test");
+    // Whether the machine has the limit itself or is asked for it by the job.
+    for (const job::Profile& machine : {profile, lamp_profile()}) {
+      Rig rig(machine);
+      const std::string line = refusal(rig, job::make_job(wild_points(10, 1), profile, path));
+      EXPECT_THAT(line, HasSubstr("refuses $" + std::to_string(1081 + axis) + " (jerk_" +
+                                  "xyz"[axis] + "): path mode has no limit of jerk yet"));
+      EXPECT_THAT(line, testing::Not(HasSubstr("machine's own")));
+      EXPECT_TRUE(rig.monitor.nothing_happened());
+    }
+    // The machine's own limit, which the job would lift, stands in the way too.
+    Rig rig(profile);
+    EXPECT_THAT(refusal(rig, job::make_job(wild_points(10, 1), lamp_profile(), path)),
+                HasSubstr("path mode has no limit of jerk yet"));
+  }
+}
+
 TEST(Jerk, PathsAndLooserLimitsAreRefusedWithTheSetting) {
   const job::Profile profile = jerk_profile(100);
   const points::PointCloud points = wild_points(10, 1);
