@@ -87,6 +87,23 @@ Figures walk_figures(const Machine& machine, int points, std::uint64_t seed,
   return figures_of(limits, histogram_walk(points, axes, steps_per_mm, seed), planned);
 }
 
+JerkBeats jerk_beats(const Machine& machine, int points, std::uint64_t seed,
+                     const PointsPlanned& planned) {
+  constexpr int axes = 2;
+  const auto walk = histogram_walk(points, axes, steps_per_mm, seed);
+  JerkBeats beats{};
+  for (std::size_t i = 0; i < beats.size(); ++i) {
+    settings::Values values = machine_settings(machine.lamp_hz, machine.accel_m_s2,
+                                               machine.speed_m_s, axes, steps_per_mm);
+    for (int a = 0; a < axes; ++a)
+      values.set_milli(settings::for_axis(settings::Id::jerk_x, a),
+                       static_cast<std::int32_t>(std::lround(jerk_limits[i] * 1000)));
+    beats[i] = beats_per_point(limits_of(values), walk, motion::JoinMode::free);
+    if (planned) planned(walk.size());
+  }
+  return beats;
+}
+
 Figures course_figures(const PulseCourse& row, std::uint64_t seed, const PointsPlanned& planned) {
   settings::Values values = machine_settings(pulse_machine.lamp_hz, pulse_machine.accel_m_s2,
                                              pulse_machine.speed_m_s, 2, steps_per_mm);

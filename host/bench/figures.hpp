@@ -62,6 +62,14 @@ inline constexpr std::array<Machine, 4> graded_walks{
     {{100, 2, 0.1}, {100, 4, 0.1}, {100, 10, 0.1}, {200, 10, 1}}};
 inline constexpr int graded_points = 10'000;
 
+/// What a limit of jerk costs: free planning of the same walk under each of these, m/s3, 0 = none.
+inline constexpr std::array<double, 8> jerk_limits{0, 100'000, 5000, 2000, 1000, 500, 200, 100};
+inline constexpr std::array<Machine, 6> jerk_machines{
+    {{100, 2, 0.1}, {100, 4, 0.1}, {100, 10, 0.1}, {200, 10, 1}, {1000, 10, 1}, {4000, 10, 1}}};
+using JerkBeats = std::array<double, jerk_limits.size()>;
+JerkBeats jerk_beats(const Machine& machine, int points, std::uint64_t seed,
+                     const PointsPlanned& planned = {});
+
 /// The example of the thesis on CNC systems for pulsed lasers (BSUIR Minsk).
 inline constexpr Machine pulse_machine{40, 0.3, 0.03};
 inline constexpr int pulse_points = 1200;

@@ -60,6 +60,25 @@ std::string course_table(const BenchReport& report) {
   return text;
 }
 
+std::string jerk_table(const BenchReport& report) {
+  std::string text = fmt::format(
+      "Beats per point, free, on walks of {} points in a plane, seed {}, by limit of jerk in "
+      "m/s3\n\n"
+      "lamp  speed  accel\n"
+      "  Hz    m/s   m/s2",
+      report.walk_points, report.seed);
+  for (const double jerk : jerk_limits)
+    text += jerk == 0 ? fmt::format("{:>9}", "none") : fmt::format("{:>9g}", jerk);
+  text += "\n";
+  for (const JerkFigures& row : report.jerks) {
+    text += fmt::format("{:>4g} {:>6.2f} {:>6.1f}", row.machine.lamp_hz, row.machine.speed_m_s,
+                        row.machine.accel_m_s2);
+    for (const double beats : row.beats) text += fmt::format("{:>9.3f}", beats);
+    text += "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string tables(const BenchReport& report) {
@@ -67,6 +86,7 @@ std::string tables(const BenchReport& report) {
   if (!report.measured.empty()) text += measured_table(report);
   if (!report.walks.empty()) text += walk_table(report);
   if (!report.courses.empty()) text += course_table(report);
+  if (!report.jerks.empty()) text += jerk_table(report);
   return text;
 }
 

@@ -33,6 +33,12 @@ struct CourseFigures {
   Figures course;
 };
 
+/// A walk under limits of jerk.
+struct JerkFigures {
+  Machine machine;
+  JerkBeats beats{};
+};
+
 /// Everything that was asked for; a part that was not is empty.
 struct BenchReport {
   std::uint64_t seed = 0;
@@ -41,6 +47,7 @@ struct BenchReport {
   std::vector<MeasuredFigures> measured;
   std::vector<WalkFigures> walks;
   std::vector<CourseFigures> courses;
+  std::vector<JerkFigures> jerks;
 };
 
 /// Tables with a few lines that say how each column was obtained.

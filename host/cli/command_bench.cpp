@@ -20,8 +20,10 @@ struct Options {
   std::string chart{};
   bool json = false;
 
+  /// The table of limits of jerk is for those who set one: only if it is named.
   bool wants(const std::string& part) const {
-    return rows.empty() || std::find(rows.begin(), rows.end(), part) != rows.end();
+    return (rows.empty() && part != "jerk") ||
+           std::find(rows.begin(), rows.end(), part) != rows.end();
   }
 };
 
@@ -34,6 +36,7 @@ std::size_t work(const Options& options, const bench::BenchReport& report) {
   add("measured", bench::glass_start_stop_times.size(), report.measured_points);
   add("walks", bench::graded_walks.size(), report.walk_points);
   add("example", bench::pulse_courses.size(), bench::pulse_points);
+  add("jerk", bench::jerk_machines.size() * bench::jerk_limits.size(), report.walk_points);
   return points;
 }
 
@@ -59,6 +62,10 @@ bench::BenchReport measure(const Options& options) {
   if (options.wants("example"))
     for (const bench::PulseCourse& row : bench::pulse_courses)
       report.courses.push_back({row.name, course_figures(row, options.seed, planned)});
+  if (options.wants("jerk"))
+    for (const bench::Machine& machine : bench::jerk_machines)
+      report.jerks.push_back(
+          {machine, jerk_beats(machine, report.walk_points, options.seed, planned)});
   return report;
 }
 
@@ -110,6 +117,16 @@ Json document(const bench::BenchReport& report) {
     }
     json["example"] = {{"points", bench::pulse_points}, {"rows", rows}};
   }
+  if (!report.jerks.empty()) {
+    Json rows = Json::array();
+    for (const bench::JerkFigures& j : report.jerks) {
+      Json row = machine_json(j.machine);
+      row["free"] = j.beats;
+      rows.push_back(row);
+    }
+    json["jerk"] = {
+        {"points", report.walk_points}, {"limits_m_s3", bench::jerk_limits}, {"rows", rows}};
+  }
   return json;
 }
 
@@ -145,8 +162,8 @@ void add_bench(CLI::App& program, Action& action) {
       "machine does, and a search finds the fewest beats that any plan needs.");
   const auto options = std::make_shared<Options>();
   app->add_option("--rows", options->rows,
-                  "Only these tables: measured, walks, example (default: all)")
-      ->check(one_of({"measured", "walks", "example"}))
+                  "Only these tables: measured, walks, example (default: these three), jerk")
+      ->check(one_of({"measured", "walks", "example", "jerk"}))
       ->delimiter(',')
       ->type_name("TABLE,...");
   app->add_option("--points", options->points,

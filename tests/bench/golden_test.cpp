@@ -122,6 +122,16 @@ TEST(Golden, FreePlanningStaysAtTheOptimumOnLongWalks) {
   }
 }
 
+TEST(Golden, TheLowerTheJerkTheMoreBeats) {
+  const Machine machine{200, 10, 1};
+  const JerkBeats beats = jerk_beats(machine, 400, 3);
+  EXPECT_DOUBLE_EQ(beats[0], walk_figures(machine, 400, 3).free) << "no limit is no limit";
+  for (std::size_t i = 1; i < beats.size(); ++i) EXPECT_GT(beats[i], beats[i - 1] * 0.99) << i;
+  EXPECT_GT(beats.back(), 3 * beats.front());
+  // Half the jerk is the same motion in 2^(1/3) of the time, where speeds do not matter.
+  EXPECT_NEAR(beats[7] / beats[6], std::cbrt(2), 0.06);
+}
+
 TEST(Golden, TheExampleOfTheThesisTakesFortyPerCentLessTimeAndMore) {
   for (const PulseCourse& row : pulse_courses) {
     SCOPED_TRACE(row.name);
