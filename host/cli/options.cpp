@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -286,6 +287,11 @@ void BoardOptions::add_job(CLI::App& app) {
       ->group(board_group);
   add_job_speed(app);
   app.add_flag("--dry", dry, "Move, never fire")->group(board_group);
+  app.add_option("--hold-at", hold_at,
+                 "Hold for a second once so many points are fired: to see the machine brake")
+      ->check(CLI::Range(1u, std::numeric_limits<std::uint32_t>::max()).description(""))
+      ->type_name("N")
+      ->group(board_group);
   app.add_option("--report", report, "Write report.json, shots.csv, shots.ply and cloud.png there")
       ->type_name("DIR")
       ->group(board_group);
@@ -298,6 +304,7 @@ void BoardOptions::add_job(CLI::App& app) {
   app.add_option("--timing", timing, "Timing of the chip, cycle by cycle, and where they go")
       ->type_name("FILE")
       ->group(board_group);
+  plot.add(app, board_group);
   faults.add(app);
   drives.add(app);
 }
@@ -312,6 +319,10 @@ void BoardOptions::check() const {
                   "leave it out, or use --board chip");
     check_target(timing);
   }
+  plot.check();
+  if (plot.any() && board != virtual_board)
+    throw Error(Exit::bad_input, "--plot", "only the virtual board tells what its ticks are",
+                "leave it out, or use --board virtual");
   check_image(board, image);
   if (is_simulated()) return;
   const auto only_simulated = [](const std::string& option) {

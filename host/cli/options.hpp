@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "firmware/motion/target.hpp"
+#include "host/cli/motion_plot_file.hpp"
 #include "host/job/profile.hpp"
 #include "host/model/input.hpp"
 #include "host/order/order.hpp"
@@ -100,13 +101,16 @@ struct BoardOptions {
   std::uint32_t fired = 0, job_speed = 100;
   bool yes = false, dry = false, json = false;
   std::string report{}, vcd{}, shots{}, timing{};
+  std::size_t hold_at = 0;  ///< points; 0 = no hold
+  PlotOptions plot{};
   LampFaults faults{};
   SimulatedDrives drives{};
 
   void add_choice(CLI::App& app);     ///< --board, --image
   void add_board(CLI::App& app);      ///< these, --yes, --json
   void add_job_speed(CLI::App& app);  ///< --job-speed
-  /// --from, --fired, --job-speed, --dry, --report, --vcd, --shots and what is simulated
+  /// --from, --fired, --job-speed, --dry, --hold-at, --report, --vcd, --shots, --timing, --plot and
+  /// what is simulated
   void add_job(CLI::App& app);
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// Refuses what the board cannot do, before any work is done. Throws Error(bad_input).

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <iostream>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "host/cli/board_files.hpp"
 #include "host/cli/boards.hpp"
+#include "host/cli/motion_plot_file.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/report_folder.hpp"
 #include "host/cli/steering.hpp"
@@ -21,6 +23,7 @@
 #include "host/units.hpp"
 #include "shared/beat_reason.hpp"
 #include "sim/endpoint/tcp_address.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -42,6 +45,37 @@ void ask_permission(const Work& work, const BoardOptions& options) {
                 "answer yes, or give --yes");
 }
 
+/// --hold-at: a hold that nobody has to type.
+class HoldOnce {
+ public:
+  HoldOnce(link::JobSender& sender, const link::Transport& transport, std::size_t at_points)
+      : sender_(sender),
+        transport_(transport),
+        at_points_(at_points),
+        next_(at_points == 0 ? Next::nothing : Next::hold) {}
+
+  /// To be called after every step of the sender.
+  void look() {
+    if (next_ == Next::hold && sender_.points_fired() >= at_points_) {
+      next_ = Next::resume;
+      until_ = transport_.now() + length;
+      sender_.pause();
+    } else if (next_ == Next::resume && transport_.now() >= until_) {
+      next_ = Next::nothing;
+      sender_.resume();
+    }
+  }
+
+ private:
+  enum class Next { hold, resume, nothing };
+  static constexpr std::chrono::seconds length{1};
+  link::JobSender& sender_;
+  const link::Transport& transport_;
+  std::size_t at_points_;
+  Next next_;
+  std::chrono::microseconds until_{0};
+};
+
 link::JobResult send(link::Transport& transport, const Work& work, const BoardOptions& options,
                      Clocking clocking) {
   link::SenderOptions sending;
@@ -54,10 +88,12 @@ link::JobResult send(link::Transport& transport, const Work& work, const BoardOp
     sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
   link::JobSender sender(transport, work.job, sending);
   Steering steering(sender, progress, clocking);
+  HoldOnce hold(sender, transport, options.hold_at);
   // Looked after at every step: simulated time runs fast, and a hold should be seen at once.
   while (sender.step()) {
     try {
       steering.look();
+      hold.look();
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }
@@ -121,6 +157,13 @@ void tell_timing(const sim::BoardTiming& timing, const Work& work, const BoardOp
   });
 }
 
+/// What was engraved, and how.
+std::string plot_title(const Work& work) {
+  const settings::Values& values = work.job.settings;
+  return fmt::format("{}: {}, {:g} Hz", std::filesystem::path(work.input).filename().string(),
+                     mode_name(work.job.header.mode), lamp_hz(values));
+}
+
 Outcome run_simulated(const Work& work, const BoardOptions& options, Console& console) {
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(work.job.settings);
@@ -129,6 +172,10 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
   sim::Board& board = *made.board;
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, board);
+  std::optional<MotionPlotFile> plot;
+  if (auto* virtual_one = dynamic_cast<sim::VirtualBoard*>(&board);
+      virtual_one != nullptr && options.plot.any())
+    plot.emplace(options.plot, *virtual_one, work.job.header.dry);
   link::SimulatedTransport transport(board);
   Outcome outcome;
   outcome.result = send(transport, work, options, Clocking::lock_step);
@@ -136,6 +183,7 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
   add_shots(board, outcome.run);
   if (trace) trace->finish();
   if (!options.shots.empty()) write_shots(options.shots, board, work.job.settings);
+  if (plot) plot->write(work.job.settings, plot_title(work));
   console.phase("run", fmt::format("{:.1f} s of machine time on the {} board",
                                    sim::seconds(board.now()), board.name()));
   if (made.timing) tell_timing(*made.timing, work, options, console);

@@ -165,21 +165,18 @@ class Drawing {
   };
   void panel(double height, const std::string& name, const std::vector<Shown>& shown) {
     Scale scale{0, 0};
-    bool first = true, near = false;
-    for (const Shown& s : shown)
+    bool first = true, limited = false;
+    for (const Shown& s : shown) {
+      double most = 0;
       for (const Vertex& v : s.curve) {
         if (first) scale = {v.value, v.value};
         first = false;
         scale.take(v.value);
-        near = near || std::fabs(v.value) > near_limit * s.limit;
+        most = std::max(most, std::fabs(v.value));
       }
-    const bool limited =
-        std::any_of(shown.begin(), shown.end(), [](const Shown& s) { return s.limit > 0; });
-    if (limited && near)
-      for (const Shown& s : shown) {
-        if (scale.high > near_limit * s.limit) scale.take(s.limit);
-        if (scale.low < -near_limit * s.limit) scale.take(-s.limit);
-      }
+      limited = limited || s.limit > 0;
+      if (s.limit > 0 && most > near_limit * s.limit) scale.take(s.limit), scale.take(-s.limit);
+    }
     scale.widen(0.06);
     frame(height, name, scale);
     if (limited) limits(height, scale, shown);
