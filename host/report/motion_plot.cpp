@@ -118,6 +118,15 @@ double nice_step(double range, double most) {
   return 10 * power;
 }
 
+/// Multiples of a step from `low` to `high`.
+std::vector<double> multiples(double low, double high, double step) {
+  const double first = std::ceil(low / step - 1e-9);
+  const int count = static_cast<int>(std::floor(high / step + 1e-9) - first) + 1;
+  std::vector<double> all;
+  for (int i = 0; i < count; ++i) all.push_back((first + i) * step);
+  return all;
+}
+
 /// An upright axis: numbers to pixels, and its grid.
 struct Scale {
   double low = 0, high = 1;
@@ -314,12 +323,11 @@ void Drawing::frame(double height, const std::string& name, const Scale& scale) 
     if (panels_ == 1) body_ += text_at((from + to) / 2, y_ + 14, "middle", band.name);
   }
   const double every = std::max(1.0, nice_step(series_.to - series_.from, (right_ - left) / 9));
-  for (double beat = std::ceil(series_.from / every) * every; beat <= series_.to; beat += every)
+  for (const double beat : multiples(series_.from, series_.to, every))
     body_ += line({x(beat), y_}, {x(beat), y_ + height}, grid_colour);
   const double step = nice_step(scale.high - scale.low, height / 18);
-  const double first = std::ceil(scale.low / step) * step;
-  for (int i = 0; first + i * step <= scale.high; ++i) {
-    const double value = first + i * step, y = y_of(scale, height, value);
+  for (const double value : multiples(scale.low, scale.high, step)) {
+    const double y = y_of(scale, height, value);
     const bool zero = std::fabs(value) < step / 2;
     body_ += line({left, y}, {right_, y}, zero ? "#bbb" : grid_colour);
     body_ += text_at(left - 6, y + 4, "end", fmt::format("{:.6g}", zero ? 0 : value));
@@ -352,7 +360,7 @@ void Drawing::limits(double height, const Scale& scale, const std::vector<Shown>
 void Drawing::beat_numbers(double bottom) {
   const double beats = series_.to - series_.from;
   const double every = std::max(1.0, nice_step(beats, (right_ - left) / 44));
-  for (double beat = std::ceil(series_.from / every) * every; beat <= series_.to; beat += every)
+  for (const double beat : multiples(series_.from, series_.to, every))
     body_ += text_at(x(beat), bottom + 16, "middle", fmt::format("{:g}", beat + 0.0));
   body_ += text_at((left + right_) / 2, bottom + 36, "middle",
                    fmt::format("beats of {:.4g} ms", series_.beat_ms));
@@ -379,13 +387,13 @@ void Drawing::view() {
                  panels_y + view_size * (up.high - mm.y) / size};
   };
   const double step = nice_step(size, 6);
-  for (double v = std::ceil(across.low / step) * step; v <= across.high; v += step) {
+  for (const double v : multiples(across.low, across.high, step)) {
     const double at = place({v, 0}).x;
     body_ += line({at, panels_y}, {at, panels_y + view_size}, grid_colour);
     body_ += text_at(at, panels_y + view_size + 16, "middle",
                      fmt::format("{:.4g}", std::fabs(v) < step / 2 ? 0 : v));
   }
-  for (double v = std::ceil(up.low / step) * step; v <= up.high; v += step) {
+  for (const double v : multiples(up.low, up.high, step)) {
     const double at = place({0, v}).y;
     body_ += line({x0, at}, {x0 + view_size, at}, grid_colour);
     body_ += text_at(x0 - 6, at + 4, "end", fmt::format("{:.4g}", std::fabs(v) < step / 2 ? 0 : v));

@@ -91,11 +91,11 @@ class AxisWriter {
     series_.accel_m_s2.push_back({to, accel * to_m / (last_s * last_s)});
     // Where an axis stands it stands in the middle of a step.
     const double start = steps_of(run.position_q64) - 0.5;
-    const double parts = std::max(1.0, std::ceil((to - from) / part_beats_));
-    for (double part = 0; part <= parts; ++part) {
-      const double n = part / parts * piece.ticks;
+    const int parts = static_cast<int>(std::max(1.0, std::ceil((to - from) / part_beats_)));
+    for (int i = 0; i <= parts; ++i) {
+      const double part = static_cast<double>(i) / parts, n = part * piece.ticks;
       series_.position_mm.push_back(
-          {from + part / parts * (to - from), (start + (v0 + accel * n / 2) * n) / steps_per_mm_});
+          {from + part * (to - from), (start + (v0 + accel * n / 2) * n) / steps_per_mm_});
     }
   }
   AxisSeries take() { return std::move(series_); }
