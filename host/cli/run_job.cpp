@@ -45,11 +45,14 @@ void ask_permission(const Work& work, const BoardOptions& options) {
                 "answer yes, or give --yes");
 }
 
-/// --hold-at: a hold that nobody has to type.
+/// --hold-at: a hold that nobody has to type. What the user holds meanwhile stays held.
 class HoldOnce {
  public:
-  HoldOnce(link::JobSender& sender, const link::Transport& transport, std::size_t at_points)
+  HoldOnce(link::JobSender& sender, const Steering& steering, Progress& progress,
+           const link::Transport& transport, std::size_t at_points)
       : sender_(sender),
+        steering_(steering),
+        progress_(progress),
         transport_(transport),
         at_points_(at_points),
         next_(at_points == 0 ? Next::nothing : Next::hold) {}
@@ -60,9 +63,10 @@ class HoldOnce {
       next_ = Next::resume;
       until_ = transport_.now() + length;
       sender_.pause();
+      progress_.note("holding for a second");
     } else if (next_ == Next::resume && transport_.now() >= until_) {
       next_ = Next::nothing;
-      sender_.resume();
+      if (!steering_.user_decides()) sender_.resume();
     }
   }
 
@@ -70,6 +74,8 @@ class HoldOnce {
   enum class Next { hold, resume, nothing };
   static constexpr std::chrono::seconds length{1};
   link::JobSender& sender_;
+  const Steering& steering_;
+  Progress& progress_;
   const link::Transport& transport_;
   std::size_t at_points_;
   Next next_;
@@ -88,7 +94,7 @@ link::JobResult send(link::Transport& transport, const Work& work, const BoardOp
     sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
   link::JobSender sender(transport, work.job, sending);
   Steering steering(sender, progress, clocking);
-  HoldOnce hold(sender, transport, options.hold_at);
+  HoldOnce hold(sender, steering, progress, transport, options.hold_at);
   // Looked after at every step: simulated time runs fast, and a hold should be seen at once.
   while (sender.step()) {
     try {

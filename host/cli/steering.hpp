@@ -31,6 +31,8 @@ class Steering {
 
   /// To be called after every step of the sender.
   void look();
+  /// The user holds the machine, or has to say that it may go on: nobody else does.
+  bool user_decides() const { return holding_ || asking_ || stopping_; }
 
  private:
   void ask_to_go_on(const std::string& why);

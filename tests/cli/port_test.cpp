@@ -172,6 +172,28 @@ TEST(Port, another_job_speed_from_the_keyboard) {
   EXPECT_EQ(read_shots(folder / "shots.csv").size(), points.size());
 }
 
+TEST(Port, held_by_its_user_while_it_is_held_for_a_second) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(600, 4, 0.05)));
+  Running sim({"sim", "--tcp", "127.0.0.1:0", "--lamp", "200"});
+  ASSERT_TRUE(sim.wait_for("Ctrl-C"));
+  InTerminal engrave(
+      {"engrave", list, "--lamp", "200", "--board", tcp_address(sim), "--yes", "--hold-at", "20"});
+  ASSERT_TRUE(engrave.wait_for("holding for a second"));
+  engrave.type("\x03");
+  ASSERT_TRUE(engrave.wait_for("Enter to resume"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1800));
+  engrave.type("\x03");
+  const Finished stopped = engrave.finish();
+  EXPECT_EQ(stopped.status, 130);
+  const std::string told = "first point not fired is ";
+  const auto at = stopped.out.find(told);
+  ASSERT_NE(at, std::string::npos) << stopped.out;
+  EXPECT_LT(std::stoi(stopped.out.substr(at + told.size())), 100) << "it went on by itself";
+  sim.interrupt();
+  EXPECT_EQ(sim.finish().status, 0);
+}
+
 TEST(Port, interrupted_held_stopped_and_gone_on_with) {
   const Folder folder;
   const auto points = walk(400, 4, 0.05);
