@@ -40,6 +40,24 @@ bool Improver::make_all_backwards(const Window& window, const Beats& beats) {
   return true;
 }
 
+bool Improver::make_all(const Window& window, const Beats& beats) {
+  for (std::uint32_t i = 0; i < window.count; ++i)
+    if (!make_forwards(window, beats, i)) return false;
+  return make_all_backwards(window, beats);
+}
+
+/// A pass is over. Boxes that met on a hair may not be made again: then its moves are taken back,
+/// for the speeds are chosen from the boxes.
+void Improver::end_pass(const Window& window, Beats& beats) {
+  if (improved_ && !make_all_backwards(window, beats)) lost_ = true;
+  if (lost_) {
+    beats = kept_;
+    make_all(window, beats);
+  }
+  kept_ = beats;
+  improved_ = lost_ = false;
+}
+
 bool Improver::begin(const Window& window, const Effort& effort, Beats& beats) {
   pairs_ = effort.pairs;
   std::int32_t most = 0;
@@ -48,10 +66,9 @@ bool Improver::begin(const Window& window, const Effort& effort, Beats& beats) {
   size_ = 1;
   while (size_ * 4 <= most) size_ *= 2;
   at_ = 0;
-  improved_ = false;
-  for (std::uint32_t i = 0; i < window.count; ++i)
-    if (!make_forwards(window, beats, i)) return false;
-  return make_all_backwards(window, beats);
+  improved_ = lost_ = false;
+  kept_ = beats;
+  return make_all(window, beats);
 }
 
 bool Improver::possible(const Window& window, const Beats& beats, std::uint32_t i,
@@ -101,11 +118,10 @@ bool Improver::try_moves(const Window& window, Beats& beats, std::uint32_t i) {
 bool Improver::advance(const Window& window, Beats& beats) {
   if (size_ == 0) return false;
   while (try_moves(window, beats, at_)) improved_ = true;
-  if (improved_) make_forwards(window, beats, at_);
+  if (improved_ && !make_forwards(window, beats, at_)) lost_ = true;
   if (++at_ < window.count) return true;
   at_ = 0;
-  if (improved_) make_all_backwards(window, beats);
-  improved_ = false;
+  end_pass(window, beats);
   size_ = size_ * 2 / 3;
   return size_ != 0;
 }

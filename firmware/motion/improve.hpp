@@ -44,6 +44,8 @@ class Improver {
   bool make_forwards(const Window& window, const Beats& beats, std::uint32_t i);
   bool make_backwards(const Window& window, const Beats& beats, std::uint32_t i);
   bool make_all_backwards(const Window& window, const Beats& beats);
+  bool make_all(const Window& window, const Beats& beats);
+  void end_pass(const Window& window, Beats& beats);
   bool possible(const Window& window, const Beats& beats, std::uint32_t i,
                 std::uint32_t ways) const;
   bool try_move(const Window& window, Beats& beats, std::uint32_t i, std::int32_t first,
@@ -55,6 +57,8 @@ class Improver {
   std::int32_t size_ = 1;  ///< of a move, beats
   bool pairs_ = false;     ///< moves between two ways are tried
   bool improved_ = false;  ///< in this pass: boxes forwards change from there on
+  bool lost_ = false;      ///< and could not be made
+  Beats kept_{};           ///< of which all boxes can be made
 };
 
 }  // namespace lamplock::motion

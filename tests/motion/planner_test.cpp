@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -305,6 +306,51 @@ TEST(Planner, RefusesBeatsWhoseTicksNoSegmentHolds) {
     if (result == Result::ok) {
       EXPECT_EQ(planner.segment(0).ticks, 2147u * limits.beat_ticks);
     }
+  }
+}
+
+TEST(Planner, BoxesThatMeetOnAHairAreNotLost) {
+  // Points along the ends of the work space at 4 kHz: moves of the improver left boxes that could
+  // not be made again, and speeds chosen from what was left of the old ones could not be joined.
+  constexpr std::int32_t points[][3] = {
+      {-8945, -5181, -9916}, {-8973, -5189, -9901},  {-2849, 865, -9901},   {-2814, 865, -9904},
+      {-2787, 851, -9879},   {-2761, 843, -9858},    {-2761, 811, -9864},   {-2748, 811, -9861},
+      {-2748, 805, -9830},   {-2732, 788, -9804},    {2409, 769, -9776},    {2383, 737, -9763},
+      {-10000, 773, -7439},  {-10000, 744, -7477},   {-10000, 774, -7507},  {-10000, 808, -7500},
+      {-9984, 842, -10000},  {-10000, 823, -9992},   {-9999, 839, -10000},  {-10000, 839, -10000},
+      {-9999, 874, -10000},  {-9968, 894, -9991},    {-9968, 861, -4762},   {-9968, 833, -4759},
+      {-9983, 833, -4798},   {-9983, 795, -4801},    {10000, 764, -4791},   {10000, 750, -4791},
+      {9983, 755, -4819},    {9983, 736, -4819},     {-2690, 709, -4836},   {558, 743, -4844},
+      {552, 769, -4852},     {562, 788, -4819},      {-10000, 795, 9410},   {-10000, 10000, 9423},
+      {-9971, 9985, 9443},   {-9942, 10000, -10000}, {-9942, 10000, -9991}, {10000, 9999, -9953}};
+  Chain chain;
+  settings::Values values = test::machine_settings(4000, 2, 1, 3, 200);
+  for (int a = 0; a < 3; ++a) {
+    values.set_milli(settings::for_axis(settings::Id::travel_x, a), 100'000);
+    values.set_milli(settings::for_axis(settings::Id::min_corner_x, a), -50'000);
+  }
+  chain.limits = test::limits_of(values, 65536 / 512 * 509);
+  PointQueue queue;
+  queue.reset(0);
+  for (const auto& point : points) {
+    Target t;
+    std::copy(std::begin(point), std::end(point), t.steps.begin());
+    queue.push(t);
+  }
+  PlanRequest request;
+  request.queue = &queue;
+  request.count = request.known_end = 40;
+  for (std::uint32_t i = 0; i < 40; ++i) request.points[i] = i;
+  request.limits = &chain.limits;
+  request.rest_at_end = false;
+  request.start = test::rest_at_zero();
+  const std::int32_t start[] = {-8956, -5188, -9916};
+  Planner planner;
+  std::uint32_t failed = 0;
+  for (std::int32_t off = -20; off <= 20; ++off) {
+    for (std::size_t a = 0; a < 3; ++a)
+      request.start.axis[a].position_q64 = stepper::middle_of_step(start[a] + off);
+    EXPECT_EQ(planner.plan(request, failed), Result::ok) << off << ", place " << failed;
   }
 }
 
