@@ -79,7 +79,6 @@ std::uint32_t RealTime::high_clocks(const machine::Controller& core) const {
 }
 
 void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled) {
-  // Ticks that lie before the first one to be put out pass without a trace.
   const std::uint32_t high = high_clocks(core);
   const std::uint64_t earliest = now() + start_margin_clocks;
   std::uint64_t tick = 0, clock = 0;
@@ -88,10 +87,11 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
     tick = span.first_tick + span.ticks;
     clock = span.first_clock + span.clocks;
   } while (clock < earliest);
+  // Ticks that lie before the first one to be put out pass without a trace: the rings begin anew.
   while (filled < tick) {
-    stepper::TickBlock block;
-    core.fill(block, static_cast<std::uint32_t>(tick - filled));
-    filled = block.first_tick + block.ticks;
+    const std::uint64_t ticks = tick - filled;
+    filled +=
+        fill(core, ticks < filled_at_once ? static_cast<std::uint32_t>(ticks) : filled_at_once);
   }
   expander_.begin(tick, filled, steps);
   filled_end_ = static_cast<std::uint32_t>(expander_.end_tick());
@@ -205,6 +205,12 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   if (!result) call_for_token();
 }
 
+std::uint32_t RealTime::fill(machine::Controller& core, std::uint32_t ticks) {
+  core.fill_axes(ticks, expander_);
+  expander_.end_runs(ticks);
+  return ticks;
+}
+
 void RealTime::fill_interrupt(machine::Controller& core) {
   for (;;) {
     const std::uint64_t end = expander_.end_tick();
@@ -212,9 +218,7 @@ void RealTime::fill_interrupt(machine::Controller& core) {
     if (end >= wanted) return;
     const std::uint32_t room = expander_.room(widen(played_, end));
     if (room == 0) return;
-    const std::uint32_t ticks = room < filled_at_once ? room : filled_at_once;
-    core.fill_axes(ticks, expander_);
-    expander_.end_runs(ticks);
+    fill(core, room < filled_at_once ? room : filled_at_once);
     filled_end_ = static_cast<std::uint32_t>(expander_.end_tick());
   }
 }

@@ -76,6 +76,8 @@ class RealTime {
   /// False if `most` spans were not enough.
   bool feed_spans(machine::Controller& core, std::uint32_t most);
   void begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled);
+  /// The next ticks into the rings.
+  [[gnu::noinline]] std::uint32_t fill(machine::Controller& core, std::uint32_t ticks);
   void go(std::uint64_t at_us);
   void stop_dead(machine::Controller& core);
   void input_changed(machine::Controller& core, machine::Input input, bool active);
