@@ -6,6 +6,8 @@ namespace {
 /// From any start speed, 2 V/A beats more than at full speed are enough to brake and come back; and
 /// some for short ways.
 constexpr std::int32_t spare_beats = 64;
+/// Much later: by an eighth of the beats so far.
+constexpr std::int32_t late_share = 8;
 
 bool covers(const Box& outer, const Box& inner, int axes) {
   for (int a = 0; a < axes; ++a)
@@ -42,6 +44,7 @@ std::int32_t fewest_beats(const Window& window, const Way& way, const Box& from,
 
 void Beam::begin(const Window& window, const Effort& effort) {
   effort_ = effort;
+  disappointed_ = 0;
   to_count_ = 1;
   to_[0] = Label{};
   to_[0].box = window.start;
@@ -55,7 +58,16 @@ bool Beam::extend(const Window& window, std::uint32_t i) {
   for (std::uint32_t p = 0; p < from_count_; ++p)
     if (from_[p].next != 0) extend_label(window, i, static_cast<std::uint8_t>(p));
   for (std::uint32_t l = 0; l < to_count_; ++l) traces_[i][l] = {to_[l].beats, to_[l].parent};
-  return to_count_ != 0;
+  if (to_count_ == 0) return false;
+  if (disappoints()) disappointed_ |= std::uint64_t{1} << i;
+  return true;
+}
+
+bool Beam::disappoints() const {
+  std::int32_t least = to_[0].total;
+  for (std::uint32_t l = 1; l < to_count_; ++l)
+    if (to_[l].total < least) least = to_[l].total;
+  return late_share * (least - from_[0].rank()) > least;
 }
 
 void Beam::extend_label(const Window& window, std::uint32_t i, std::uint8_t parent) {

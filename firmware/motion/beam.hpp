@@ -31,6 +31,9 @@ class Beam {
   void begin(const Window& window, const Effort& effort);
   /// Extends every label to point `i`; in order from 0. False: no way there.
   bool extend(const Window& window, std::uint32_t i);
+  /// Bit i: at the end of way i even the quickest label was much later than the one ranked best
+  /// before had promised. Whatever was that quick led nowhere.
+  std::uint64_t disappointed() const { return disappointed_; }
   /// Beats of all ways of the best label, once the last point has been reached.
   void trace(const Window& window, std::array<std::int32_t, window_points>& beats) const;
 
@@ -51,6 +54,7 @@ class Beam {
     std::uint8_t parent = 0;
   };
 
+  bool disappoints() const;
   void extend_label(const Window& window, std::uint32_t i, std::uint8_t parent);
   bool too_late(std::int32_t total, const Way* next) const;
   void keep(const Window& window, Label& label, const Way* next);
@@ -60,6 +64,7 @@ class Beam {
   std::uint32_t place_to_lose() const;
 
   Effort effort_;
+  std::uint64_t disappointed_ = 0;
   std::uint32_t from_count_ = 0, to_count_ = 0;
   std::array<Label, most_labels> from_{}, to_{};  ///< to_ is sorted, best first
   std::array<std::array<Trace, most_labels>, window_points> traces_{};

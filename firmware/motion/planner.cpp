@@ -20,6 +20,10 @@ constexpr std::int32_t start_slack_qs = 2 * hair_qs;
 /// Ways too short for their jerk are made longer so often, and so often without standing at their
 /// ends.
 constexpr std::int32_t most_longer = 16, longer_moving = 4;
+/// Searches of a short window, at most.
+constexpr std::int32_t most_searches = 3;
+/// A way that takes more than this share of its beats from rest to rest may be a detour.
+constexpr std::int32_t detour_eighths = 7;
 /// Labels per point when planning again: the board has not the time for as many as at first.
 constexpr std::uint32_t again_labels = 2;
 
@@ -98,6 +102,7 @@ void Planner::begin_search(bool run_ups) {
   run_ups_ = false;
   misfits_ = 0;
   longer_ = 0;
+  searches_ = 0;
   if (!set_up()) return;
   const std::int32_t steady = run_ups ? steady_beats(window_, start_qs_) : 0;
   if (steady != 0) return go_on_steadily(steady);
@@ -229,17 +234,75 @@ bool Planner::advance() {
 }
 
 void Planner::search() {
-  if (!beam_.extend(window_, at_)) return give_up(at_);
+  const bool again = searches_ > 0 && searches_ < most_searches;
+  if (!beam_.extend(window_, at_)) return again ? restore_best() : give_up(at_);
   if (++at_ < request_->count) return;
   beam_.trace(window_, beats_);
-  if (!improver_.begin(window_, effort(), beats_)) return give_up(0);
+  if (request_->count <= short_window)
+    for (std::uint32_t i = 0; i < request_->count; ++i)
+      found_[best_ ? 0 : 1][i] = static_cast<std::uint16_t>(beats_[i]);
+  if (!improver_.begin(window_, effort(), beats_)) return again ? restore_best() : give_up(0);
   phase_ = Phase::improve;
 }
 
 void Planner::improve() {
   if (request_->mode != JoinMode::start_stop && improver_.advance(window_, beats_)) return;
+  if (search_again()) return;
   at_ = 0;
   phase_ = Phase::speeds;
+}
+
+/// A quick start can lead to a detour: too fast past a near point, and back again. The beam sees
+/// that when it is too late. True if there is more to be done for a short window: it is searched
+/// again without such detours, and the better plan is kept.
+bool Planner::search_again() {
+  if (request_->mode == JoinMode::start_stop || request_->count > short_window ||
+      searches_ >= most_searches)
+    return false;
+  std::int32_t total = 0;
+  for (std::uint32_t i = 0; i < request_->count; ++i) total += beats_[i];
+  if (searches_ != 0 && total >= least_total_) {
+    restore_best();
+    return true;
+  }
+  least_total_ = total;
+  best_ = !best_;
+  if (++searches_ == most_searches || !forbid_detours()) return false;
+  guide(window_);
+  beam_.begin(window_, effort());
+  phase_ = Phase::search;
+  at_ = 0;
+  return true;
+}
+
+/// Where a way takes as long as from rest, or nearly, and where the search was disappointed: allows
+/// only speeds before it from which it can be done in just the time from rest to rest. All axes can
+/// do that at once. False if there is no such way.
+bool Planner::forbid_detours() {
+  bool any = false;
+  for (std::uint32_t i = 1; i < request_->count; ++i) {
+    const Way& way = window_.ways[i];
+    const std::int32_t at_rest = way.last_beats - beats_beyond_rest;
+    if (way.fixed_beats != 0) continue;
+    const bool slow_way = 8 * beats_[i] > detour_eighths * at_rest;
+    if (!slow_way && (beam_.disappointed() >> i & 1) == 0) continue;
+    Box slow;
+    if (!step_back(window_, i, way.allowed, at_rest, slow)) continue;
+    window_.ways[i - 1].allowed = slow;
+    any = true;
+  }
+  return any;
+}
+
+/// Makes the best plan so far again: the same window, the same beats to begin with.
+void Planner::restore_best() {
+  searches_ = most_searches;
+  set_up();
+  if (run_ups_) allow_run_ups(*request_, window_);
+  guide(window_);
+  for (std::uint32_t i = 0; i < request_->count; ++i) beats_[i] = found_[best_ ? 1 : 0][i];
+  if (!improver_.begin(window_, effort(), beats_)) return give_up(0);
+  phase_ = Phase::improve;
 }
 
 void Planner::choose_speeds() {
@@ -264,7 +327,6 @@ void Planner::make_segments() {
   make_segment(at_, from);
   for (int a = 0; a < limits_->axes; ++a) {
     if (fit_axis(at_, a, from)) continue;
-    if (limits_->axis[index(a)].jerk_q78 == 0) return fail(at_);
     misfits_ |= 1u << at_;
   }
   if (++at_ < request_->commits()) return;
@@ -308,8 +370,8 @@ bool Planner::fit_pulses(std::uint32_t i, int a, const MotionState& from) {
   return false;
 }
 
-/// Where limited jerk leaves no profile the way takes more beats, and if that does not help the
-/// machine stands at both its ends: then it is only a matter of beats.
+/// Where limited jerk or rounding leaves no profile the way takes more beats, and if that does not
+/// help the machine stands at both its ends: then it is only a matter of beats.
 void Planner::take_longer() {
   const auto first = static_cast<std::uint32_t>(std::countr_zero(misfits_));
   if (++longer_ > most_longer) return give_up(first);
@@ -326,6 +388,7 @@ void Planner::take_longer() {
     if (i > 0) window_.ways[i - 1].allowed = {};
   }
   misfits_ = 0;
+  searches_ = most_searches;
   guide(window_);
   Effort again = effort();
   if (again.labels > again_labels) again.labels = again_labels;

@@ -19,7 +19,8 @@
 //
 // Where jerk is limited phases are pulses (pulse.hpp). The search knows constant acceleration only;
 // it works with what pulses of about half a beat are worth (limits.hpp). A way on which the pulses
-// of an axis do not fit gets more beats and the window is planned again, with rests at last.
+// of an axis do not fit, or that rounding has spoilt, gets more beats and the window is planned
+// again, with rests at last.
 //
 // Why a stop is always possible: at every point every axis is allowed no more speed than full
 // braking takes away before the work space ends, and between the points braking at full
@@ -39,6 +40,11 @@
 #include "firmware/stepper/segment.hpp"
 
 namespace lamplock::motion {
+
+/// Windows of no more points are searched more than once, where ways of the plan are detours. There
+/// is time for that: such a window is the last of a job, or of what is known, so either the machine
+/// stands or runs the `commit_points` points committed before.
+inline constexpr std::uint32_t short_window = commit_points / 2;
 
 /// Plans windows. Holds only scratch memory; a plan depends on the request alone.
 class Planner {
@@ -72,6 +78,9 @@ class Planner {
   Effort effort() const;
   void search();
   void improve();
+  bool search_again();
+  [[gnu::cold]] bool forbid_detours();
+  [[gnu::cold]] void restore_best();
   void choose_speeds();
   void make_segments();
   void plan_path();
@@ -99,10 +108,15 @@ class Planner {
   Phase phase_ = Phase::over;
   Result result_ = Result::unreachable;
   std::uint32_t failed_ = 0;
-  bool run_ups_ = false;       ///< some speeds are allowed for run-ups only
-  std::uint32_t at_ = 0;       ///< point or axis to go on with
-  std::uint32_t misfits_ = 0;  ///< bit i: no profile of the way to points[i] keeps its jerk
-  std::int32_t longer_ = 0;    ///< how often such ways were made longer
+  bool run_ups_ = false;          ///< some speeds are allowed for run-ups only
+  std::uint32_t at_ = 0;          ///< point or axis to go on with
+  std::uint32_t misfits_ = 0;     ///< bit i: no profile of the way to points[i] keeps its limits
+  std::int32_t longer_ = 0;       ///< how often such ways were made longer
+  std::int32_t searches_ = 0;     ///< of this window so far
+  std::int32_t least_total_ = 0;  ///< beats of the best plan of them
+  bool best_ = false;             ///< which one of found_ it was made of
+  /// What two searches found, before it was improved.
+  std::array<std::array<std::uint16_t, short_window>, 2> found_{};
   Window window_;
   PerAxis<std::int32_t> start_qs_{};  ///< speeds at the start, normalised and scaled
   PathPlanner path_;

@@ -145,12 +145,28 @@ TEST(Planner, NeedsNoMoreBeatsThanTheExactOptimumAtLampsOf50To200Hz) {
 }
 
 TEST(Planner, StaysNearTheExactOptimumAtLampsOfKilohertz) {
-  const Grade result = grade(500, 5000, test::scaled(250), 53);
-  EXPECT_LE(result.gap_percent(), 2);
-  // The aim is none. One sequence in two thousand is caught between a quick start and a detour that
-  // the beam sees too late.
-  EXPECT_LE(result.beyond_tenth_or_two, result.sequences / 1000);
-  EXPECT_LT(result.optimum, result.start_stop);
+  // Of other seeds single sequences take the exact search minutes.
+  for (const std::uint64_t seed : {53u, 56u, 57u, 59u}) {
+    SCOPED_TRACE(seed);
+    const Grade result = grade(500, 5000, test::scaled(250), seed);
+    EXPECT_LE(result.gap_percent(), 2);
+    EXPECT_EQ(result.beyond_tenth_or_two, 0);
+    EXPECT_LT(result.optimum, result.start_stop);
+  }
+}
+
+TEST(Planner, TakesMoreBeatsWhereRoundingSpoilsAProfile) {
+  // Long ways beside short ones, V/A of 0.1 s and more: the profile of one way of this sequence
+  // needs a little more than the acceleration there is.
+  constexpr int spoilt = 3622;
+  std::mt19937_64 random(58);
+  for (int i = 0; i < spoilt; ++i) random_sequence(500, 5000, random);
+  const Chain chain = random_sequence(500, 5000, random);
+  const auto planner = std::make_unique<Planner>();
+  const test::ChainPlan plan = test::plan_chain(chain, *planner);
+  ASSERT_EQ(plan.result, Result::ok);
+  const long best = bench::fewest_beats(bench::problem_of(chain.limits, chain.targets)).beats;
+  EXPECT_LE(plan.total_beats(), best + best / 10);
 }
 
 TEST(Planner, StaysAtTheOptimumOverLongStreams) {
