@@ -64,18 +64,20 @@ Figures figures_of(const motion::Limits& limits, const std::vector<motion::Targe
 
 double measured_beats(const StartStopTime& row) { return row.lamp_hz * row.time_s / glass_points; }
 
-double start_stop_on_one_axis(const StartStopTime& row) {
+double start_stop_beats(const StartStopTime& row, double step_um) {
   const motion::Limits limits =
       limits_of(machine_settings(row.lamp_hz, row.accel_m_s2, row.speed_m_s, 1, fine_steps_per_mm));
+  motion::Target target;
+  target.steps[0] =
+      static_cast<std::int32_t>(step_um) - (ends_on_a_beat(row, step_um * 1e-6) ? 1 : 0);
+  return beats_per_point(limits, {target}, motion::JoinMode::start_stop);
+}
+
+double start_stop_on_one_axis(const StartStopTime& row) {
   const std::vector<int> counts = step_counts(glass_points);
   double beats = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const double step_um = glass_step_lengths[i].step_um;
-    motion::Target target;
-    target.steps[0] =
-        static_cast<std::int32_t>(step_um) - (ends_on_a_beat(row, step_um * 1e-6) ? 1 : 0);
-    beats += counts[i] * beats_per_point(limits, {target}, motion::JoinMode::start_stop);
-  }
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    beats += counts[i] * start_stop_beats(row, glass_step_lengths[i].step_um);
   return beats / glass_points;
 }
 

@@ -41,9 +41,12 @@ Figures figures_of(const motion::Limits& limits, const std::vector<motion::Targe
 
 /// Beats per point that were measured.
 double measured_beats(const StartStopTime& row);
+/// Beats of our start-stop for one step along one axis, on the machine of a measured row. Steps of
+/// the machine are 1 um; a time that is a whole number of beats to the last digit counts as
+/// reached.
+double start_stop_beats(const StartStopTime& row, double step_um);
 /// Beats per point of our start-stop for all step lengths of the object along one axis, as its
-/// histogram was fitted. Steps of the machine are 1 um; a time that is a whole number of beats to
-/// the last digit counts as reached.
+/// histogram was fitted.
 double start_stop_on_one_axis(const StartStopTime& row);
 
 /// A machine and a lamp.
