@@ -7,9 +7,11 @@
 
 #include <cmath>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <random>
 
+#include "host/bench/walks.hpp"
 #include "tests/motion/path_chain.hpp"
 
 namespace lamplock::motion {
@@ -133,6 +135,33 @@ TEST(PulseExample, SharpCornersEveryFifteenPoints) {
         EXPECT_LE(beats_per_point(example(shape, per_mm, 0, true)), 1.14);
         EXPECT_LE(beats_per_point(example(shape, per_mm, 0.75, true)), 1.14);
       }
+}
+
+TEST(PulseExample, CornersWithAJumpTakeWhatTheExactSearchTakes) {
+  // From 0.75 mm/s one beat goes 0.75 mm/s x 25 ms + 0.3 m/s2 x (25 ms)^2 / 2 = 0.1125 mm. The
+  // lines before and behind a corner need a second beat if they are longer: of lengths drawn from
+  // 0.1 to 0.15 mm three in four. So 15 lines take 15 + 2 x 3/4 beats, 1.100 a point, give or take
+  // 0.005 in 1200 points, and no plan can do better.
+  const auto resolution = 500.0;
+  long planned = 0, optimum = 0;
+  constexpr std::size_t seeds = 40;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    Chain chain = example(straight(0), resolution, 0.75, true);
+    chain.targets = bench::course(bench::Course::stairs, points, resolution, seed);
+    PathPlanner planner;
+    const test::ChainPlan plan = test::plan_path(chain, planner);
+    ASSERT_EQ(plan.result, Result::ok);
+    const long best = test::PathReference::fewest_beats(chain);
+    EXPECT_LE(plan.total_beats(), best + 3) << "seed " << seed;
+    planned += plan.total_beats();
+    optimum += best;
+  }
+  std::cout << "corners with a jump of 0.75 mm/s: "
+            << static_cast<double>(planned) / (seeds * points) << " beats a point, optimum "
+            << static_cast<double>(optimum) / (seeds * points) << "\n";
+  EXPECT_GE(planned, optimum);
+  EXPECT_LE(static_cast<double>(planned), 1.0005 * static_cast<double>(optimum));
+  EXPECT_LE(static_cast<double>(optimum), 1.10 * seeds * points);
 }
 
 }  // namespace
