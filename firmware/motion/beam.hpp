@@ -54,7 +54,7 @@ class Beam {
     std::uint8_t parent = 0;
   };
 
-  bool disappoints() const;
+  [[gnu::cold]] bool disappoints() const;
   void extend_label(const Window& window, std::uint32_t i, std::uint8_t parent);
   bool too_late(std::int32_t total, const Way* next) const;
   void keep(const Window& window, Label& label, const Way* next);

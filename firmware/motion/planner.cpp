@@ -20,8 +20,6 @@ constexpr std::int32_t start_slack_qs = 2 * hair_qs;
 /// Ways too short for their jerk are made longer so often, and so often without standing at their
 /// ends.
 constexpr std::int32_t most_longer = 16, longer_moving = 4;
-/// Searches of a short window, at most.
-constexpr std::int32_t most_searches = 3;
 /// A way that takes more than this share of its beats from rest to rest may be a detour.
 constexpr std::int32_t detour_eighths = 7;
 /// Labels per point when planning again: the board has not the time for as many as at first.
@@ -102,11 +100,15 @@ void Planner::begin_search(bool run_ups) {
   run_ups_ = false;
   misfits_ = 0;
   longer_ = 0;
-  searches_ = 0;
+  detours_ = Detours::unknown;
   if (!set_up()) return;
   const std::int32_t steady = run_ups ? steady_beats(window_, start_qs_) : 0;
   if (steady != 0) return go_on_steadily(steady);
   run_ups_ = run_ups && allow_run_ups(*request_, window_);
+  begin_beam();
+}
+
+void Planner::begin_beam() {
   guide(window_);
   beam_.begin(window_, effort());
   phase_ = Phase::search;
@@ -126,6 +128,7 @@ void Planner::go_on_steadily(std::int32_t beats) {
 
 /// A run-up may have no room: without it there is a way, if there is any.
 void Planner::give_up(std::uint32_t place) {
+  if (detours_ == Detours::forbidden) return restore_first();
   if (run_ups_) return begin_search(false);
   fail(place);
 }
@@ -234,20 +237,20 @@ bool Planner::advance() {
 }
 
 void Planner::search() {
-  const bool again = searches_ > 0 && searches_ < most_searches;
-  if (!beam_.extend(window_, at_)) return again ? restore_best() : give_up(at_);
+  if (!beam_.extend(window_, at_)) return give_up(at_);
   if (++at_ < request_->count) return;
   beam_.trace(window_, beats_);
-  if (request_->count <= short_window)
+  if (detours_ == Detours::unknown && request_->count <= short_window)
     for (std::uint32_t i = 0; i < request_->count; ++i)
-      found_[best_ ? 0 : 1][i] = static_cast<std::uint16_t>(beats_[i]);
-  if (!improver_.begin(window_, effort(), beats_)) return again ? restore_best() : give_up(0);
+      found_[i] = static_cast<std::uint16_t>(beats_[i]);
+  if (!improver_.begin(window_, effort(), beats_)) return give_up(0);
   phase_ = Phase::improve;
 }
 
 void Planner::improve() {
-  if (request_->mode != JoinMode::start_stop && improver_.advance(window_, beats_)) return;
-  if (search_again()) return;
+  if (request_->mode != JoinMode::start_stop &&
+      (improver_.advance(window_, beats_) || search_again()))
+    return;
   at_ = 0;
   phase_ = Phase::speeds;
 }
@@ -256,22 +259,20 @@ void Planner::improve() {
 /// that when it is too late. True if there is more to be done for a short window: it is searched
 /// again without such detours, and the better plan is kept.
 bool Planner::search_again() {
-  if (request_->mode == JoinMode::start_stop || request_->count > short_window ||
-      searches_ >= most_searches)
-    return false;
+  if (detours_ == Detours::accepted || request_->count > short_window) return false;
   std::int32_t total = 0;
   for (std::uint32_t i = 0; i < request_->count; ++i) total += beats_[i];
-  if (searches_ != 0 && total >= least_total_) {
-    restore_best();
+  if (detours_ == Detours::forbidden) {
+    detours_ = Detours::accepted;
+    if (total < first_total_) return false;
+    restore_first();
     return true;
   }
-  least_total_ = total;
-  best_ = !best_;
-  if (++searches_ == most_searches || !forbid_detours()) return false;
-  guide(window_);
-  beam_.begin(window_, effort());
-  phase_ = Phase::search;
-  at_ = 0;
+  first_total_ = total;
+  detours_ = Detours::accepted;
+  if (!forbid_detours()) return false;
+  detours_ = Detours::forbidden;
+  begin_beam();
   return true;
 }
 
@@ -294,14 +295,15 @@ bool Planner::forbid_detours() {
   return any;
 }
 
-/// Makes the best plan so far again: the same window, the same beats to begin with.
-void Planner::restore_best() {
-  searches_ = most_searches;
+/// Makes the first plan again: the same window, the same beats to begin with.
+void Planner::restore_first() {
+  detours_ = Detours::accepted;
   set_up();
   if (run_ups_) allow_run_ups(*request_, window_);
   guide(window_);
-  for (std::uint32_t i = 0; i < request_->count; ++i) beats_[i] = found_[best_ ? 1 : 0][i];
-  if (!improver_.begin(window_, effort(), beats_)) return give_up(0);
+  for (std::uint32_t i = 0; i < request_->count; ++i) beats_[i] = found_[i];
+  // It did before.
+  if (!improver_.begin(window_, effort(), beats_)) return fail(0);
   phase_ = Phase::improve;
 }
 
@@ -388,7 +390,7 @@ void Planner::take_longer() {
     if (i > 0) window_.ways[i - 1].allowed = {};
   }
   misfits_ = 0;
-  searches_ = most_searches;
+  detours_ = Detours::accepted;
   guide(window_);
   Effort again = effort();
   if (again.labels > again_labels) again.labels = again_labels;

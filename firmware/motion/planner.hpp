@@ -41,8 +41,8 @@
 
 namespace lamplock::motion {
 
-/// Windows of no more points are searched more than once, where ways of the plan are detours. There
-/// is time for that: such a window is the last of a job, or of what is known, so either the machine
+/// Windows of no more points are searched twice, where ways of the plan are detours. There is
+/// time for that: such a window is the last of a job, or of what is known, so either the machine
 /// stands or runs the `commit_points` points committed before.
 inline constexpr std::uint32_t short_window = commit_points / 2;
 
@@ -67,9 +67,11 @@ class Planner {
 
  private:
   enum class Phase : std::uint8_t { search, improve, speeds, segments, path, over };
+  /// What became of detours: a short window is searched without them, if there are any.
+  enum class Detours : std::uint8_t { unknown, forbidden, accepted };
 
   void begin_search(bool run_ups);
-  bool set_up();
+  [[gnu::noinline]] bool set_up();
   void give_up(std::uint32_t place);
   void go_on_steadily(std::int32_t beats);
   bool set_up_way(std::uint32_t i);
@@ -78,9 +80,10 @@ class Planner {
   Effort effort() const;
   void search();
   void improve();
-  bool search_again();
+  [[gnu::cold]] bool search_again();
   [[gnu::cold]] bool forbid_detours();
-  [[gnu::cold]] void restore_best();
+  [[gnu::cold]] void restore_first();
+  void begin_beam();
   void choose_speeds();
   void make_segments();
   void plan_path();
@@ -108,15 +111,14 @@ class Planner {
   Phase phase_ = Phase::over;
   Result result_ = Result::unreachable;
   std::uint32_t failed_ = 0;
-  bool run_ups_ = false;          ///< some speeds are allowed for run-ups only
-  std::uint32_t at_ = 0;          ///< point or axis to go on with
-  std::uint32_t misfits_ = 0;     ///< bit i: no profile of the way to points[i] keeps its limits
-  std::int32_t longer_ = 0;       ///< how often such ways were made longer
-  std::int32_t searches_ = 0;     ///< of this window so far
-  std::int32_t least_total_ = 0;  ///< beats of the best plan of them
-  bool best_ = false;             ///< which one of found_ it was made of
-  /// What two searches found, before it was improved.
-  std::array<std::array<std::uint16_t, short_window>, 2> found_{};
+  bool run_ups_ = false;       ///< some speeds are allowed for run-ups only
+  std::uint32_t at_ = 0;       ///< point or axis to go on with
+  std::uint32_t misfits_ = 0;  ///< bit i: no profile of the way to points[i] keeps its limits
+  std::int32_t longer_ = 0;    ///< how often such ways were made longer
+  Detours detours_ = Detours::unknown;
+  std::int32_t first_total_ = 0;  ///< beats of the plan with detours
+  /// What the search that made it found, before it was improved.
+  std::array<std::uint16_t, short_window> found_;
   Window window_;
   PerAxis<std::int32_t> start_qs_{};  ///< speeds at the start, normalised and scaled
   PathPlanner path_;
