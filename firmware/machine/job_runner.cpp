@@ -88,11 +88,18 @@ void JobRunner::read_outcomes() {
     // What was passed without a shot after a miss is passed again, in order, on the way on.
     if (missed) continue;
     queue_.mark_done(o.point);
-    if (o.point == next_.point && next_.committed != 0) --next_.committed;
+    if (o.point == next_.point) {
+      // Of a flash that a brake has put back the next window must not hear again.
+      if (next_.committed == 0) looked_ = false;
+      if (next_.committed != 0) --next_.committed;
+    }
     if (o.point == rest_next_.point && rest_next_.committed != 0) --rest_next_.committed;
   }
   // A point fired after a brake had put it back: its place in the queue may be another's by now.
-  if (next_.point < queue_.begin()) next_ = {queue_.begin(), 0};
+  if (next_.point < queue_.begin()) {
+    next_ = {queue_.begin(), 0};
+    looked_ = false;
+  }
   recount();
   if (missed) {
     ++misses_;
@@ -166,7 +173,7 @@ bool JobRunner::prepare_start() {
 
 void JobRunner::look_ahead() {
   // Of a plan that was recalled the request belongs to the planner until the end of its slice.
-  if (looked_ || !hand_over_.at_home()) return;
+  if (looked_ || braked_ || !hand_over_.at_home()) return;
   window_ready_ = find_window();
   looked_ = true;
 }
