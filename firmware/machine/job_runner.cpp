@@ -388,7 +388,7 @@ void JobRunner::commit_plan() {
   clock_.set_least_tick(plan_state_.tick, plan_.least_tick_q16());
   clock_.set_tick_length(plan_state_.tick, plan_.tick_length_q16());
   const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(first).start_tick;
-  if (late_ticks != 0) staged_ = 0;  // for another time
+  if (first == 0 && late_ticks != 0) staged_ = 0;  // for another time
   for (std::uint32_t i = first; i < end; ++i) push(i, late_ticks, plan_beat_);
   plan_state_ = plan_.segment(end - 1).end;
   plan_state_.tick += late_ticks;
@@ -422,11 +422,16 @@ void JobRunner::stage() {
   if (staged_ != 0 || !hand_over_.complete() || !plan_.found()) return;
   staged_ = part();
   if (staged_ == 0) return;
+  // The start from rest may still move; the rest of the plan has moved with it.
+  const std::uint64_t late_ticks =
+      handed_ == 0 ? 0 : plan_state_.tick - plan_.segment(handed_).start_tick;
   // The first one may take the place of a brake, which may still begin.
   for (std::uint32_t i = 1; i < staged_; ++i)
-    write_segment(handed_ + i, 0, segments_.stage(i - provisional_));
-  const stepper::MotionState& end = plan_.segment(handed_ + staged_ - 1).end;
-  segments_.stage(staged_ - provisional_) = motion::make_brake(end, plan_.brake_limits());
+    write_segment(handed_ + i, late_ticks, segments_.stage(i - provisional_));
+  stepper::Segment& brake = segments_.stage(staged_ - provisional_);
+  brake = motion::make_brake(plan_.segment(handed_ + staged_ - 1).end, plan_.brake_limits());
+  brake.start_tick += late_ticks;
+  brake.end.tick += late_ticks;
 }
 
 void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {

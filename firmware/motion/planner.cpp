@@ -200,17 +200,28 @@ bool Planner::set_beats(Way& way, std::uint32_t i) const {
 
 /// How long a way takes lies between what full speed and what two rests would need: about their
 /// geometric mean.
+std::uint32_t Planner::about_beats(const Way& way) {
+  if (way.fixed_beats != 0) return static_cast<std::uint32_t>(way.fixed_beats);
+  return isqrt(wide_product(static_cast<std::uint32_t>(way.first_beats),
+                            static_cast<std::uint32_t>(way.last_beats)));
+}
+
+/// By the mean of the ways; but a turn or a run-up among dense points gives no time for these: it
+/// comes after or before them.
 Effort Planner::effort() const {
   if (request_->mode == JoinMode::start_stop) return {};
-  std::uint64_t beats = 0;
-  for (std::uint32_t i = 0; i < request_->count; ++i) {
-    const Way& way = window_.ways[i];
-    beats += way.fixed_beats != 0 ? static_cast<std::uint32_t>(way.fixed_beats)
-                                  : isqrt(wide_product(static_cast<std::uint32_t>(way.first_beats),
-                                                       static_cast<std::uint32_t>(way.last_beats)));
-  }
-  // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): a window has points
-  return effort_for(beats * limits_->beat_ticks / request_->count);
+  const auto mean_up_to = [this](std::uint64_t most) {
+    std::uint64_t beats = 0;
+    for (std::uint32_t i = 0; i < request_->count; ++i) {
+      const std::uint32_t about = about_beats(window_.ways[i]);
+      beats += about < most ? about : most;
+    }
+    // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): a window has points
+    return beats * limits_->beat_ticks / request_->count;
+  };
+  constexpr std::uint64_t long_ways = 8;  // times the mean
+  const std::uint64_t mean = mean_up_to(~0u);
+  return effort_for(mean_up_to(long_ways * mean / limits_->beat_ticks));
 }
 
 bool Planner::advance() {

@@ -77,6 +77,7 @@ class Planner {
   bool set_up_way(std::uint32_t i);
   SpeedRange allowed_speeds(const AxisLimits& axis, std::int32_t steps) const;
   bool set_beats(Way& way, std::uint32_t i) const;
+  static std::uint32_t about_beats(const Way& way);
   Effort effort() const;
   void search();
   void improve();
