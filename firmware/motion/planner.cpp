@@ -110,7 +110,8 @@ void Planner::begin_search(bool run_ups) {
 
 void Planner::begin_beam() {
   guide(window_);
-  beam_.begin(window_, effort());
+  effort_ = find_effort();
+  beam_.begin(window_, effort_);
   phase_ = Phase::search;
   at_ = 0;
 }
@@ -208,20 +209,20 @@ std::uint32_t Planner::about_beats(const Way& way) {
 
 /// By the mean of the ways; but a turn or a run-up among dense points gives no time for these: it
 /// comes after or before them.
-Effort Planner::effort() const {
+Effort Planner::find_effort() const {
   if (request_->mode == JoinMode::start_stop) return {};
-  const auto mean_up_to = [this](std::uint64_t most) {
-    std::uint64_t beats = 0;
-    for (std::uint32_t i = 0; i < request_->count; ++i) {
-      const std::uint32_t about = about_beats(window_.ways[i]);
-      beats += about < most ? about : most;
-    }
-    // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): a window has points
-    return beats * limits_->beat_ticks / request_->count;
-  };
-  constexpr std::uint64_t long_ways = 8;  // times the mean
-  const std::uint64_t mean = mean_up_to(~0u);
-  return effort_for(mean_up_to(long_ways * mean / limits_->beat_ticks));
+  std::uint64_t all = 0, cut = 0;
+  for (std::uint32_t i = 0; i < request_->count; ++i) all += about_beats(window_.ways[i]);
+  constexpr std::uint32_t long_ways = 8;  // times the mean
+  // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): a window has points
+  const std::uint64_t most = long_ways * all / request_->count;
+  for (std::uint32_t i = 0; i < request_->count; ++i) {
+    const Way& way = window_.ways[i];
+    if (static_cast<std::uint32_t>(way.last_beats) <= most) continue;
+    const std::uint32_t about = about_beats(way);
+    if (about > most) cut += about - most;
+  }
+  return effort_for((all - cut) * limits_->beat_ticks / request_->count);
 }
 
 bool Planner::advance() {
@@ -254,7 +255,7 @@ void Planner::search() {
   if (detours_ == Detours::unknown && request_->count <= short_window)
     for (std::uint32_t i = 0; i < request_->count; ++i)
       found_[i] = static_cast<std::uint16_t>(beats_[i]);
-  if (!improver_.begin(window_, effort(), beats_)) return give_up(0);
+  if (!improver_.begin(window_, effort_, beats_)) return give_up(0);
   phase_ = Phase::improve;
 }
 
@@ -314,7 +315,7 @@ void Planner::restore_first() {
   guide(window_);
   for (std::uint32_t i = 0; i < request_->count; ++i) beats_[i] = found_[i];
   // It did before.
-  if (!improver_.begin(window_, effort(), beats_)) return fail(0);
+  if (!improver_.begin(window_, effort_, beats_)) return fail(0);
   phase_ = Phase::improve;
 }
 
@@ -403,9 +404,9 @@ void Planner::take_longer() {
   misfits_ = 0;
   detours_ = Detours::accepted;
   guide(window_);
-  Effort again = effort();
-  if (again.labels > again_labels) again.labels = again_labels;
-  beam_.begin(window_, again);
+  effort_ = find_effort();
+  if (effort_.labels > again_labels) effort_.labels = again_labels;
+  beam_.begin(window_, effort_);
   phase_ = Phase::search;
   at_ = 0;
 }

@@ -78,7 +78,7 @@ class Planner {
   SpeedRange allowed_speeds(const AxisLimits& axis, std::int32_t steps) const;
   bool set_beats(Way& way, std::uint32_t i) const;
   static std::uint32_t about_beats(const Way& way);
-  Effort effort() const;
+  Effort find_effort() const;
   void search();
   void improve();
   [[gnu::cold]] bool search_again();
@@ -121,6 +121,7 @@ class Planner {
   /// What the search that made it found, before it was improved.
   std::array<std::uint16_t, short_window> found_;
   Window window_;
+  Effort effort_;
   PerAxis<std::int32_t> start_qs_{};  ///< speeds at the start, normalised and scaled
   PathPlanner path_;
   Beam beam_;
