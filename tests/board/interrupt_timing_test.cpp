@@ -28,6 +28,31 @@ TEST(InterruptTiming, IdleAfterAStopKnowsEveryShot) {
   EXPECT_GT(unfinished, 0);
 }
 
+/// The flash that is on its way when the machine brakes counts, although it is put back among the
+/// points to come, and the next window is looked for before it is judged.
+TEST(InterruptTiming, AHoldThatEndsAtOnceFiresNoPointTwice) {
+  int held = 0;
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(100)); ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const job::Job job = jumping_row(40, seed);
+    HandBoard board(job, seed);
+    std::mt19937_64 random(seed);
+    ASSERT_NO_FATAL_FAILURE(board.begin(0));
+    for (int i = 0; i < 40'000 && board.core.state() == MachineState::run; ++i) {
+      // The ticks before the edge have been filled, and no more.
+      const bool hold = board.shots() % 4 == 3 && board.edge_ahead() && random() % 2 == 0;
+      held += hold ? 1 : 0;
+      board.pass([&] {
+        if (!hold) return;
+        board.core.on_command({wire::Command::hold});
+        board.core.on_command({wire::Command::resume});
+      });
+    }
+    ASSERT_EQ(board.fired, std::vector<std::uint32_t>(job.targets.size(), 1));
+  }
+  EXPECT_GT(held, 0);
+}
+
 TEST(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
   int found = 0;
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(100)); ++seed) {
