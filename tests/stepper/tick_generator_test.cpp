@@ -66,6 +66,7 @@ class NaiveBoard {
   }
   void set_step(int a, std::int32_t step) {
     ASSERT_EQ(step, static_cast<std::int32_t>(position_[index(a)] >> 64));
+    ++steps_set_;
   }
   void put_bits(std::uint8_t bits, std::uint32_t ticks) {
     ASSERT_GT(ticks, 0u);
@@ -78,7 +79,9 @@ class NaiveBoard {
       n = 0;
     }
     ASSERT_EQ(put_bits_, ticks);
+    ASSERT_EQ(steps_set_, max_axes) << "each axis says where it stands, every time";
     put_bits_ = 0;
+    steps_set_ = 0;
     tick_ += ticks;
   }
 
@@ -145,6 +148,7 @@ class NaiveBoard {
   long blocks_ = 0;
   PerAxis<std::uint32_t> put_{};
   std::uint32_t put_bits_ = 0;
+  int steps_set_ = 0;
 };
 
 /// Moves a plan to a later start.
