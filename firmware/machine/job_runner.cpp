@@ -313,6 +313,7 @@ bool JobRunner::prepare(bool go) {
   if (provisional_begun()) keep_provisional();
   if (!go || braked_) {
     hand_over_.recall();
+    looked_ = false;
     return false;
   }
   if (hand_over_.asked()) return !hand_over_.complete() || !plan_.found() || part() != 0;
@@ -384,11 +385,12 @@ void JobRunner::commit_plan() {
   brake_limits_ = plan_.brake_limits();
   if (first == 0) plan_ticks_ = generator_.tick() - asked_tick_;
   take_back_provisional();
+  const std::uint64_t staged_tick = plan_state_.tick;
   start_later();
+  if (plan_state_.tick != staged_tick) staged_ = 0;  // for another time
   clock_.set_least_tick(plan_state_.tick, plan_.least_tick_q16());
   clock_.set_tick_length(plan_state_.tick, plan_.tick_length_q16());
   const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(first).start_tick;
-  if (first == 0 && late_ticks != 0) staged_ = 0;  // for another time
   for (std::uint32_t i = first; i < end; ++i) push(i, late_ticks, plan_beat_);
   plan_state_ = plan_.segment(end - 1).end;
   plan_state_.tick += late_ticks;
@@ -422,16 +424,14 @@ void JobRunner::stage() {
   if (staged_ != 0 || !hand_over_.complete() || !plan_.found()) return;
   staged_ = part();
   if (staged_ == 0) return;
-  // The start from rest may still move; the rest of the plan has moved with it.
-  const std::uint64_t late_ticks =
-      handed_ == 0 ? 0 : plan_state_.tick - plan_.segment(handed_).start_tick;
+  // Later parts of a plan are as late as the first one was.
+  const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(handed_).start_tick;
   // The first one may take the place of a brake, which may still begin.
   for (std::uint32_t i = 1; i < staged_; ++i)
     write_segment(handed_ + i, late_ticks, segments_.stage(i - provisional_));
-  stepper::Segment& brake = segments_.stage(staged_ - provisional_);
-  brake = motion::make_brake(plan_.segment(handed_ + staged_ - 1).end, plan_.brake_limits());
-  brake.start_tick += late_ticks;
-  brake.end.tick += late_ticks;
+  stepper::MotionState end = plan_.segment(handed_ + staged_ - 1).end;
+  end.tick += late_ticks;
+  segments_.stage(staged_ - provisional_) = motion::make_brake(end, plan_.brake_limits());
 }
 
 void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {

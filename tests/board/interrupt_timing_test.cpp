@@ -53,6 +53,27 @@ TEST(InterruptTiming, AHoldThatEndsAtOnceFiresNoPointTwice) {
   EXPECT_GT(held, 0);
 }
 
+/// A start moves on by whole beats where planning has outlasted its margin: all of the plan does,
+/// whether it has been staged or not.
+TEST(InterruptTiming, APlanThatComesLateStartsLaterAsAWhole) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(20)); ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const job::Job job = jumping_row(40, seed);
+    HandBoard board(job, seed);
+    board.plans_itself = false;
+    ASSERT_NO_FATAL_FAILURE(board.begin(0));
+    for (int i = 0; i < 40'000 && board.core.state() == MachineState::run; ++i) {
+      board.pass();
+      if (!board.core.plan_waits()) continue;
+      for (int late = 0; late < 100; ++late) board.pass();
+      while (board.core.plan()) {
+      }
+    }
+    ASSERT_EQ(board.core.state(), MachineState::idle);
+    ASSERT_EQ(board.fired, std::vector<std::uint32_t>(job.targets.size(), 1));
+  }
+}
+
 TEST(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
   int found = 0;
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(100)); ++seed) {
