@@ -217,12 +217,13 @@ bool Controller::prepare(std::uint64_t clock) {
 
 bool Controller::commit() {
   // A hold or an alarm since prepare() has made the plan worthless.
-  const bool planned = planning_ && runner_.part_waits();
-  if (planning_ && moving_ && !runner_.underrun() && runner_.commit() != Result::ok) {
+  const bool wanted = planning_ && moving_ && !runner_.underrun();
+  const bool planned = wanted && runner_.part_waits();
+  if (wanted && runner_.commit() != Result::ok) {
     link_.refuse_point(Result::unreachable, runner_.failed_point());
     stop();
   }
-  planning_ = planning_ && moving_ && runner_.part_waits();
+  planning_ = wanted && moving_ && runner_.part_waits();
   // A stop is over when the machine stands and the last shot that was decided has been counted.
   const bool stopping = !job_ && (state_ == MachineState::run || state_ == MachineState::hold ||
                                   state_ == MachineState::door);
