@@ -74,6 +74,21 @@ TEST(InterruptTiming, APlanThatComesLateStartsLaterAsAWhole) {
   }
 }
 
+/// What a board notes for the case that it crashes: every shot, read by the main loop or not.
+TEST(InterruptTiming, TheMarkOfAJobKnowsEveryShotAtOnce) {
+  const job::Job job = jumping_row(40, 5);
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    HandBoard board(job, seed);
+    ASSERT_NO_FATAL_FAILURE(board.begin(0));
+    for (int i = 0; i < 40'000 && board.shots() < job.targets.size(); ++i) {
+      board.pass();
+      if (board.core.state() != MachineState::run) break;
+      ASSERT_EQ(board.core.job_mark().first_unfired, board.shots()) << "seed " << seed;
+    }
+    ASSERT_EQ(board.shots(), job.targets.size());
+  }
+}
+
 TEST(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
   int found = 0;
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(100)); ++seed) {
