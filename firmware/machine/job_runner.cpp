@@ -360,7 +360,7 @@ void JobRunner::take_back_provisional() {
 }
 
 void JobRunner::keep_provisional() {
-  if (hand_over_.asked() && !returning_) planning_late_ = true;
+  if (hand_over_.asked() && provisional_begun() && !returning_) planning_late_ = true;
   hand_over_.recall();
   looked_ = false;
   staged_ = 0;
