@@ -2,10 +2,10 @@
 //
 // In:  a window (way.hpp).
 // Out: beats of every way, such that every axis can go on and, at the end of the window, is where
-// it
-//      is allowed to be.
-// Called by the planner (main loop), point by point, so that the main loop can do other things in
-// between: budget, a few label steps (way.hpp, step()) per candidate.
+//      it is allowed to be.
+// Called by the planner (main loop, or the core that plans), point by point, so that a main loop
+// that plans can do other things in between: budget, a few label steps (way.hpp, step()) per
+// candidate.
 //
 // A label is a number of beats so far and the box of speeds the machine can have at the point; axes
 // couple only through the common beats, so propagating boxes is exact. A label that another one

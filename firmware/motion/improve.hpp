@@ -3,7 +3,8 @@
 // In:  a window and beats that can be done (beam.hpp).
 // Out: beats, no more in total; per point the box of speeds that the start can reach and from which
 //      the end can be reached.
-// Called by the planner (main loop), point by point: budget, some tens of label steps.
+// Called by the planner (main loop, or the core that plans), point by point: budget, some tens of
+// label steps.
 //
 // With the beats of all other ways fixed, a change of a few neighbouring ones is possible exactly
 // if the box forwards of where it begins, propagated with the new beats, meets the box backwards of

@@ -2,7 +2,7 @@
 //
 // In:  displacements of all axes, the machine's limits.
 // Out: per line its length, direction and limits along it; per corner the highest speed through it.
-// Called by the path planner (main loop), once per point of a window.
+// Called by the path planner (main loop, or the core that plans), once per point of a window.
 //
 // A line is run by all axes in proportion, so one number describes the motion. It is normalised as
 // in reach.hpp, by the axis that limits the acceleration along the line: time in beats, that axis'

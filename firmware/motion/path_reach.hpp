@@ -2,7 +2,8 @@
 //
 // In:  an interval of speeds at the start, the line, a time in whole beats.
 // Out: the interval of speeds at the end; or the fewest beats for which there is one.
-// Called by the path planner (main loop), some times per point. Units as in reach.hpp.
+// Called by the path planner (main loop, or the core that plans), some times per point. Units as
+// in reach.hpp.
 //
 // Along a line 0 <= v <= V. Seen from a frame that moves at V/2 that is |v| <= V/2, which is what
 // reach() knows. The times for which some speed of one interval can be joined to some speed of

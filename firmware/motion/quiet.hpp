@@ -3,11 +3,11 @@
 // In:  a window, its beats, and the boxes of speeds that they leave (improve.hpp).
 // Out: one speed per point and axis such that every way can be done, with about the least sum over
 //      the ways of time x peak acceleration squared.
-// Called by the planner (main loop); budget, some 2000 cycles per point and axis.
+// Called by the planner (main loop, or the core that plans); budget, some 2000 cycles per point
+// and axis.
 //
 // The motion with the least integral of acceleration squared through given points at given times is
-// the natural cubic spline; its speeds solve, between ways of k and l beats with mean speeds s and
-// t,
+// the natural cubic spline. Between ways of k and l beats with mean speeds s and t its speeds solve
 //   l v_before + 2 (k + l) v + k v_behind = 3 (l s + k t).
 // Some sweeps over these equations, each speed cut to its box (projected Gauss-Seidel), find the
 // least sum inside the boxes; a last pass from the end backwards joins every pair of speeds

@@ -3,7 +3,7 @@
 // In:  a range of speeds at the start, the mean speed of the way, a time in whole beats, the axis.
 // Out: the range of speeds at the end that some start speed of the range can be joined to with
 //      |acceleration| <= 1 and |speed| <= limit at every instant.
-// Called by the planner (main loop or the core that plans), a hundred times per point: some 600
+// Called by the planner (main loop, or the core that plans), a hundred times per point: some 600
 // cycles on a Cortex-M0+, about half of what reach() takes.
 //
 // Normalised as in reach.hpp: time in beats, acceleration limit = 1, a speed v/A in beats. Speeds

@@ -3,7 +3,7 @@
 // In:  displacements from point to point, and at each point which speeds an axis may have there.
 // Out: the ways of a window with their guide: at every point the hull of speeds from which the rest
 //      of the window can be done.
-// Called by the planner (main loop), once per window.
+// Called by the planner (main loop, or the core that plans), once per window.
 //
 // Units as in scaled_reach.hpp. The work space bounds the speeds at a point in two ways: ahead,
 // full braking must take the speed away before it ends, v^2 / 2 <= way left; behind, full

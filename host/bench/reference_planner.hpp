@@ -12,9 +12,8 @@
 //   beats is reach(B, way 0, s beats), and what goes on from there also goes on from B directly. So
 //   labels end where the first one that contains rest, looped, has every speed.
 // * too late: short sequences are searched for a total of U beats, U rising from a lower bound
-// until
-//   there is a plan. Backwards from the end, the hull per axis over every way to spend n beats
-//   holds all speeds from which n beats can be enough; labels are cut to it.
+//   until there is a plan. Backwards from the end, the hull per axis over every way to spend n
+//   beats holds all speeds from which n beats can be enough; labels are cut to it.
 //
 // No beam, no guess, no look at the work space. Memory: the labels of two neighbouring points.
 #pragma once

@@ -1,8 +1,7 @@
 // The watchdog: restarts the chip unless everybody who matters is alive.
 //
-// In:  signatures of the e-stop, beat and fill interrupts, of the main loop and of the planner:
-// core
-//      1 after each slice of a plan, the main loop while there is nothing to plan.
+// In:  signatures of the e-stop, beat and fill interrupts, of the main loop and of the planner
+//      (core 1 after each slice of a plan, the main loop while there is nothing to plan).
 // Out: the counter fed, once all five have signed since the last time.
 // Who: sign() at any level, on either core (one store); service() from the main loop, every pass.
 //

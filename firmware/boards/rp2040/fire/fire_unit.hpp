@@ -4,9 +4,8 @@
 // Out: lamp_edge() for every accepted edge, a shot when its pulse has begun; ARM held low whenever
 //      no token of the core is loaded.
 // Who: service(), or read_results() and handle_token(): beat and edge interrupt (priority 1), and
-// the
-//      main loop with them masked, after anything that may have changed outputs(). Budget: 6 us an
-//      edge of this code, the core's part on top.
+//      the main loop with them masked, after anything that may have changed outputs(). Budget: 6 us
+//      an edge of this code, the core's part on top.
 //      cut_off(): any level. stopped(), restart(): main loop, beat interrupt masked.
 //
 // Taking a token back: ARM is held low at the pad, so that no decision can be a shot; after 16
