@@ -2,8 +2,9 @@
 //
 // In:  a request (points, start), the pace it should be run at, the settings.
 // Out: segments of the planner, or that there is no way and at which point.
-// Called by the job runner: start() and what follows it are short; advance() does a slice, of a
-// millisecond or two, perhaps on another core, to which all of this then belongs (hand_over.hpp).
+// Called by the job runner: start() and what follows it are short; advance() does a slice,
+// mostly less than a millisecond, a few where a window is set up, 10 ms at most (planner.hpp),
+// perhaps on another core, to which all of this then belongs (hand_over.hpp).
 //
 // Attempts, one after the other until one finds a way:
 //   wanted   limits for the shortest tick to expect and the job speed asked for

@@ -40,20 +40,43 @@ bool goes_back(const AxisProfile& p, Int128 way) {
 }  // namespace
 
 Result PathPlanner::plan(const PlanRequest& request, std::uint32_t& failed) {
+  begin(request);
+  while (advance()) {
+  }
+  if (result_ != Result::ok) failed = failed_;
+  return result_;
+}
+
+void PathPlanner::begin(const PlanRequest& request) {
   request_ = &request;
   limits_ = request.limits;
   const std::uint32_t most = longest_segment_ticks / limits_->beat_ticks;
   most_beats_ = most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
-  if (const Result r = set_up(failed); r != Result::ok) return r;
-  // Every round that fails makes at least one more point a full stop: at most `count` rounds.
-  for (std::uint32_t round = 0; round <= request.count; ++round) {
-    if (const Result r = find_way(failed); r != Result::ok) return r;
-    bool again = false;
-    if (make_all(again)) return Result::ok;
-    if (!again) break;
+  result_ = Result::unreachable;
+  phase_ = Phase::set_up;
+}
+
+bool PathPlanner::advance() {
+  switch (phase_) {
+    case Phase::set_up:
+      phase_ = set_up(failed_) == Result::ok ? Phase::ahead : Phase::over;
+      break;
+    case Phase::ahead:
+      look_ahead();
+      careful_ = false;
+      at_ = 0;
+      phase_ = Phase::search;
+      break;
+    case Phase::search:
+      search();
+      break;
+    case Phase::check:
+      check();
+      break;
+    case Phase::over:
+      break;
   }
-  failed = 0;
-  return Result::unreachable;
+  return phase_ != Phase::over;
 }
 
 PathLine PathPlanner::line(std::uint32_t i) const {
@@ -114,15 +137,6 @@ bool PathPlanner::set_start(const PathLine& first) {
   return true;
 }
 
-Result PathPlanner::find_way(std::uint32_t& failed) {
-  look_ahead();
-  // From speed the quickest labels can all end where nothing goes on; the slowest always can.
-  if (!search(false, failed) && !search(true, failed)) return Result::unreachable;
-  choose_beats();
-  choose_speeds();
-  return Result::ok;
-}
-
 void PathPlanner::look_ahead() {
   stages_[request_->count - 1].end_q32 = 0;
   for (std::uint32_t i = request_->count - 1; i > 0; --i) {
@@ -143,13 +157,20 @@ void PathPlanner::look_ahead() {
   }
 }
 
-bool PathPlanner::search(bool careful, std::uint32_t& failed) {
-  for (std::uint32_t i = 0; i < request_->count; ++i) {
-    if (extend(i, careful)) continue;
-    failed = i;
-    return false;
+void PathPlanner::search() {
+  if (!extend(at_, careful_)) {
+    failed_ = at_;
+    if (careful_) phase_ = Phase::over;
+    // From speed the quickest labels can all end where nothing goes on; the slowest always can.
+    careful_ = true;
+    at_ = 0;
+    return;
   }
-  return true;
+  if (++at_ < request_->count) return;
+  choose_beats();
+  choose_speeds();
+  at_ = 0;
+  phase_ = Phase::check;
 }
 
 bool PathPlanner::extend(std::uint32_t i, bool careful) {
@@ -294,28 +315,30 @@ std::int64_t PathPlanner::wanted_speed_q32(std::uint32_t i) const {
          (here.chosen.beats + next.chosen.beats);
 }
 
-bool PathPlanner::make_all(bool& again) {
-  MotionState from = request_->start;
-  for (std::uint32_t i = 0; i < request_->count; ++i) {
-    const Segment s = make_segment(i, from);
-    Stage& stage = stages_[i];
-    for (int a = 0; a < limits_->axes; ++a) {
-      const Int128 off =
-          s.end.axis[index(a)].position_q64 - stepper::middle_of_step(target(i).steps[index(a)]);
-      stage.chosen.off_q64[index(a)] = off.to_int64();
-    }
-    const bool in = inside(s, from);
-    if (!in || !can_stop(s)) {
-      const bool had_rest =
-          stage.corner_q32 == 0 && (in || i == 0 || stages_[i - 1].corner_q32 == 0);
-      stage.corner_q32 = 0;
-      if (!in && i > 0) stages_[i - 1].corner_q32 = 0;
-      again = !had_rest;
-      return false;
-    }
-    from = s.end;
+/// Makes a segment and looks at it. Where it is not good one more point at least becomes a full
+/// stop, and the window is planned anew: at most as often as it has points.
+void PathPlanner::check() {
+  const std::uint32_t i = at_;
+  const MotionState from = state_before(i);
+  const Segment s = make_segment(i, from);
+  Stage& stage = stages_[i];
+  for (int a = 0; a < limits_->axes; ++a) {
+    const Int128 off =
+        s.end.axis[index(a)].position_q64 - stepper::middle_of_step(target(i).steps[index(a)]);
+    stage.chosen.off_q64[index(a)] = off.to_int64();
   }
-  return true;
+  const bool in = inside(s, from);
+  if (in && can_stop(s)) {
+    if (++at_ < request_->count) return;
+    result_ = Result::ok;
+    phase_ = Phase::over;
+    return;
+  }
+  const bool had_rest = stage.corner_q32 == 0 && (in || i == 0 || stages_[i - 1].corner_q32 == 0);
+  stage.corner_q32 = 0;
+  if (!in && i > 0) stages_[i - 1].corner_q32 = 0;
+  failed_ = 0;
+  phase_ = had_rest ? Phase::over : Phase::ahead;
 }
 
 bool PathPlanner::inside(const Segment& s, const MotionState& from) const {

@@ -2,7 +2,7 @@
 //
 // In:  a window of targets (up to `window_points`) and the state the machine starts from.
 // Out: the beats of every line and segments that end exactly on the targets, the last one at rest.
-// Called from the main loop by the job runner; nothing here runs in an interrupt.
+// Called by the planner (main loop, or the core that plans); nothing here runs in an interrupt.
 //
 // "Abstract of a master's thesis on the flexibility of CNC systems for laser processing" gives the
 // task: look ahead backwards for the highest speed at the end of every block, then correct speeds
@@ -46,8 +46,16 @@ inline constexpr std::size_t path_labels = 4;
 /// Plans windows. Holds only scratch memory; a plan depends on the request alone.
 class PathPlanner {
  public:
-  /// Plans the request, which must stay as it is while segments are asked for. Error: unreachable,
-  /// with the position in the window in `failed`; then nothing may be used.
+  /// Begins a window; the request must stay as it is while segments are asked for.
+  void begin(const PlanRequest& request);
+  /// Goes on with it, point by point; false when there is nothing left to do. Budget: the
+  /// first slice sets the whole window up, some 6 ms with three axes; the others 3 ms.
+  bool advance();
+  /// What came of it. Error: unreachable, with the place in the window in failed(); then nothing
+  /// may be used.
+  Result result() const { return result_; }
+  std::uint32_t failed() const { return failed_; }
+  /// All of it at once.
   Result plan(const PlanRequest& request, std::uint32_t& failed);
 
   /// The way to points[i], made anew at every call.
@@ -87,12 +95,13 @@ class PathPlanner {
     constexpr Stage() : beam{} {}
   };
 
+  enum class Phase : std::uint8_t { set_up, ahead, search, check, over };
+
   Result set_up(std::uint32_t& failed);
   PathLine line(std::uint32_t i) const;
   bool set_start(const PathLine& first);
-  Result find_way(std::uint32_t& failed);
   void look_ahead();
-  bool search(bool careful, std::uint32_t& failed);
+  void search();
   bool extend(std::uint32_t i, bool careful);
   void extend(std::uint32_t i, std::uint32_t parent, bool careful);
   bool step(std::uint32_t i, const SpeedInterval& from, std::int32_t beats,
@@ -102,7 +111,7 @@ class PathPlanner {
   void choose_beats();
   void choose_speeds();
   std::int64_t wanted_speed_q32(std::uint32_t i) const;
-  bool make_all(bool& again);
+  void check();
   bool inside(const Segment& s, const MotionState& from) const;
   bool can_stop(const Segment& s) const;
   Segment make_segment(std::uint32_t i, const MotionState& from) const;
@@ -118,6 +127,11 @@ class PathPlanner {
 
   const PlanRequest* request_ = nullptr;
   const Limits* limits_ = nullptr;
+  Result result_ = Result::unreachable;
+  Phase phase_ = Phase::over;
+  bool careful_ = false;      ///< the second try: labels that can rest go first
+  std::uint32_t at_ = 0;      ///< the point that comes next in this phase
+  std::uint32_t failed_ = 0;  ///< the place that has no way
   std::int32_t most_beats_ = 1;
   SpeedInterval start_;         ///< at the start of the window, in units of the first line
   std::int64_t start_q32_ = 0;  ///< the speed in it

@@ -72,6 +72,8 @@ void Planner::begin(const PlanRequest& request) {
   limits_ = request.limits;
   result_ = Result::unreachable;
   if (request.mode == JoinMode::path) {
+    path_.begin(request);
+    at_ = 0;
     phase_ = Phase::path;
     return;
   }
@@ -327,13 +329,13 @@ void Planner::choose_speeds() {
 }
 
 void Planner::plan_path() {
-  result_ = path_.plan(*request_, failed_);
+  if (at_ == 0 && path_.advance()) return;
+  if (path_.result() != Result::ok) return fail(path_.failed());
+  segments_[at_] = path_.segment(at_);
+  beats_[at_] = path_.beats(at_);
+  if (++at_ < request_->commits()) return;
+  result_ = Result::ok;
   phase_ = Phase::over;
-  if (result_ != Result::ok) return;
-  for (std::uint32_t i = 0; i < request_->commits(); ++i) {
-    segments_[i] = path_.segment(i);
-    beats_[i] = path_.beats(i);
-  }
 }
 
 void Planner::make_segments() {

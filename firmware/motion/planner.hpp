@@ -2,8 +2,9 @@
 //
 // In:  a window of targets (up to `window_points`) and the state the machine starts from.
 // Out: segments of whole beats that end exactly on the targets, for the first `commit_points` of
-// them. Called from the main loop by the job runner, slice by slice; nothing here runs in an
-// interrupt.
+//      them.
+// Called by the plan of a window (window_plan.hpp; main loop, or the core that plans), slice by
+// slice; nothing here runs in an interrupt.
 //
 //   targets -> window (way.hpp) -> beats (beam.hpp, improve.hpp) -> speeds (quiet.hpp)
 //           -> profiles (profile.hpp), checked against the limits and the work space
@@ -51,7 +52,8 @@ class Planner {
  public:
   /// Begins a window; the request must stay as it is until the plan has been used.
   void begin(const PlanRequest& request);
-  /// Goes on with it; false when there is nothing left to do. Budget: a millisecond or two.
+  /// Goes on with it; false when there is nothing left to do. Budget: 3 ms, mostly
+  /// less than one; the set-up of a window (begin(), the first slice of a path) 8 ms.
   bool advance();
   /// What came of it. Error: unreachable, with the place in the window in failed(); then nothing
   /// may be used.
