@@ -2,6 +2,7 @@
 // their headers state.
 #include "sim/chip_board/board_timing.hpp"
 #include "tests/chip_board/chip_rig.hpp"
+#include "tests/chip_board/sleep_watch.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -61,41 +62,13 @@ INSTANTIATE_TEST_SUITE_P(Lamps, BeatBudgets, testing::Values(100, 1000, 4000),
                            return std::to_string(param_info.param) + "Hz";
                          });
 
-/// Counts how often a core falls asleep.
-class Sleeps final : public sim::chip::CoreListener {
- public:
-  explicit Sleeps(sim::chip::Core& core) : core_(core) { core.listen(this); }
-  ~Sleeps() override { core_.listen(nullptr); }
-  Sleeps(const Sleeps&) = delete;
-  Sleeps& operator=(const Sleeps&) = delete;
-
-  int count() const { return count_; }
-  sim::chip::Cycle asleep() const { return asleep_; }
-
- private:
-  void exception_entered(int, unsigned, sim::chip::Cycle, sim::chip::Cycle) override {}
-  void exception_left(int, unsigned, sim::chip::Cycle) override {}
-  void called(int, std::uint32_t, std::uint32_t, sim::chip::Cycle) override {}
-  void branched(int, std::uint32_t, sim::chip::Cycle) override {}
-  void slept(int, sim::chip::Cycle at) override {
-    ++count_;
-    since_ = at;
-  }
-  void woke(int, sim::chip::Cycle at) override { asleep_ += at - since_; }
-  void masked(int, bool, sim::chip::Cycle) override {}
-
-  sim::chip::Core& core_;
-  int count_ = 0;
-  sim::chip::Cycle since_ = 0, asleep_ = 0;
-};
-
 // With nothing to do the processor sleeps most of the time, and looks around with each interrupt of
 // the beat: each comes 100 us after the end of the one before.
 TEST(Budgets, TheMainLoopSleepsBetweenInterrupts) {
   ChipRig rig(chip_profile());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   rig.run(10 * ps_per_ms);
-  const Sleeps sleeps(rig.core());
+  const SleepWatch sleeps(rig.core());
   const sim::chip::Cycle from = rig.board.chip().now();
   rig.run(100 * ps_per_ms);
   const sim::chip::Cycle all = rig.board.chip().now() - from;

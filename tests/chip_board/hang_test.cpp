@@ -25,96 +25,93 @@ enum class End : std::uint8_t {
 };
 constexpr bool is_fault(End end) { return end >= End::undefined && end <= End::bad_jump; }
 
-class Loss : public testing::Test {
+class Loss : public BootedRig {
  protected:
-  Picoseconds up_to(Picoseconds most) {
-    return std::uniform_int_distribution<Picoseconds>(0, most)(random_);
+  Loss() : BootedRig(11) {}
+  void put(std::uint32_t address, std::uint16_t instruction) {
+    rig().board.chip().bus().write(address, instruction, Width::half, Master::core0,
+                                   rig().core().cycle());
   }
-  void put(ChipRig& rig, std::uint32_t address, std::uint16_t instruction) {
-    rig.board.chip().bus().write(address, instruction, Width::half, Master::core0,
-                                 rig.core().cycle());
-  }
-  void lose(ChipRig& rig, End end, int id = 0) {
-    sim::chip::Core& core = rig.board.chip().core(id);
+  void lose(End end, int id = 0) {
+    sim::chip::Core& core = rig().board.chip().core(id);
     constexpr std::uint16_t loop = 0xe7fe, undefined = 0xde00, load_r0 = 0x6800;
-    put(rig, spare, end == End::undefined ? undefined : end == End::bad_load ? load_r0 : loop);
+    put(spare, end == End::undefined ? undefined : end == End::bad_load ? load_r0 : loop);
     constexpr std::uint32_t nowhere = 0x3000'0000;
     if (end == End::spins_deaf) core.set_primask(true);
     if (end == End::spins_in_isr)
       for (int i = 0; i < 200'000 && core.exception() != 16 + 1; ++i)
-        rig.board.chip().run_until(rig.board.chip().now() + 1);
+        rig().board.chip().run_until(rig().board.chip().now() + 1);
     if (end == End::bad_load) core.set_reg(0, nowhere);
     if (end == End::locked_up) core.set_reg(13, nowhere);
     core.set_reg(15, end == End::bad_jump || end == End::locked_up ? nowhere : spare);
   }
   /// Until the watchdog has restarted the chip, as it did once; a plan may take a second.
-  void restart(ChipRig& rig) {
-    for (int i = 0; i < 120 && rig.board.chip().watchdog_resets() == 0; ++i)
-      rig.run(10 * ps_per_ms);
-    rig.run(30 * ps_per_ms);  // the host sees it go
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
-    rig.run(20 * ps_per_ms);
-    rig.listen();
-    EXPECT_EQ(rig.board.chip().watchdog_resets(), 1u);
+  void restart() {
+    for (int i = 0; i < 120 && rig().board.chip().watchdog_resets() == 0; ++i)
+      rig().run(10 * ps_per_ms);
+    rig().run(30 * ps_per_ms);  // the host sees it go
+    ASSERT_NO_FATAL_FAILURE(rig().boot());
+    rig().run(20 * ps_per_ms);
+    rig().listen();
+    EXPECT_EQ(rig().board.chip().watchdog_resets(), 1u);
   }
   /// What is said then of a job; `may_have_been`: the shot was given out.
   static std::string told(std::uint32_t session, std::size_t first_unfired, bool may_have_been) {
     return "job " + std::to_string(session) + " first point not fired " +
            std::to_string(first_unfired) + (may_have_been ? ", which may have been]" : "]");
   }
-  std::mt19937_64 random_{11};
 };
 
 TEST_F(Loss, OfTheProcessorAtRandomMoments) {
-  const job::Profile profile = chip_profile();
   Picoseconds longest = 0;
   for (int round = 0; round < scaled(static_cast<int>(End::count)); ++round) {
     const auto end = static_cast<End>(round % static_cast<int>(End::count));
     SCOPED_TRACE(testing::Message() << "round " << round);
-    ChipRig rig(profile);
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    if (round > 0) {
+      ASSERT_NO_FATAL_FAILURE(boot_anew());
+    }
     const auto session = static_cast<std::uint32_t>(100 + round);
-    const job::Job job = job::make_job(chip_points(60, random_()), profile, {});
-    RunningJob running(rig, job, session);
+    const job::Job job = job::make_job(chip_points(60, random_()), profile_, {});
+    RunningJob running(rig(), job, session);
     ASSERT_TRUE(running.run_until_fired(2 + random_() % 12));
-    open_gate(rig);
-    rig.run(ps_per_ms + up_to(2 * ps_per_ms));
-    lose(rig, end);
-    const Picoseconds lost = rig.now();
-    const std::size_t shots_before = rig.shots().size();
-    rig.run(contract);
-    const auto steps_at_loss = rig.board.world().drives().position();
-    const std::size_t shots = rig.shots().size();
-    rig.run(60 * ps_per_ms);
+    open_gate(rig());
+    rig().run(ps_per_ms + up_to(2 * ps_per_ms));
+    lose(end);
+    const Picoseconds lost = rig().now();
+    const std::size_t shots_before = rig().shots().size();
+    rig().run(contract);
+    const auto steps_at_loss = rig().board.world().drives().position();
+    const std::size_t shots = rig().shots().size();
+    rig().run(60 * ps_per_ms);
     // A pulse that has begun ends by itself.
     for (const unsigned gpio :
          {EnergyPads::gate, EnergyPads::arm, EnergyPads::pwm, EnergyPads::trigger})
-      EXPECT_FALSE(rig.energy.high_within(gpio, lost + contract, rig.now())) << "pad " << gpio;
-    EXPECT_FALSE(
-        rig.energy.high_within(EnergyPads::q_switch, lost + contract + 200 * ps_per_us, rig.now()));
-    EXPECT_FALSE(rig.step_high());
-    longest = std::max(longest, rig.last_step() - lost);
+      EXPECT_FALSE(rig().energy.high_within(gpio, lost + contract, rig().now())) << "pad " << gpio;
+    EXPECT_FALSE(rig().energy.high_within(EnergyPads::q_switch, lost + contract + 200 * ps_per_us,
+                                          rig().now()));
+    EXPECT_FALSE(rig().step_high());
+    longest = std::max(longest, rig().last_step() - lost);
     running.sender.stop();
-    ASSERT_NO_FATAL_FAILURE(restart(rig));
-    EXPECT_THAT(rig.heard, HasSubstr(is_fault(end) ? "[MSG:Started by fault, pc 0x"
-                                                   : "[MSG:Started by watchdog"));
+    ASSERT_NO_FATAL_FAILURE(restart());
+    EXPECT_THAT(rig().heard, HasSubstr(is_fault(end) ? "[MSG:Started by fault, pc 0x"
+                                                     : "[MSG:Started by watchdog"));
     // A shot that was given out the hardware may fire after the processor has gone, and one that it
     // has fired may not have been noted.
     if (shots > shots_before)
-      EXPECT_THAT(rig.heard, HasSubstr(told(session, shots - 1, true)));
+      EXPECT_THAT(rig().heard, HasSubstr(told(session, shots - 1, true)));
     else
-      EXPECT_THAT(rig.heard, testing::AnyOf(HasSubstr(told(session, shots, false)),
-                                            HasSubstr(told(session, shots, true)),
-                                            HasSubstr(told(session, shots - 1, true))));
-    EXPECT_THAT(rig.heard, HasSubstr("ALARM:3"));
-    EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
-    EXPECT_EQ(rig.board.world().drives().position(), steps_at_loss);
-    EXPECT_EQ(rig.shots().size(), shots);
+      EXPECT_THAT(rig().heard, testing::AnyOf(HasSubstr(told(session, shots, false)),
+                                              HasSubstr(told(session, shots, true)),
+                                              HasSubstr(told(session, shots - 1, true))));
+    EXPECT_THAT(rig().heard, HasSubstr("ALARM:3"));
+    EXPECT_THAT(rig().status(), HasSubstr("<Alarm"));
+    EXPECT_EQ(rig().board.world().drives().position(), steps_at_loss);
+    EXPECT_EQ(rig().shots().size(), shots);
     // The rest of the job, by a program that asks first.
-    RunningJob locked(rig, job, session + 1, shots);
+    RunningJob locked(rig(), job, session + 1, shots);
     EXPECT_ANY_THROW(locked.sender.run());
-    EXPECT_EQ(rig.answer("$X"), "ok\r\n");
-    expect_no_violations(rig);
+    EXPECT_EQ(rig().answer("$X"), "ok\r\n");
+    expect_no_violations(rig());
   }
   std::printf("last step %.1f us after the loss\n", static_cast<double>(longest) / 1e6);
 }
@@ -122,189 +119,166 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
 /// The processor goes shortly before the shot of the next beat: the hardware fires it, and the
 /// record says that this may be.
 TEST_F(Loss, WithAShotGivenOut) {
-  const job::Profile profile = chip_profile();
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   points::PointCloud cloud;
   for (int i = 0; i < 60; ++i) cloud.push_back({0.005 * i, 0, 0});
-  RunningJob running(rig, job::make_job(cloud, profile, {}), 1);
+  RunningJob running(rig(), job::make_job(cloud, profile_, {}), 1);
   ASSERT_TRUE(running.run_until_fired(8));
-  const std::size_t seen = rig.shots().size();
-  ASSERT_EQ(rig.shots()[seen - 1].beat - rig.shots()[seen - 2].beat, 1u) << "a shot in each beat";
-  const Picoseconds beat = rig.shots()[seen - 1].at - rig.shots()[seen - 2].at;
+  const std::size_t seen = rig().shots().size();
+  ASSERT_EQ(rig().shots()[seen - 1].beat - rig().shots()[seen - 2].beat, 1u)
+      << "a shot in each beat";
+  const Picoseconds beat = rig().shots()[seen - 1].at - rig().shots()[seen - 2].at;
   std::size_t shots = 0;
-  running.cable.at(rig.shots()[seen - 1].at + 2 * beat - 300 * ps_per_us, [&] {
-    shots = rig.shots().size();
-    lose(rig, End::spins_deaf);
+  running.cable.at(rig().shots()[seen - 1].at + 2 * beat - 300 * ps_per_us, [&] {
+    shots = rig().shots().size();
+    lose(End::spins_deaf);
   });
   while (shots == 0 && running.sender.step()) {
   }
   ASSERT_EQ(shots, seen + 1);
   running.sender.stop();
-  ASSERT_NO_FATAL_FAILURE(restart(rig));
-  EXPECT_EQ(rig.shots().size(), shots + 1);
-  EXPECT_THAT(rig.heard, HasSubstr(told(1, shots, true)));
-}
-
-/// Until the second core is in the middle of a slice of a plan.
-void run_into_a_plan(ChipRig& rig) {
-  const sim::chip::Core& core = rig.board.chip().core(1);
-  for (int i = 0; i < 100'000 && core.idle(); ++i) rig.run(10 * ps_per_us);
-  ASSERT_FALSE(core.idle());
+  ASSERT_NO_FATAL_FAILURE(restart());
+  EXPECT_EQ(rig().shots().size(), shots + 1);
+  EXPECT_THAT(rig().heard, HasSubstr(told(1, shots, true)));
 }
 
 /// Nobody waits for it but the watchdog: the e-stop does not.
 TEST_F(Loss, OfTheSecondCoreInAPlan) {
-  const job::Profile profile = chip_profile();
   const End ends[] = {End::spins_deaf, End::undefined, End::locked_up, End::bad_load,
                       End::bad_jump};
   for (int round = 0; round < scaled(5); ++round) {
     const End end = ends[round % 5];
     SCOPED_TRACE(testing::Message() << "round " << round);
-    ChipRig rig(profile);
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
-    RunningJob running(rig, job::make_job(chip_points(200, random_()), profile, {}), 7);
-    ASSERT_TRUE(running.run_until_fired(2 + random_() % 12));
-    open_gate(rig);
-    ASSERT_NO_FATAL_FAILURE(run_into_a_plan(rig));
-    rig.run(up_to(ps_per_ms));
-    ASSERT_NO_FATAL_FAILURE(run_into_a_plan(rig));
-    lose(rig, end, 1);
-    const Picoseconds lost = rig.now();
-    if (is_fault(end)) {
-      rig.run(contract);
-      EXPECT_EQ(rig.energy.levels(), 0u);
-    } else {
-      rig.run(up_to(20 * ps_per_ms));
-      open_gate(rig);
-      rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
-      rig.board.world().schedule(sim::Pin::estop, false, rig.now() + 5 * ps_per_ms);
-      rig.run(11 * ps_per_us);
-      EXPECT_EQ(rig.energy.levels(), 0u);
+    if (round > 0) {
+      ASSERT_NO_FATAL_FAILURE(boot_anew());
     }
-    rig.run(60 * ps_per_ms);
-    EXPECT_FALSE(rig.step_high());
+    RunningJob running(rig(), job::make_job(chip_points(200, random_()), profile_, {}), 7);
+    ASSERT_TRUE(running.run_until_fired(2 + random_() % 12));
+    open_gate(rig());
+    ASSERT_TRUE(run_into_a_plan(rig()));
+    rig().run(up_to(ps_per_ms));
+    ASSERT_TRUE(run_into_a_plan(rig()));
+    lose(end, 1);
+    const Picoseconds lost = rig().now();
+    if (is_fault(end)) {
+      rig().run(contract);
+      EXPECT_EQ(rig().energy.levels(), 0u);
+    } else {
+      rig().run(up_to(20 * ps_per_ms));
+      open_gate(rig());
+      rig().board.world().schedule(sim::Pin::estop, true, rig().now() + ps_per_us);
+      rig().board.world().schedule(sim::Pin::estop, false, rig().now() + 5 * ps_per_ms);
+      rig().run(11 * ps_per_us);
+      EXPECT_EQ(rig().energy.levels(), 0u);
+    }
+    rig().run(60 * ps_per_ms);
+    EXPECT_FALSE(rig().step_high());
     running.sender.stop();
-    ASSERT_NO_FATAL_FAILURE(restart(rig));
-    EXPECT_LT(rig.last_step() - lost, 30 * ps_per_ms);
-    EXPECT_THAT(rig.heard, HasSubstr(is_fault(end) ? "[MSG:Started by fault, pc 0x"
-                                                   : "[MSG:Started by watchdog"));
-    EXPECT_THAT(rig.heard, HasSubstr("job 7 first point not fired"));
-    EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
-    EXPECT_EQ(rig.answer("$X"), "ok\r\n");
+    ASSERT_NO_FATAL_FAILURE(restart());
+    EXPECT_LT(rig().last_step() - lost, 30 * ps_per_ms);
+    EXPECT_THAT(rig().heard, HasSubstr(is_fault(end) ? "[MSG:Started by fault, pc 0x"
+                                                     : "[MSG:Started by watchdog"));
+    EXPECT_THAT(rig().heard, HasSubstr("job 7 first point not fired"));
+    EXPECT_THAT(rig().status(), HasSubstr("<Alarm"));
+    EXPECT_EQ(rig().answer("$X"), "ok\r\n");
   }
 }
 
 /// With nothing to plan nobody misses it; with the next plan the watchdog does.
 TEST_F(Loss, OfTheSecondCoreAtRest) {
-  const job::Profile profile = chip_profile();
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  lose(rig, End::spins_deaf, 1);
-  rig.run(300 * ps_per_ms);
-  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
-  RunningJob running(rig, job::make_job(chip_points(60, random_()), profile, {}), 1);
-  const Picoseconds end = rig.now() + 500 * ps_per_ms;
-  while (rig.now() < end && rig.board.chip().watchdog_resets() == 0 && running.sender.step()) {
+  lose(End::spins_deaf, 1);
+  rig().run(300 * ps_per_ms);
+  EXPECT_EQ(rig().board.chip().watchdog_resets(), 0u);
+  RunningJob running(rig(), job::make_job(chip_points(60, random_()), profile_, {}), 1);
+  const Picoseconds end = rig().now() + 500 * ps_per_ms;
+  while (rig().now() < end && rig().board.chip().watchdog_resets() == 0 && running.sender.step()) {
   }
   running.sender.stop();
-  ASSERT_NO_FATAL_FAILURE(restart(rig));
-  EXPECT_EQ(rig.shots().size(), 0u);
+  ASSERT_NO_FATAL_FAILURE(restart());
+  EXPECT_EQ(rig().shots().size(), 0u);
 }
 
 /// In a hold none is given out, and the record knows it.
 TEST_F(Loss, InAHold) {
-  const job::Profile profile = chip_profile();
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  RunningJob running(rig, job::make_job(chip_points(60, random_()), profile, {}), 1);
+  RunningJob running(rig(), job::make_job(chip_points(60, random_()), profile_, {}), 1);
   ASSERT_TRUE(running.run_until_fired(8));
-  rig.type("!");
-  rig.run(100 * ps_per_ms);
-  ASSERT_THAT(rig.status(), HasSubstr("<Hold"));
-  const std::size_t shots = rig.shots().size();
-  lose(rig, End::spins_deaf);
+  rig().type("!");
+  rig().run(100 * ps_per_ms);
+  ASSERT_THAT(rig().status(), HasSubstr("<Hold"));
+  const std::size_t shots = rig().shots().size();
+  lose(End::spins_deaf);
   running.sender.stop();
-  ASSERT_NO_FATAL_FAILURE(restart(rig));
-  EXPECT_EQ(rig.shots().size(), shots);
-  EXPECT_THAT(rig.heard, HasSubstr(told(1, shots, false)));
+  ASSERT_NO_FATAL_FAILURE(restart());
+  EXPECT_EQ(rig().shots().size(), shots);
+  EXPECT_THAT(rig().heard, HasSubstr(told(1, shots, false)));
 }
 
 /// The record of the job is three stores; a reset between them leaves it unreadable.
 TEST_F(Loss, WithARecordHalfWritten) {
-  const job::Profile profile = chip_profile();
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  RunningJob running(rig, job::make_job(chip_points(60, random_()), profile, {}), 1);
+  RunningJob running(rig(), job::make_job(chip_points(60, random_()), profile_, {}), 1);
   ASSERT_TRUE(running.run_until_fired(3));
-  lose(rig, End::spins_deaf);
+  lose(End::spins_deaf);
   constexpr std::uint32_t scratch6 = 0x4005'8024;  // WATCHDOG SCRATCH6
-  rig.board.chip().bus().write(scratch6, 12'345, Width::word, Master::core0, rig.core().cycle());
+  rig().board.chip().bus().write(scratch6, 12'345, Width::word, Master::core0,
+                                 rig().core().cycle());
   running.sender.stop();
-  ASSERT_NO_FATAL_FAILURE(restart(rig));
-  EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
+  ASSERT_NO_FATAL_FAILURE(restart());
+  EXPECT_THAT(rig().status(), HasSubstr("<Alarm"));
 }
 
 /// Slices of plans must not keep a machine alive whose e-stop has gone.
 TEST_F(Loss, OfTheStopInterruptWhilePlanning) {
-  const job::Profile profile = chip_profile();
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  RunningJob running(rig, job::make_job(chip_points(2000, random_()), profile, {}), 1);
+  RunningJob running(rig(), job::make_job(chip_points(2000, random_()), profile_, {}), 1);
   ASSERT_TRUE(running.run_until_fired(5));
   // A store to NVIC_ICER, made by the processor itself.
-  sim::chip::Core& core = rig.core();
+  sim::chip::Core& core = rig().core();
   const std::array<std::uint32_t, 3> saved{core.reg(0), core.reg(1), core.reg(15)};
   constexpr std::uint32_t icer = 0xe000'e180, io_irq_bank0 = 1u << 13;
   constexpr std::uint16_t store = 0x6008, loop = 0xe7fe;  // str r0, [r1]
   const bool masked = core.primask();
   core.set_primask(true);
-  put(rig, spare, store);
-  put(rig, spare + 2, loop);
+  put(spare, store);
+  put(spare + 2, loop);
   core.set_reg(0, io_irq_bank0);
   core.set_reg(1, icer);
   core.set_reg(15, spare);
   // The core may be ahead of the chip, or asleep.
-  for (int i = 0; i < 1000 && core.reg(15) != spare + 2; ++i)
-    rig.board.chip().run_until(rig.board.chip().now() + 20);
+  for (int i = 0; i < 10'000 && core.reg(15) != spare + 2; ++i)
+    rig().board.chip().run_until(rig().board.chip().now() + 20);
   ASSERT_EQ(core.reg(15), spare + 2);
   core.set_reg(0, saved[0]);
   core.set_reg(1, saved[1]);
   core.set_reg(15, saved[2]);
   core.set_primask(masked);
-  const Picoseconds end = rig.now() + 1100 * ps_per_ms;
-  while (rig.now() < end && rig.board.chip().watchdog_resets() == 0 && running.sender.step()) {
+  const Picoseconds end = rig().now() + 1100 * ps_per_ms;
+  while (rig().now() < end && rig().board.chip().watchdog_resets() == 0 && running.sender.step()) {
   }
-  EXPECT_EQ(rig.board.chip().watchdog_resets(), 1u);
+  EXPECT_EQ(rig().board.chip().watchdog_resets(), 1u);
 }
 
 /// Of all power and of the core's alone in turn; the chip calls both power-on.
 TEST_F(Loss, OfPowerInAJob) {
-  const job::Profile profile = chip_profile();
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   for (int round = 0; round < scaled(4); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
-    const job::Job job = job::make_job(chip_points(60, random_()), profile, {});
-    RunningJob running(rig, job, static_cast<std::uint32_t>(round + 1));
+    const job::Job job = job::make_job(chip_points(60, random_()), profile_, {});
+    RunningJob running(rig(), job, static_cast<std::uint32_t>(round + 1));
     ASSERT_TRUE(running.run_until_fired(2 + random_() % 12));
-    open_gate(rig);
-    rig.run(ps_per_ms + up_to(2 * ps_per_ms));
-    const Picoseconds cut = rig.now();
+    open_gate(rig());
+    rig().run(ps_per_ms + up_to(2 * ps_per_ms));
+    const Picoseconds cut = rig().now();
     if (round % 2 == 0)
-      rig.board.power_cut();
+      rig().board.power_cut();
     else
-      rig.board.chip().brown_out();
-    EXPECT_EQ(rig.energy.levels(), 0u);
-    EXPECT_FALSE(rig.step_high());
-    rig.heard.clear();
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
-    EXPECT_THAT(rig.heard, HasSubstr("[MSG:Started by power on]"));
-    rig.run(30 * ps_per_ms);
-    EXPECT_FALSE(rig.energy.any_high_within(cut, rig.now()));
-    EXPECT_FALSE(rig.monitor.stepped(cut, rig.now()));
-    EXPECT_EQ(rig.board.stored_settings(), profile.settings);
-    EXPECT_THAT(rig.status(), HasSubstr("<Idle"));
+      rig().board.chip().brown_out();
+    EXPECT_EQ(rig().energy.levels(), 0u);
+    EXPECT_FALSE(rig().step_high());
+    rig().heard.clear();
+    ASSERT_NO_FATAL_FAILURE(rig().boot());
+    EXPECT_THAT(rig().heard, HasSubstr("[MSG:Started by power on]"));
+    rig().run(30 * ps_per_ms);
+    EXPECT_FALSE(rig().energy.any_high_within(cut, rig().now()));
+    EXPECT_FALSE(rig().monitor.stepped(cut, rig().now()));
+    EXPECT_EQ(rig().board.stored_settings(), profile_.settings);
+    EXPECT_THAT(rig().status(), HasSubstr("<Idle"));
   }
 }
 

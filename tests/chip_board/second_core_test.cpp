@@ -1,6 +1,7 @@
 // The second core plans: with it and without it the job is the same, and whatever happens on the
 // first one while it does so loses no point.
 #include "tests/chip_board/chip_rig.hpp"
+#include "tests/chip_board/sleep_watch.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -21,30 +22,6 @@ void hold_second_core(ChipRig& rig) {
   rig.board.chip().bus().write(psm_frce_off, proc1, Width::word, Master::core0, rig.core().cycle());
 }
 
-/// Counts how often a core falls asleep.
-class Naps final : public sim::chip::CoreListener {
- public:
-  explicit Naps(sim::chip::Core& core) : core_(core) { core.listen(this); }
-  ~Naps() override { core_.listen(nullptr); }
-  Naps(const Naps&) = delete;
-  Naps& operator=(const Naps&) = delete;
-  sim::chip::Cycle awake() const { return core_.cycle() - begin_ - asleep_; }
-
- private:
-  void exception_entered(int, unsigned, sim::chip::Cycle, sim::chip::Cycle) override {
-    ADD_FAILURE() << "an interrupt";
-  }
-  void exception_left(int, unsigned, sim::chip::Cycle) override {}
-  void called(int, std::uint32_t, std::uint32_t, sim::chip::Cycle) override {}
-  void branched(int, std::uint32_t, sim::chip::Cycle) override {}
-  void slept(int, sim::chip::Cycle at) override { since_ = at; }
-  void woke(int, sim::chip::Cycle at) override { asleep_ += at - since_; }
-  void masked(int, bool, sim::chip::Cycle) override {}
-
-  sim::chip::Core& core_;
-  sim::chip::Cycle begin_ = core_.cycle(), since_ = begin_, asleep_ = 0;
-};
-
 TEST(SecondCore, WithItAndWithoutTheJobIsTheSame) {
   const job::Profile profile = chip_profile(100);
   const job::Job job =
@@ -60,13 +37,14 @@ TEST(SecondCore, WithItAndWithoutTheJobIsTheSame) {
       EXPECT_THAT(rig.heard, Not(HasSubstr(alone)));
     else
       EXPECT_THAT(rig.heard, HasSubstr(alone));
-    const Naps naps(rig.board.chip().core(1));
+    const SleepWatch second(rig.board.chip().core(1));
     RunningJob running(rig, job, 1);
     ASSERT_EQ(running.finish(), link::JobEnd::done);
     expect_fired(rig, job);
     if (there) {
-      EXPECT_GT(naps.awake(), rig.board.chip().now() / 20);
+      EXPECT_GT(second.awake(), rig.board.chip().now() / 20);
     }
+    EXPECT_EQ(second.interrupts(), 0);
     steps[there ? 1 : 0] = steps_of(rig.monitor, step_latency);
     expect_no_violations(rig);
   }
@@ -74,112 +52,102 @@ TEST(SecondCore, WithItAndWithoutTheJobIsTheSame) {
   EXPECT_EQ(steps[0], steps[1]);
 }
 
-class WhileItPlans : public testing::Test {
+class WhileItPlans : public BootedRig {
  protected:
-  Picoseconds up_to(Picoseconds most) {
-    return std::uniform_int_distribution<Picoseconds>(0, most)(random_);
+  WhileItPlans() : BootedRig(21) {}
+  /// Somewhere into a plan, if one begins.
+  void run_somewhere_into_a_plan() {
+    run_into_a_plan(rig());
+    rig().run(up_to(2 * ps_per_ms));
+    in_a_plan_ += plans(rig()) ? 1 : 0;
   }
-  bool plans(ChipRig& rig) { return !rig.board.chip().core(1).idle(); }
-  /// Until the middle of a slice; what the job sends meanwhile is sent.
-  void run_into_a_plan(RunningJob& running) {
-    for (int i = 0; i < 20'000 && !plans(running.rig); ++i)
-      ASSERT_TRUE(running.run_until(running.rig.now() + 20 * ps_per_us));
-    running.rig.run(up_to(2 * ps_per_ms));
-    in_a_plan_ += plans(running.rig) ? 1 : 0;
-  }
-  std::mt19937_64 random_{21};
   int in_a_plan_ = 0;
 };
 
 TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
-  const job::Profile profile = chip_profile();
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   std::uint32_t session = 0;
   Picoseconds judged_from = 0;
   for (int round = 0; round < scaled(5); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
-    const std::size_t before = rig.shots().size();
-    const job::Job job = job::make_job(chip_points(80, random_()), profile, {});
+    const std::size_t before = rig().shots().size();
+    const job::Job job = job::make_job(chip_points(80, random_()), profile_, {});
     {
-      RunningJob running(rig, job, ++session);
+      RunningJob running(rig(), job, ++session);
       ASSERT_TRUE(running.run_until_fired(1 + random_() % 20));
-      ASSERT_NO_FATAL_FAILURE(run_into_a_plan(running));
+      run_somewhere_into_a_plan();
       const int what = round % 5;
       if (what == 0) {
-        rig.type("!");
-        rig.run(up_to(40 * ps_per_ms));
-        rig.type("~");
+        rig().type("!");
+        rig().run(up_to(40 * ps_per_ms));
+        rig().type("~");
         running.sender.resume();
       } else if (what == 1) {
-        rig.type("\x18");
-        rig.run(up_to(40 * ps_per_ms));
+        rig().type("\x18");
+        rig().run(up_to(40 * ps_per_ms));
         running.sender.resume();
       } else if (what == 2) {
         running.sender.stop();
       } else if (what == 3) {
         // Pressed, the machine stops dead: what lies on either side is judged.
-        EXPECT_EQ(rig.monitor.violation(profile.settings, judged_from, rig.now()), "");
-        judged_from = rig.now() + 10 * ps_per_ms;
-        rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
-        rig.board.world().schedule(sim::Pin::estop, false, judged_from);
+        EXPECT_EQ(rig().monitor.violation(profile_.settings, judged_from, rig().now()), "");
+        judged_from = rig().now() + 10 * ps_per_ms;
+        rig().board.world().schedule(sim::Pin::estop, true, rig().now() + ps_per_us);
+        rig().board.world().schedule(sim::Pin::estop, false, judged_from);
       } else {
-        rig.board.world().schedule(sim::Pin::door, true, rig.now() + ps_per_us);
-        rig.board.world().schedule(sim::Pin::door, false, rig.now() + 20 * ps_per_ms);
-        rig.run(100 * ps_per_ms);
+        rig().board.world().schedule(sim::Pin::door, true, rig().now() + ps_per_us);
+        rig().board.world().schedule(sim::Pin::door, false, rig().now() + 20 * ps_per_ms);
+        rig().run(100 * ps_per_ms);
         running.sender.resume();
       }
       const link::JobEnd end = running.finish();
       if (what != 2 && what != 3) {
         EXPECT_EQ(end, link::JobEnd::done);
-        expect_fired(rig, job, before);
+        expect_fired(rig(), job, before);
         continue;
       }
       EXPECT_EQ(end, what == 2 ? link::JobEnd::stopped : link::JobEnd::alarm);
     }
     // Settings are written to flash, and a new job begun, perhaps before the slice is over.
     if (round % 5 == 3) {
-      rig.run(65 * ps_per_ms);
-      EXPECT_EQ(rig.answer("$X"), "ok\r\n");
+      rig().run(65 * ps_per_ms);
+      EXPECT_EQ(rig().answer("$X"), "ok\r\n");
     }
-    for (const char* line : {"$929=250", "$929=200"}) EXPECT_EQ(rig.answer(line), "ok\r\n");
-    const std::size_t fired = rig.shots().size() - before;
+    for (const char* line : {"$929=250", "$929=200"}) EXPECT_EQ(rig().answer(line), "ok\r\n");
+    const std::size_t fired = rig().shots().size() - before;
     if (round % 5 == 3) continue;  // where it stands is not where the job was
-    RunningJob rest(rig, job, ++session, fired);
+    RunningJob rest(rig(), job, ++session, fired);
     EXPECT_EQ(rest.finish(), link::JobEnd::done);
-    expect_fired(rig, job, before);
+    expect_fired(rig(), job, before);
   }
   EXPECT_GT(in_a_plan_, 0);
-  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
-  EXPECT_EQ(rig.monitor.violation(profile.settings, judged_from), "");
-  expect_no_violations(rig);
+  EXPECT_EQ(rig().board.chip().watchdog_resets(), 0u);
+  EXPECT_EQ(rig().monitor.violation(profile_.settings, judged_from), "");
+  expect_no_violations(rig());
 }
 
 /// A debugger restarts core 0 alone. Core 1, which still runs what is overwritten, must be stopped.
 TEST_F(WhileItPlans, TheFirstCoreAloneIsRestarted) {
-  const job::Profile profile = chip_profile();
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   {
-    RunningJob running(rig, job::make_job(chip_points(200, random_()), profile, {}), 1);
+    RunningJob running(rig(), job::make_job(chip_points(200, random_()), profile_, {}), 1);
     ASSERT_TRUE(running.run_until_fired(3));
-    ASSERT_NO_FATAL_FAILURE(run_into_a_plan(running));
+    run_somewhere_into_a_plan();
     running.sender.stop();
   }
-  rig.heard.clear();
-  rig.core().on_reset_request();
-  rig.run(100 * ps_per_ms);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  EXPECT_THAT(rig.heard, HasSubstr("Started by"));
-  EXPECT_THAT(rig.heard, Not(HasSubstr(alone)));
-  const std::size_t fired = rig.shots().size();
-  const job::Job job = job::make_job(chip_points(60, random_()), profile, {});
-  const Naps naps(rig.board.chip().core(1));
-  RunningJob running(rig, job, 2);
+  rig().heard.clear();
+  rig().core().on_reset_request();
+  rig().run(100 * ps_per_ms);
+  ASSERT_NO_FATAL_FAILURE(rig().boot());
+  EXPECT_THAT(rig().heard, HasSubstr("Started by"));
+  EXPECT_THAT(rig().heard, Not(HasSubstr(alone)));
+  const std::size_t fired = rig().shots().size();
+  const job::Job job = job::make_job(chip_points(60, random_()), profile_, {});
+  const SleepWatch second(rig().board.chip().core(1));
+  RunningJob running(rig(), job, 2);
   ASSERT_EQ(running.finish(), link::JobEnd::done);
-  EXPECT_EQ(rig.shots().size() - fired, job.targets.size());
-  EXPECT_GT(naps.awake(), 0u);
-  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+  EXPECT_EQ(rig().shots().size() - fired, job.targets.size());
+  EXPECT_GT(second.awake(), 0u);
+  EXPECT_EQ(second.interrupts(), 0);
+  EXPECT_EQ(rig().board.chip().watchdog_resets(), 0u);
 }
 
 }  // namespace

@@ -10,6 +10,9 @@
 namespace lamplock::test {
 namespace {
 
+using testing::HasSubstr;
+using testing::Not;
+
 /// A machine with 5 um steps, 10 m/s2, 1 m/s.
 job::Profile quick_profile(double lamp_hz) {
   job::Profile profile = chip_profile(lamp_hz);
@@ -112,6 +115,49 @@ TEST(Throughput, RowsFollowEachOtherWithABusyLink) {
             << " beats; planned in no time and a quiet link " << least << " beats\n";
   EXPECT_GE(longest_run(rig.shots()), 1000u);
   EXPECT_LE(beats, 1.1 * least);
+}
+
+/// Rows with a step of noise across and along, at accelerations that make steps dense: the fill
+/// interrupt has to keep up, or the ticks run out.
+TEST(Throughput, NoisyRowsOverloadNothing) {
+  struct Machine {
+    double lamp_hz, steps_per_mm;
+  };
+  for (const auto& [lamp_hz, steps_per_mm] : {Machine{5000, 2000}, Machine{3000, 8000}}) {
+    SCOPED_TRACE(testing::Message() << lamp_hz << " Hz, " << steps_per_mm << " steps/mm");
+    job::Profile profile = chip_profile(lamp_hz);
+    job::set_acceleration(profile, 30);
+    job::set_speed(profile, 0.05);
+    for (int axis = 0; axis < 3; ++axis)
+      job::state_setting(profile, settings::for_axis(Id::steps_per_mm_x, axis), steps_per_mm,
+                         "test");
+    std::mt19937_64 random(5);
+    const auto noise = [&] { return static_cast<double>(random() % 3) / steps_per_mm; };
+    points::PointCloud cloud;
+    for (int i = 0; i < 400; ++i) {
+      const double along = 32 / lamp_hz * i + noise(), y = noise(), z = noise();
+      cloud.push_back({along, y, z});
+    }
+    ChipRig rig(profile);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    rig.heard.clear();
+    const sim::BoardTiming timing(rig.board, flash_image());
+    const job::Job job = job::make_job(cloud, profile, {});
+    RunningJob running(rig, job, 1);
+    EXPECT_TRUE(running.run_until_fired(150));
+    rig.run(20 * ps_per_ms);
+    rig.listen();
+    EXPECT_THAT(rig.heard, Not(HasSubstr("ALARM")));
+    EXPECT_THAT(rig.status(), Not(HasSubstr("<Alarm")));
+    expect_fired_so_far(rig, job);
+    double longest_us = 0;
+    for (const sim::chip::ProfileEntry& entry : timing.profile().exceptions())
+      if (entry.name == "exception 42") longest_us = static_cast<double>(entry.longest) / 125;
+    std::cout << "fill at most " << longest_us << " us\n";
+    EXPECT_GT(longest_us, 0);
+    EXPECT_LE(longest_us, 2000);
+    expect_no_violations(rig);
+  }
 }
 
 /// 1500 points a second, uneven ones.

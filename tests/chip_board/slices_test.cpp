@@ -1,0 +1,102 @@
+// Slices of planning: none is long, in no mode and however often a window is planned again. Who
+// waits for one waits that long, and the watchdog has to be told of each.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/chip/profile/shadow_stack.hpp"
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using motion::JoinMode;
+using settings::for_axis;
+
+/// Measures them on core 1, which nothing interrupts.
+class SliceWatch final : private sim::chip::StackView {
+ public:
+  explicit SliceWatch(ChipRig& rig)
+      : core_(rig.board.chip().core(1)), stack_(core_, flash_image().symbols) {
+    stack_.add(*this);
+  }
+  SliceWatch(const SliceWatch&) = delete;
+  SliceWatch& operator=(const SliceWatch&) = delete;
+
+  int count() const { return count_; }
+  double longest_ms() const { return static_cast<double>(longest_) / cycles_per_ms; }
+  double mean_ms() const { return static_cast<double>(total_) / count_ / cycles_per_ms; }
+
+ private:
+  static constexpr double cycles_per_ms = 125'000;
+
+  void entered(const sim::chip::ShadowFrame& /*frame*/) override {}
+  void left(const sim::chip::ShadowFrame& frame) override {
+    if (frame.symbol >= stack_.functions().size() ||
+        stack_.functions()[frame.symbol].name.find("JobRunner::plan(") == std::string::npos)
+      return;
+    const sim::chip::Cycle took = core_.cycle() - frame.since;
+    ++count_;
+    total_ += took;
+    longest_ = std::max(longest_, took);
+  }
+
+  sim::chip::Core& core_;
+  sim::chip::ShadowStack stack_;
+  int count_ = 0;
+  sim::chip::Cycle total_ = 0, longest_ = 0;
+};
+
+/// Runs a job to its end. `longest_ms`: what the headers say (controller.hpp).
+void expect_short_slices(const job::Profile& profile, JoinMode mode,
+                         const points::PointCloud& cloud, double longest_ms) {
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  const SliceWatch slices(rig);
+  job::JobOptions options;
+  options.mode = mode;
+  const job::Job job = job::make_job(cloud, profile, options);
+  RunningJob running(rig, job, 1);
+  ASSERT_EQ(running.finish(), link::JobEnd::done);
+  expect_fired(rig, job);
+  std::printf("%d slices, mean %.2f ms, longest %.2f ms\n", slices.count(), slices.mean_ms(),
+              slices.longest_ms());
+  EXPECT_GT(slices.count(), static_cast<int>(cloud.size()));
+  EXPECT_LE(slices.longest_ms(), longest_ms);
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+  expect_no_violations(rig);
+}
+
+TEST(Slices, OfAllModesAreShort) {
+  for (const JoinMode mode : {JoinMode::start_stop, JoinMode::path, JoinMode::free}) {
+    SCOPED_TRACE(testing::Message() << "mode " << static_cast<int>(mode));
+    job::Profile profile = chip_profile(1000);
+    job::set_acceleration(profile, 10);
+    for (int axis = 0; axis < 3; ++axis)
+      job::state_setting(profile, for_axis(Id::speed_jump_x, axis), 45, "test");
+    expect_short_slices(profile, mode, chip_points(40, 7), 10);
+  }
+}
+
+/// Corners from which an axis cannot stop inside become full stops, one after the other, and each
+/// time the window is planned anew: in one slice that outlasted the watchdog.
+TEST(Slices, OfAPathAlongTheEndsOfTheWorkSpaceAreShort) {
+  job::Profile profile = chip_profile(1000);
+  job::set_acceleration(profile, 10);
+  job::set_speed(profile, 1);
+  const points::PointCloud cloud = chip_points(40, 7);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto of = [axis](const points::Point& p) { return std::array{p.x, p.y, p.z}[axis]; };
+    double low = 0, high = 0;
+    for (const points::Point& p : cloud) low = std::min(low, of(p)), high = std::max(high, of(p));
+    const auto a = static_cast<int>(axis);
+    const double corner = std::floor(low * 1000) / 1000 - 0.02;
+    job::state_setting(profile, for_axis(Id::speed_jump_x, a), 1000, "test");
+    job::state_setting(profile, for_axis(Id::min_corner_x, a), corner, "test");
+    job::state_setting(profile, for_axis(Id::travel_x, a),
+                       std::ceil((high - corner) * 1000) / 1000 + 0.02, "test");
+  }
+  expect_short_slices(profile, JoinMode::path, cloud, 10);
+}
+
+}  // namespace
+}  // namespace lamplock::test
