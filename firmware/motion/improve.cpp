@@ -117,6 +117,9 @@ bool Improver::try_moves(const Window& window, Beats& beats, std::uint32_t i) {
 
 bool Improver::advance(const Window& window, Beats& beats) {
   if (size_ == 0) return false;
+  // As long as the boxes stay, ways that have no beats to save are passed at once.
+  if (!pairs_ && !improved_)
+    while (at_ + 1 < window.count && beats[at_] - size_ < window.ways[at_].first_beats) ++at_;
   while (try_moves(window, beats, at_)) improved_ = true;
   if (improved_ && !make_forwards(window, beats, at_)) lost_ = true;
   if (++at_ < window.count) return true;

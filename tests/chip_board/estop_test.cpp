@@ -42,8 +42,8 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
                        static_cast<std::uint32_t>(round + 1));
     ASSERT_NO_FATAL_FAILURE(run_into(running));
     if (round % 3 == 0) {  // in the middle of a pulse
-      for (int i = 0; i < 3000 && !rig.board.bus().level(sim::Pin::q_switch); ++i)
-        rig.run(ps_per_us);
+      for (int i = 0; i < 10'000 && !rig.board.bus().level(sim::Pin::q_switch); ++i)
+        rig.run(10 * ps_per_us);
       rig.run(up_to(100 * ps_per_us));
     }
     const Picoseconds pressed = rig.now() + ps_per_us;
