@@ -20,6 +20,7 @@
 #include "host/job/job.hpp"
 #include "host/link/sender.hpp"
 #include "shared/boards/pico_pins.hpp"
+#include "sim/chip/profile/function_table.hpp"
 #include "sim/chip_board/chip_board.hpp"
 #include "tests/board/pin_monitor.hpp"
 #include "tests/scale.hpp"
@@ -224,10 +225,18 @@ struct ChipRig {
 /// Whether the second core is in the middle of a plan.
 inline bool plans(ChipRig& rig) { return !rig.board.chip().core(1).idle(); }
 
+/// It is at work on one, not only awake: what it has called on is part of the planner.
+inline bool in_a_slice(ChipRig& rig) {
+  static const sim::chip::FunctionTable functions(flash_image().symbols);
+  const std::size_t at = functions.find(rig.board.chip().core(1).reg(15));
+  return at != functions.size() &&
+         functions[at].name.find("lamplock::motion::") != std::string::npos;
+}
+
 /// Until it is; false if none begins in a second. The host sends nothing meanwhile.
 inline bool run_into_a_plan(ChipRig& rig) {
-  for (int i = 0; i < 100'000 && !plans(rig); ++i) rig.run(10 * ps_per_us);
-  return plans(rig);
+  for (int i = 0; i < 100'000 && !in_a_slice(rig); ++i) rig.run(10 * ps_per_us);
+  return in_a_slice(rig);
 }
 
 /// Tests of a machine that has just been switched on, with moments drawn at random.
