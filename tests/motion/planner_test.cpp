@@ -339,8 +339,8 @@ TEST(Planner, BoxesThatMeetOnAHairAreNotLost) {
   }
   PlanRequest request;
   request.queue = &queue;
-  request.count = request.known_end = 40;
-  for (std::uint32_t i = 0; i < 40; ++i) request.points[i] = i;
+  request.count = request.known_end = window_points;
+  for (std::uint32_t i = 0; i < window_points; ++i) request.points[i] = i;
   request.limits = &chain.limits;
   request.rest_at_end = false;
   request.start = test::rest_at_zero();
