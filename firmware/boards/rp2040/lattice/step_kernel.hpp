@@ -82,16 +82,29 @@ inline std::uint32_t expand_some_portable(StepPhase& axis, std::uint32_t word, s
 }
 
 #if defined(__thumb__) && defined(__ARM_ARCH_6M__)
+/// An axis in six registers, lower half first.
+struct PhaseWords {
+  std::uint32_t p0, p1, r0, r1;
+  const std::uint32_t a0, a1;
+
+  explicit PhaseWords(const StepPhase& axis)
+      : p0(static_cast<std::uint32_t>(axis.phase)),
+        p1(static_cast<std::uint32_t>(axis.phase >> 32)),
+        r0(static_cast<std::uint32_t>(axis.rate)),
+        r1(static_cast<std::uint32_t>(axis.rate >> 32)),
+        a0(static_cast<std::uint32_t>(axis.accel)),
+        a1(static_cast<std::uint32_t>(axis.accel >> 32)) {}
+  void store(StepPhase& axis) const {
+    axis.phase = std::uint64_t{p1} << 32 | p0;
+    axis.rate = std::uint64_t{r1} << 32 | r0;
+  }
+};
+
 /// The same by hand: everything in registers, carries straight into the word.
 inline void expand_words(StepPhase& axis, std::uint32_t* out, const std::uint32_t* end,
                          std::uint32_t dir) {
   if (out == end) return;
-  auto p0 = static_cast<std::uint32_t>(axis.phase);
-  auto p1 = static_cast<std::uint32_t>(axis.phase >> 32);
-  auto r0 = static_cast<std::uint32_t>(axis.rate);
-  auto r1 = static_cast<std::uint32_t>(axis.rate >> 32);
-  const auto a0 = static_cast<std::uint32_t>(axis.accel);
-  const auto a1 = static_cast<std::uint32_t>(axis.accel >> 32);
+  PhaseWords s(axis);
   std::uint32_t word = 0;
   // Written out sixteen times instead of .rept: the compiler judges distances by counting lines.
 #define LAMPLOCK_ONE_TICK       \
@@ -111,21 +124,15 @@ inline void expand_words(StepPhase& axis, std::uint32_t* out, const std::uint32_
       "stmia %[out]!, {%[word]}\n"
       "cmp %[out], %[end]\n"
       "bne 1b\n"
-      :
-      [p0] "+l"(p0), [p1] "+l"(p1), [r0] "+l"(r0), [r1] "+l"(r1), [word] "+l"(word), [out] "+l"(out)
-      : [a0] "l"(a0), [a1] "l"(a1), [dir] "h"(dir), [end] "h"(end)
+      : [p0] "+l"(s.p0), [p1] "+l"(s.p1), [r0] "+l"(s.r0), [r1] "+l"(s.r1), [word] "+l"(word),
+        [out] "+l"(out)
+      : [a0] "l"(s.a0), [a1] "l"(s.a1), [dir] "h"(dir), [end] "h"(end)
       : "cc", "memory");
-  axis.phase = std::uint64_t{p1} << 32 | p0;
-  axis.rate = std::uint64_t{r1} << 32 | r0;
+  s.store(axis);
 }
 /// Some ticks by hand: into the same sixteen where n of them are left.
 inline std::uint32_t expand_some_ticks(StepPhase& axis, std::uint32_t word, std::uint32_t n) {
-  auto p0 = static_cast<std::uint32_t>(axis.phase);
-  auto p1 = static_cast<std::uint32_t>(axis.phase >> 32);
-  auto r0 = static_cast<std::uint32_t>(axis.rate);
-  auto r1 = static_cast<std::uint32_t>(axis.rate >> 32);
-  const auto a0 = static_cast<std::uint32_t>(axis.accel);
-  const auto a1 = static_cast<std::uint32_t>(axis.accel >> 32);
+  PhaseWords s(axis);
   constexpr std::uint32_t tick_bytes = 6 * 2;
   const std::uint32_t skip = (ticks_per_step_word - n) * tick_bytes;
   asm volatile(
@@ -134,13 +141,12 @@ inline std::uint32_t expand_some_ticks(StepPhase& axis, std::uint32_t word, std:
       "add pc, %[skip]\n"  // from four bytes on
       "nop\n"              //
       LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS
-      : [p0] "+l"(p0), [p1] "+l"(p1), [r0] "+l"(r0), [r1] "+l"(r1), [word] "+l"(word)
-      : [a0] "l"(a0), [a1] "l"(a1), [skip] "h"(skip)
+      : [p0] "+l"(s.p0), [p1] "+l"(s.p1), [r0] "+l"(s.r0), [r1] "+l"(s.r1), [word] "+l"(word)
+      : [a0] "l"(s.a0), [a1] "l"(s.a1), [skip] "h"(skip)
       : "cc");
 #undef LAMPLOCK_FOUR_TICKS
 #undef LAMPLOCK_ONE_TICK
-  axis.phase = std::uint64_t{p1} << 32 | p0;
-  axis.rate = std::uint64_t{r1} << 32 | r0;
+  s.store(axis);
   return word;
 }
 #else
