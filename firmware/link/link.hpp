@@ -39,6 +39,7 @@ namespace lamplock::link {
 ///   on_command(request)     hold, resume, stop or another speed, of the host's user
 ///   refused_value()         after a result other than ok: setting number, index of the point or
 ///                           value of the command
+///   standing()              what a STATUS comes for by itself; asked at every poll
 ///   fill_status(status)     everything in Status that the link does not know itself
 template <class Sink>
 concept LinkSink = requires(Sink& sink, const Sink& reader, std::uint8_t byte,
@@ -53,11 +54,9 @@ concept LinkSink = requires(Sink& sink, const Sink& reader, std::uint8_t byte,
   { sink.on_end(total) } -> std::same_as<Result>;
   { sink.on_command(request) } -> std::same_as<Result>;
   { reader.refused_value() } -> std::convertible_to<std::uint32_t>;
+  { reader.standing() } -> std::same_as<wire::Standing>;
   reader.fill_status(status);
 };
-
-/// STATUS comes by itself when this many points have become free since the last one.
-inline constexpr std::uint32_t free_points_step = 128;
 
 /// Receiver, sessions, acknowledgements, transmit ring.
 class Link {
@@ -74,13 +73,7 @@ class Link {
   /// the machine's state has changed. To be called about once a millisecond or more often.
   template <LinkSink Sink>
   void poll(Sink& sink) {
-    if (frames_spoken_ && !status_due_) {
-      wire::Status now;
-      sink.fill_status(now);
-      status_due_ = now.free_points >= sent_.free_points + free_points_step ||
-                    now.state != sent_.state || now.hold_reason != sent_.hold_reason ||
-                    now.alarm != sent_.alarm || now.lamp_locked != sent_.lamp_locked;
-    }
+    if (frames_spoken_ && sink.standing().is_news(told_)) status_due_ = true;
     if (status_due_) send_status(sink);
   }
 
@@ -253,7 +246,7 @@ class Link {
     send_frame(out.written());
     status_due_ = false;
     ++status_number_;
-    sent_ = status;
+    told_ = status;
   }
 
   void send_frame(std::span<const std::uint8_t> content) {
@@ -276,7 +269,7 @@ class Link {
   wire::StreamParser<wire::End::device> parser_;
   TransmitRing ring_;
   wire::LinkCounters counters_;
-  wire::Status sent_;  ///< last STATUS sent
+  wire::Standing told_;  ///< by the last STATUS sent
   std::uint32_t session_ = 0;
   std::uint32_t next_number_ = first_number;
   std::uint32_t last_command_ = 0;

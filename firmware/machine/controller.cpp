@@ -662,11 +662,7 @@ void Controller::add_beats(TextLine& line) const {
 
 void Controller::fill_status(wire::Status& status) const {
   const Masked masked(mask_);
-  status.state = state_;
-  status.hold_reason = hold_reason_;
-  status.alarm = alarm_;
-  status.lamp_locked = clock_.locked();
-  status.free_points = runner_.queue().free();
+  static_cast<wire::Standing&>(status) = standing();
   status.received = runner_.queue().end();
   status.first_unfired = runner_.queue().begin();
   status.shots = shots_.ledger().shots();

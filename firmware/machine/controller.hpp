@@ -114,7 +114,7 @@ class Controller {
   bool commit();
   /// There is room for another part of the plan at once: stage() and commit() again.
   bool part_waits() const { return planning_; }
-  /// Not masked: a STATUS that is due is made, which takes longer than a shot can wait.
+  /// Not masked: a STATUS that is due is made, which masks them for its machine's part.
   void tell() { link_.poll(*this); }
   void input_changed(Input input, bool active);
   /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.
@@ -208,6 +208,10 @@ class Controller {
   Result on_end(std::uint32_t total);
   Result on_command(const wire::CommandRequest& request);
   std::uint32_t refused_value() const { return refused_value_; }
+  /// What interrupts change of it, the lamp's lock, is read at once: not masked.
+  wire::Standing standing() const {
+    return {state_, hold_reason_, alarm_, clock_.locked(), runner_.queue().free()};
+  }
   void fill_status(wire::Status& status) const;
 
  private:

@@ -34,22 +34,37 @@ struct LinkCounters {
   friend constexpr bool operator==(const LinkCounters&, const LinkCounters&) = default;
 };
 
-/// Everything the host may ask. The machine fills in what it knows (`fill_status`), the link the
-/// fields marked [link].
-struct Status {
-  std::uint16_t version = protocol_version;  ///< [link]
-  std::uint32_t session = 0;                 ///< [link] travels in the frame header
-  std::uint32_t number = 0;                  ///< [link] running count, in the frame header
+/// A STATUS comes by itself when this many points have become free since the last one.
+inline constexpr std::uint32_t free_points_step = 128;
+
+/// What the host learns without asking for it.
+struct Standing {
   MachineState state = MachineState::idle;
   HoldReason hold_reason = HoldReason::none;
   std::uint8_t alarm = 0;  ///< alarm number of grbl, 0 = none
   bool lamp_locked = false;
-  std::uint32_t next_number = 0;   ///< [link] next DATA or END expected
-  std::uint32_t echo = 0;          ///< [link] number of the last QUERY
-  std::uint32_t last_command = 0;  ///< [link] number of the last COMMAND taken
   std::uint32_t free_points = 0;
-  std::uint32_t received = 0;       ///< index after the last point accepted
-  std::uint32_t first_unfired = 0;  ///< index of the first point not fired
+  friend constexpr bool operator==(const Standing&, const Standing&) = default;
+
+  /// True if the host, which was told `told`, has to learn this.
+  constexpr bool is_news(const Standing& told) const {
+    return free_points >= told.free_points + free_points_step || state != told.state ||
+           hold_reason != told.hold_reason || alarm != told.alarm ||
+           lamp_locked != told.lamp_locked;
+  }
+};
+
+/// Everything the host may ask. The machine fills in what it knows (`fill_status`), the link the
+/// fields marked [link].
+struct Status : Standing {
+  std::uint16_t version = protocol_version;  ///< [link]
+  std::uint32_t session = 0;                 ///< [link] travels in the frame header
+  std::uint32_t number = 0;                  ///< [link] running count, in the frame header
+  std::uint32_t next_number = 0;             ///< [link] next DATA or END expected
+  std::uint32_t echo = 0;                    ///< [link] number of the last QUERY
+  std::uint32_t last_command = 0;            ///< [link] number of the last COMMAND taken
+  std::uint32_t received = 0;                ///< index after the last point accepted
+  std::uint32_t first_unfired = 0;           ///< index of the first point not fired
   std::uint32_t shots = 0;
   std::uint32_t beats = 0;         ///< lamp periods from the first shot on
   std::uint32_t beats_before = 0;  ///< lamp periods before the first shot

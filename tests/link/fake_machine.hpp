@@ -64,11 +64,10 @@ class FakeMachine {
     return Result::ok;
   }
   std::uint32_t refused_value() const { return refused; }
+  wire::Standing standing() const { return {state, reason, alarm, lamp_locked, queue.free()}; }
   void fill_status(wire::Status& status) const {
-    status.state = state;
-    status.hold_reason = reason;
-    status.alarm = alarm;
-    status.free_points = queue.free();
+    ++statuses;
+    static_cast<wire::Standing&>(status) = standing();
     status.received = queue.end();
     status.first_unfired = queue.begin();
     status.shots = shots;
@@ -101,6 +100,8 @@ class FakeMachine {
   wire::MachineState state = wire::MachineState::idle;
   wire::HoldReason reason = wire::HoldReason::none;
   std::uint8_t alarm = 0;
+  bool lamp_locked = false;
+  mutable int statuses = 0;  ///< asked for
   Result begin_result = Result::ok;
   Result data_result = Result::ok;
   std::uint32_t refused = 0;

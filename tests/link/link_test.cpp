@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -240,17 +241,43 @@ TEST(Link, StatusComesByItselfWhenSpaceHasGrownOrTheStateChanged) {
   bench.begin(5000);
   bench.frame(FrameType::data, 1, Bytes(300, 0x00));
   bench.messages();
-  bench.machine->fire(free_points_step - 1);
+  bench.machine->fire(wire::free_points_step - 1);
   bench.link->poll(*bench.machine);
   EXPECT_TRUE(bench.messages().empty());
   bench.machine->fire(1);
   bench.link->poll(*bench.machine);
-  EXPECT_EQ(bench.last_status().first_unfired, free_points_step);
+  EXPECT_EQ(bench.last_status().first_unfired, wire::free_points_step);
   bench.link->poll(*bench.machine);
   EXPECT_TRUE(bench.messages().empty());
   bench.machine->hold(wire::HoldReason::dead_man);
   bench.link->poll(*bench.machine);
   EXPECT_EQ(bench.last_status().hold_reason, wire::HoldReason::dead_man);
+}
+
+TEST(Link, EachChangeIsToldOnceAndNoStatusIsMadeForNothing) {
+  Bench bench;
+  bench.begin();
+  bench.messages();
+  FakeMachine& machine = *bench.machine;
+  const auto polled = [&bench] {
+    for (int i = 0; i < 3; ++i) bench.link->poll(*bench.machine);
+    return bench.messages().size();
+  };
+  const int before = machine.statuses;
+  EXPECT_EQ(polled(), 0u);
+  EXPECT_EQ(machine.statuses, before);
+  const std::function<void()> changes[] = {
+      [&] { machine.state = wire::MachineState::hold; },
+      [&] { machine.reason = wire::HoldReason::reset; },
+      [&] { machine.alarm = 3; },
+      [&] { machine.lamp_locked = true; },
+      [&] { machine.lamp_locked = false; },
+  };
+  for (const std::function<void()>& change : changes) {
+    change();
+    EXPECT_EQ(polled(), 1u);
+  }
+  EXPECT_EQ(machine.statuses, before + static_cast<int>(std::size(changes)));
 }
 
 TEST(Link, SendersOfTextNeverSeeAFrame) {
