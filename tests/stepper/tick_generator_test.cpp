@@ -312,6 +312,29 @@ TEST(TickGenerator, GivesTheSameStepsAndBitsHoweverItIsAsked) {
   }
 }
 
+/// Every tick up to `end` was armed and triggered as segments and pattern want it.
+void expect_bits(const NaiveBoard& board, const std::vector<Segment>& segments,
+                 std::uint32_t arm_lead, const TriggerPattern& trigger, std::uint64_t end) {
+  std::vector<std::uint8_t> want(end, 0);
+  for (const Segment& s : segments) {
+    if (!s.shot.present) continue;
+    const std::uint64_t centre = s.end_tick() - arm_lead;
+    for (std::uint64_t t = centre - s.shot.half_window_ticks; t < centre + s.shot.half_window_ticks;
+         ++t)
+      want[t] |= arm_bit;
+  }
+  for (std::uint64_t on = trigger.first_tick; on < end; on += trigger.period_ticks)
+    for (std::uint64_t t = on; t < std::min(on + trigger.width_ticks, end); ++t)
+      want[t] |= trigger_bit;
+  std::size_t change = 0;
+  std::uint8_t now = 0;
+  for (std::uint64_t t = 0; t < end; ++t) {
+    if (change < board.bits().size() && board.bits()[change].tick == t)
+      now = board.bits()[change++].bits;
+    ASSERT_EQ(now, want[t]) << "tick " << t;
+  }
+}
+
 TEST(TickGenerator, ArmsAndTriggersAtTheExactTicks) {
   std::mt19937_64 random(64);
   for (int i = 0; i < test::scaled(5); ++i) {
@@ -326,24 +349,7 @@ TEST(TickGenerator, ArmsAndTriggersAtTheExactTicks) {
     std::size_t fed = 0;
     const std::uint64_t end = segments.back().end.tick + 1000;
     ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, end, 1000));
-    std::vector<std::uint8_t> want(end, 0);
-    for (const Segment& s : segments) {
-      if (!s.shot.present) continue;
-      const std::uint64_t centre = s.end_tick() - lead;
-      for (std::uint64_t t = centre - s.shot.half_window_ticks;
-           t < centre + s.shot.half_window_ticks; ++t)
-        want[t] |= arm_bit;
-    }
-    for (std::uint64_t on = trigger.first_tick; on < end; on += trigger.period_ticks)
-      for (std::uint64_t t = on; t < std::min(on + trigger.width_ticks, end); ++t)
-        want[t] |= trigger_bit;
-    std::size_t change = 0;
-    std::uint8_t now = 0;
-    for (std::uint64_t t = 0; t < end; ++t) {
-      if (change < board.bits().size() && board.bits()[change].tick == t)
-        now = board.bits()[change++].bits;
-      ASSERT_EQ(now, want[t]) << "tick " << t;
-    }
+    ASSERT_NO_FATAL_FAILURE(expect_bits(board, segments, lead, trigger, end));
   }
 }
 
@@ -409,6 +415,19 @@ struct Machine {
   void run_to(const std::vector<Segment>& segments, std::uint64_t tick) {
     ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, tick, 1000));
   }
+  /// Every axis by itself, up to `most` ticks at a time.
+  void run_axes_to(const std::vector<Segment>& segments, std::uint64_t tick, std::uint32_t most,
+                   std::mt19937_64& random) {
+    while (board.tick() < tick) {
+      while (fed < segments.size() && queue.free() != 0) queue.push(segments[fed++]);
+      const auto ticks = static_cast<std::uint32_t>(
+          std::min<std::uint64_t>(tick - board.tick(), 1 + random() % most));
+      generator.fill_axes(ticks, board);
+      ASSERT_FALSE(::testing::Test::HasFatalFailure());
+      ASSERT_NO_FATAL_FAILURE(board.end_runs(ticks));
+      ASSERT_EQ(generator.tick(), board.tick());
+    }
+  }
   void brake(const motion::Limits& limits, std::size_t all) {
     queue.clear();
     fed = all;
@@ -452,22 +471,55 @@ TEST(TickGenerator, AxesByThemselvesDoWhatTheyDoInBlocks) {
       machine->generator.set_trigger({chain.limits.beat_ticks, 40, 6000});
     }
     ASSERT_NO_FATAL_FAILURE(blocks.run_to(segments, end));
-    while (axes.board.tick() < end) {
-      while (axes.fed < segments.size() && axes.queue.free() != 0)
-        axes.queue.push(segments[axes.fed++]);
-      const auto ticks = static_cast<std::uint32_t>(std::min<std::uint64_t>(
-          end - axes.board.tick(), 1 + random() % (i % 4 == 0 ? 20 : 1000)));
-      axes.generator.fill_axes(ticks, axes.board);
-      ASSERT_FALSE(::testing::Test::HasFatalFailure());
-      ASSERT_NO_FATAL_FAILURE(axes.board.end_runs(ticks));
-      ASSERT_EQ(axes.generator.tick(), axes.board.tick());
-    }
+    ASSERT_NO_FATAL_FAILURE(axes.run_axes_to(segments, end, i % 4 == 0 ? 20 : 1000, random));
     ASSERT_GT(blocks.board.steps().size(), 20u);
     EXPECT_EQ(axes.board.sorted_steps(), blocks.board.sorted_steps());
     EXPECT_EQ(axes.board.bits(), blocks.board.bits());
     EXPECT_EQ(axes.generator.last_trigger(), blocks.generator.last_trigger());
     EXPECT_FALSE(axes.generator.underrun());
     EXPECT_TRUE(axes.queue.released());
+  }
+}
+
+/// Stands for a while wherever the plan comes to rest.
+std::vector<Segment> with_pauses(std::vector<Segment> segments, std::mt19937_64& random) {
+  std::uint64_t pause = 0;
+  for (Segment& s : segments) {
+    s.start_tick += pause;
+    s.end.tick += pause;
+    if (s.end.at_rest()) pause += 1 + random() % 3000;
+  }
+  return segments;
+}
+
+/// Bits that change while segments are still to come, in the same pieces of time as these begin: in
+/// blocks, and of axes by themselves, bits and segments keep their ticks.
+TEST(TickGenerator, TriggersWhileItWaitsForSegmentsAndBeginsThemInTime) {
+  std::mt19937_64 random(75);
+  for (int i = 0; i < test::scaled(10); ++i) {
+    test::Chain chain = fast_chain(random, 20);
+    chain.mode = JoinMode::start_stop;
+    const std::vector<Segment> segments = with_pauses(shifted(plan(chain), 6000), random);
+    const std::uint64_t end = segments.back().end.tick + 6000;
+    const PerAxis<std::uint32_t> leads =
+        i % 2 == 0 ? random_leads(random) : PerAxis<std::uint32_t>{};
+    const TriggerPattern trigger{100 + static_cast<std::uint32_t>(random() % 400), 40, 77};
+    Machine blocks, axes;
+    for (Machine* machine : {&blocks, &axes}) {
+      machine->generator.set_leads(leads);
+      machine->generator.set_arm_lead(5);
+      machine->generator.set_trigger(trigger);
+    }
+    ASSERT_NO_FATAL_FAILURE(blocks.run_to(segments, end));
+    ASSERT_NO_FATAL_FAILURE(axes.run_axes_to(segments, end, 4000, random));
+    EXPECT_EQ(axes.board.sorted_steps(), blocks.board.sorted_steps());
+    for (const Machine* machine : {&blocks, &axes}) {
+      ASSERT_NO_FATAL_FAILURE(expect_bits(machine->board, segments, 5, trigger, end));
+      for (int a = 0; a < max_axes; ++a)
+        EXPECT_EQ(machine->board.counted(a), segments.back().end.axis[index(a)].step());
+      EXPECT_FALSE(machine->generator.underrun());
+      EXPECT_TRUE(machine->queue.released());
+    }
   }
 }
 
