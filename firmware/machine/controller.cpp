@@ -90,13 +90,13 @@ bool inside_work_space(const settings::Values& job, const settings::Values& own,
 }  // namespace
 
 Controller::Controller(const settings::Values& stored, const InterruptMask& mask, int board_axes,
-                       std::uint8_t board_channels)
+                       std::uint8_t board_channels, Parts parts)
     : mask_(mask),
       board_axes_(board_axes),
       board_channels_(board_channels),
       stored_(stored),
       values_(stored),
-      runner_(clock_, shots_) {
+      runner_(clock_, shots_, parts) {
   clock_.configure(stored);
   use_settings(stored);
   shots_.permit(false, BeatReason::no_point_due);
@@ -211,19 +211,17 @@ bool Controller::prepare(std::uint64_t clock) {
   shots_.permit(go && !dry_, idle_reason());
   shots_.beam().update(!runner_.at_rest() || shots_.point_pending(), clock);
   if (!job_) runner_.read_outcomes();
-  planning_ = job_ && runner_.prepare(go);
-  return planning_;
+  return job_ && runner_.prepare(go);
 }
 
 bool Controller::commit() {
+  const bool planned = part_waits();
   // A hold or an alarm since prepare() has made the plan worthless.
-  const bool wanted = planning_ && moving_ && !runner_.underrun();
-  const bool planned = wanted && runner_.part_waits();
+  const bool wanted = moving_ && !runner_.underrun();
   if (wanted && runner_.commit() != Result::ok) {
     link_.refuse_point(Result::unreachable, runner_.failed_point());
     stop();
   }
-  planning_ = wanted && moving_ && runner_.part_waits();
   // A stop is over when the machine stands and the last shot that was decided has been counted.
   const bool stopping = !job_ && (state_ == MachineState::run || state_ == MachineState::hold ||
                                   state_ == MachineState::door);

@@ -89,9 +89,10 @@ class Controller {
  public:
   /// `board_axes`: as many as the board has outputs for; jobs with more are refused.
   /// `board_channels`: a bit for each beam channel that the board has a shutter for.
+  /// `parts`: how it takes motion; Parts::staged with stage() before each commit().
   explicit Controller(const settings::Values& stored = settings::Values{},
                       const InterruptMask& mask = {}, int board_axes = max_axes,
-                      std::uint8_t board_channels = 0xf);
+                      std::uint8_t board_channels = 0xf, Parts parts = Parts::straight);
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
@@ -106,14 +107,15 @@ class Controller {
     if (job_ && moving_) runner_.look_ahead();
   }
   bool prepare(std::uint64_t clock);
-  /// Not masked, before commit(): makes that short.
+  /// Not masked, before commit() (Parts::staged): makes that short.
   void stage() {
-    if (planning_ && moving_) runner_.stage();
+    if (moving_) runner_.stage();
   }
   /// True if something was handed out.
   bool commit();
-  /// There is room for another part of the plan at once: stage() and commit() again.
-  bool part_waits() const { return planning_; }
+  /// There is room for another part of the plan at once: stage() and commit() again. None is
+  /// wanted in a hold or an alarm, nor where one is due.
+  bool part_waits() const { return moving_ && !runner_.underrun() && runner_.part_waits(); }
   /// Not masked: a STATUS that is due is made, which masks them for its machine's part.
   void tell() { link_.poll(*this); }
   void input_changed(Input input, bool active);
@@ -267,7 +269,6 @@ class Controller {
   std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be taken at rest; 0 = none
   bool store_due_ = false;
   bool loader_requested_ = false;
-  bool planning_ = false;  ///< between prepare() and commit() there is a plan to hand out
   bool door_open_ = false;
   bool estop_ = false;
   std::uint32_t points_total_ = 0;

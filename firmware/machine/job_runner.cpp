@@ -9,16 +9,16 @@ namespace {
 constexpr std::uint32_t start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
 /// At rest the host has this long, after the last points, to complete a window.
 constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
-/// Between two flashes of a point the machine may swing there and back, which saves beats on the
-/// way to the first ones and from the last ones: so many of each. In between it stands.
-constexpr std::uint32_t swings = 2;
 /// Limits are made anew when the shortest tick has moved by more than this: 1/512.
 constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
 }  // namespace
 
-JobRunner::JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots)
-    : clock_(clock), shots_(shots) {}
+JobRunner::JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, Parts parts)
+    : clock_(clock),
+      shots_(shots),
+      parts_(parts),
+      window_(queue_, shots.beam(), options_, plan_.request()) {}
 
 void JobRunner::begin(const RunOptions& options, const settings::Values& values,
                       std::uint32_t first) {
@@ -27,7 +27,7 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   queue_.reset(first);
   recount();
   first_ = received_ = first;
-  next_ = {first, 0};
+  window_.go_on_at({first, 0});
   starvations_ = misses_ = 0;
   job_speed_ = full_job_speed;
   for (int a = 0; a < max_axes; ++a) {
@@ -43,10 +43,9 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
 void JobRunner::clear() {
   hand_over_.recall();
   options_ = RunOptions{};
-  looked_ = false;
   queue_.reset(0);
   recount();
-  next_ = {};
+  window_.go_on_at({});
   from_rest_ = astray_ = true;
   returning_ = starving_ = braked_ = waiting_for_beam_ = planning_late_ = false;
 }
@@ -65,11 +64,10 @@ void JobRunner::recall_plan() {
 
 void JobRunner::change_beat(const settings::Values& values, std::int32_t least_beats) {
   options_.least_beats = least_beats;
-  looked_ = false;
   plan_.begin_job(values, clock_.beat_ticks(), shortest_tick_q16());
   brake_limits_ = plan_.brake_limits();
   shots_.cancel_after(0);  // beats have other numbers now
-  next_ = {queue_.begin(), 0};
+  window_.go_on_at({queue_.begin(), 0});
   from_rest_ = astray_ = true;
   returning_ = braked_ = false;
 }
@@ -88,18 +86,11 @@ void JobRunner::read_outcomes() {
     // What was passed without a shot after a miss is passed again, in order, on the way on.
     if (missed) continue;
     queue_.mark_done(o.point);
-    if (o.point == next_.point) {
-      // Of a flash that a brake has put back the next window must not hear again.
-      if (next_.committed == 0) looked_ = false;
-      if (next_.committed != 0) --next_.committed;
-    }
+    window_.flash_fired(o.point);
     if (o.point == rest_next_.point && rest_next_.committed != 0) --rest_next_.committed;
   }
   // A point fired after a brake had put it back: its place in the queue may be another's by now.
-  if (next_.point < queue_.begin()) {
-    next_ = {queue_.begin(), 0};
-    looked_ = false;
-  }
+  if (window_.place().point < queue_.begin()) window_.go_on_at({queue_.begin(), 0});
   recount();
   if (missed) {
     ++misses_;
@@ -109,7 +100,6 @@ void JobRunner::read_outcomes() {
 
 void JobRunner::go_back() {
   hand_over_.recall();
-  looked_ = false;
   // What is being run is carried to its end; what has not begun is taken back.
   segments_.clear();
   provisional_ = 0;
@@ -122,7 +112,7 @@ void JobRunner::go_back() {
     plan_state_ = generator_.state();  // axes with a shorter lead may still be on their way there
   }
   from_rest_ = !generator_.running() || plan_state_.at_rest();
-  next_ = {queue_.begin(), 0};
+  window_.go_on_at({queue_.begin(), 0});
   returning_ = astray_ = true;
   if (!from_rest_) commit_brake();
 }
@@ -173,108 +163,18 @@ bool JobRunner::prepare_start() {
 
 void JobRunner::look_ahead() {
   // Of a plan that was recalled the request belongs to the planner until the end of its slice.
-  if (looked_ || braked_ || !hand_over_.at_home()) return;
-  window_ready_ = find_window();
-  looked_ = true;
-}
-
-/// Fills the request with what comes next; true if all of it is known.
-bool JobRunner::find_window() {
-  plan_.request().count = 0;
-  staged_ = handed_ = 0;
-  gone_to_ = has_shot_ = false;
-  bool room = true, other_beam = false;
-  lamp::Beam last;
-  for (std::uint32_t i = next_.point; room && i != queue_.end(); ++i) {
-    other_beam = needs_another_beam(queue_.at(i), last);
-    if (other_beam) break;
-    room = add_target(i, queue_.left(i) - (i == next_.point ? next_.committed : 0));
-  }
-  if (plan_.request().count == 0) return false;
-  const bool all_known = other_beam || queue_.end() == options_.points_total;
-  const bool full = plan_.request().count == motion::window_points;
-  plan_.request().rest_at_end =
-      !full || other_beam || place_after(plan_.request().count).point == options_.points_total;
-  const bool rows = rows_known();
-  return all_known || (full && rows);
-}
-
-/// True if all points are known that a plan of the window may look at.
-bool JobRunner::rows_known() {
-  motion::PlanRequest& request = plan_.request();
-  const std::uint32_t behind = request.points[request.count - 1] + 1;
-  const std::uint32_t ahead = options_.points_total - behind;
-  const std::uint32_t wanted = ahead < motion::run_horizon ? ahead : motion::run_horizon;
-  const std::uint32_t known = queue_.end() - behind;
-  request.known_end = behind + (known < wanted ? known : wanted);
-  return known >= wanted || options_.mode != motion::JoinMode::free;
-}
-
-/// True if the machine has to stand before this target, for its beam to be made ready. `last` is
-/// the beam of the target before it with a shot.
-bool JobRunner::needs_another_beam(const motion::Target& target, lamp::Beam& last) {
-  if (target.shots == 0 || options_.dry) return false;
-  const lamp::Beam beam{target.channel, target.energy};
-  // Of the first shot: from rest the beam is made ready for it, on the way it is as it is.
-  if (has_shot_ ? shots_.beam().needs_rest(last, beam)
-                : !from_rest_ && plan_.request().count != 0 && !shots_.beam().stands_for(beam))
-    return true;
-  if (!has_shot_) first_beam_ = beam;
-  has_shot_ = true;
-  last = {beam.channel, beam.energy != 0 ? beam.energy : last.energy};
-  return false;
+  if (braked_ || !hand_over_.at_home()) return;
+  window_.look({from_rest_, astray_, job_speed_ < full_job_speed});
 }
 
 bool JobRunner::beam_ready() {
-  if (!has_shot_ || shots_.beam().stands_for(first_beam_)) return true;
+  const lamp::Beam* first = window_.first_beam();
+  if (first == nullptr || shots_.beam().stands_for(*first)) return true;
   // Shots given out go through the beam as it stands. On the way nothing is changed: what is
   // provisional brings the machine to rest.
-  const bool ready = from_rest_ && !shots_.point_pending() && shots_.beam().prepare(first_beam_);
+  const bool ready = from_rest_ && !shots_.point_pending() && shots_.beam().prepare(*first);
   waiting_for_beam_ = !ready;
   return ready;
-}
-
-/// False if the window is full.
-bool JobRunner::add_target(std::uint32_t point, std::uint32_t flashes) {
-  const motion::Target& target = queue_.at(point);
-  const bool first = plan_.request().count == 0;
-  if (target.dwell) {
-    // It begins where the way before it ends: at rest.
-    if (!first) plan_.request().rest[plan_.request().count - 1] = true;
-    gone_to_ = first && astray_;
-    return (!gone_to_ || add_way(point, true, 1)) && add_way(point, true, 0);
-  }
-  // The beats of a target are those of the way from the one before, at full job speed; a slower
-  // machine uses more. Further flashes come as soon as they may.
-  const std::uint32_t slower = job_speed_ < full_job_speed ? target.beats : 0;
-  const std::uint32_t fired = target.shots == 0 ? 0 : target.shots - flashes;
-  bool room = true;
-  for (std::uint32_t i = 0; room && i < flashes; ++i) {
-    const bool there = fired + i != 0;
-    const bool stand = fired + i >= swings && i + swings < flashes;
-    room = add_way(point, stand, there || (first && astray_) ? 1 : slower);
-  }
-  return room;
-}
-
-/// False if the window was full.
-bool JobRunner::add_way(std::uint32_t point, bool rest, std::uint32_t at_least) {
-  if (plan_.request().count == motion::window_points) return false;
-  plan_.request().points[plan_.request().count] = point;
-  plan_.request().rest[plan_.request().count] = rest;
-  plan_.request().at_least[plan_.request().count] = static_cast<std::uint16_t>(at_least);
-  ++plan_.request().count;
-  return true;
-}
-
-/// Where handing out goes on behind the first `count` ways of the request, `handed_` of which are
-/// counted in next_.
-JobRunner::Place JobRunner::place_after(std::uint32_t count) const {
-  const std::uint32_t point = plan_.request().points[count - 1];
-  std::uint32_t committed = point == next_.point ? next_.committed : 0;
-  for (std::uint32_t i = handed_ == 0 && gone_to_ ? 1 : handed_; i < count; ++i)
-    if (plan_.request().points[i] == point) ++committed;
-  return committed < queue_.left(point) ? Place{point, committed} : Place{point + 1, 0};
 }
 
 bool JobRunner::may_plan() {
@@ -283,17 +183,18 @@ bool JobRunner::may_plan() {
     receive_tick_ = generator_.head();
   }
   look_ahead();
-  if (window_ready_) {
+  if (window_.ready()) {
     starving_ = false;
     return true;
   }
-  if (next_.point == options_.points_total || !at_rest()) return false;
+  const std::uint32_t next = window_.place().point;
+  if (next == options_.points_total || !at_rest()) return false;
   // At rest the host has some time to complete a window; at the very start it is only late then.
   const bool patient = generator_.head() < receive_tick_ + patience_ticks;
-  if (next_.point == first_ && patient) return false;
-  if (!starving_ && next_.point != first_) ++starvations_;
+  if (next == first_ && patient) return false;
+  if (!starving_ && next != first_) ++starvations_;
   starving_ = true;
-  return plan_.request().count != 0 && !patient;
+  return !window_.empty() && !patient;
 }
 
 /// Segments of the plan that can be handed out now. Planning is ahead of the queues.
@@ -305,22 +206,30 @@ std::uint32_t JobRunner::part() const {
   return room > next ? next : 0;  // a brake comes behind them
 }
 
+JobRunner::PlanStands JobRunner::plan_stands() const {
+  if (!hand_over_.asked()) return PlanStands::none;
+  if (!hand_over_.complete()) return PlanStands::at_work;
+  if (!plan_.found()) return PlanStands::no_way;
+  return part() == 0 ? PlanStands::full : PlanStands::part;
+}
+
 bool JobRunner::prepare(bool go) {
   waiting_for_beam_ = false;
   // In this order: an edge may come in between.
   if (!shots_.point_pending()) braked_ = false;
   read_outcomes();
   if (provisional_begun()) keep_provisional();
-  if (!go || braked_) {
+  if (!go || braked_)
     hand_over_.recall();
-    looked_ = false;
-    return false;
-  }
-  if (hand_over_.asked()) return !hand_over_.complete() || !plan_.found() || part() != 0;
-  if (!hand_over_.at_home()) return false;
-  const bool may = may_plan() && prepare_start();
-  looked_ = false;  // more points will be known
-  if (!may) return false;
+  else if (hand_over_.at_home())
+    begin_plan();
+  window_.forget();  // more points will be known
+  const PlanStands stands = plan_stands();
+  return stands != PlanStands::none && stands != PlanStands::full;
+}
+
+void JobRunner::begin_plan() {
+  if (!may_plan() || !prepare_start()) return;
   motion::PlanRequest& request = plan_.request();
   request.queue = &queue_;
   request.mode = options_.mode;
@@ -331,24 +240,30 @@ bool JobRunner::prepare(bool go) {
   plan_.start({shortest_tick_q16(), job_speed_},
               generator_.lead() == 0 ? clock_.longest_tick_q16() : full_tick_q16);
   asked_tick_ = generator_.tick();
+  handed_ = staged_ = 0;
   hand_over_.hand_out();
-  return true;
 }
 
 Result JobRunner::commit() {
-  if (!hand_over_.complete() || (plan_.found() && part() == 0)) return Result::ok;
-  const bool found = plan_.found();
-  // Complete since stage(): the next time.
-  if (stages_ && found && staged_ == 0) return Result::ok;
-  // Planning took too long and what it started from has passed, or there is no way on from there.
-  if (provisional_begun() || (!found && provisional_ != 0)) {
-    keep_provisional();
-  } else if (found) {
-    commit_plan();
-  } else {
-    failed_point_ = plan_.request().points[plan_.failed()];
-    hand_over_.recall();
-    return Result::unreachable;
+  switch (plan_stands()) {
+    case PlanStands::part:
+      if (parts_ == Parts::staged && staged_ == 0) break;  // complete since stage(): the next time
+      // Planning took too long, and what it started from has passed.
+      if (provisional_begun())
+        keep_provisional();
+      else
+        commit_plan();
+      break;
+    case PlanStands::no_way:
+      if (provisional_ != 0) {  // from there; from rest there may be one
+        keep_provisional();
+        break;
+      }
+      failed_point_ = plan_.request().points[plan_.failed()];
+      hand_over_.recall();
+      return Result::unreachable;
+    default:
+      break;
   }
   return Result::ok;
 }
@@ -362,12 +277,11 @@ void JobRunner::take_back_provisional() {
 void JobRunner::keep_provisional() {
   if (hand_over_.asked() && provisional_begun() && !returning_) planning_late_ = true;
   hand_over_.recall();
-  looked_ = false;
   staged_ = 0;
   provisional_ = 0;
   plan_state_ = rest_state_;
   from_rest_ = true;
-  next_ = rest_next_;
+  window_.go_on_at(rest_next_);
   if (returning_) return;
   ++starvations_;
   starving_ = true;
@@ -394,11 +308,11 @@ void JobRunner::commit_plan() {
   for (std::uint32_t i = first; i < end; ++i) push(i, late_ticks, plan_beat_);
   plan_state_ = plan_.segment(end - 1).end;
   plan_state_.tick += late_ticks;
-  next_ = place_after(end);
+  window_.go_on_at(window_.place_after(first, end));
   returning_ = astray_ = false;
   from_rest_ = plan_state_.at_rest();
   rest_state_ = plan_state_;
-  rest_next_ = next_;
+  rest_next_ = window_.place();
   clock_.set_motion_end(rest_state_.tick);
   clock_.set_tick_length(rest_state_.tick, full_tick_q16);
   if (!from_rest_) commit_brake();
@@ -415,15 +329,13 @@ void JobRunner::write_segment(std::uint32_t i, std::uint64_t late_ticks,
   segment.reason = returning_ && i == 0 ? BeatReason::returning
                    : options_.dry       ? BeatReason::dry
                                         : BeatReason::moving;
-  if (gone_to_ && i == 0) segment.ends_point = false;
+  if (window_.gone_to() && i == 0) segment.ends_point = false;
   if (options_.dry) segment.shot.present = false;
 }
 
 void JobRunner::stage() {
-  stages_ = true;
-  if (staged_ != 0 || !hand_over_.complete() || !plan_.found()) return;
+  if (staged_ != 0 || !part_waits()) return;
   staged_ = part();
-  if (staged_ == 0) return;
   // Later parts of a plan are as late as the first one was.
   const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(handed_).start_tick;
   // The first one may take the place of a brake, which may still begin.
@@ -449,7 +361,7 @@ void JobRunner::commit_brake() {
   segments_.publish();
   provisional_ = 1;
   rest_state_ = s.end;
-  rest_next_ = next_;
+  rest_next_ = window_.place();
   clock_.set_motion_end(s.end.tick);
 }
 
@@ -472,7 +384,6 @@ stepper::MotionState JobRunner::brake_from(const stepper::MotionState& head) {
 
 void JobRunner::brake() {
   hand_over_.recall();
-  looked_ = false;
   segments_.clear();
   provisional_ = 0;
   const stepper::MotionState head = generator_.state();
@@ -485,7 +396,7 @@ void JobRunner::brake() {
     plan_state_ = brake_from(head);
     clock_.set_motion_end(plan_state_.tick);
   }
-  next_ = {queue_.begin(), 0};
+  window_.go_on_at({queue_.begin(), 0});
   from_rest_ = astray_ = true;
   returning_ = false;
   braked_ = true;
@@ -493,12 +404,11 @@ void JobRunner::brake() {
 
 void JobRunner::halt() {
   hand_over_.recall();
-  looked_ = false;
   generator_.halt();
   provisional_ = 0;
   shots_.cancel_after(0);
   clock_.set_motion_end(0);
-  next_ = {queue_.begin(), 0};
+  window_.go_on_at({queue_.begin(), 0});
   from_rest_ = astray_ = true;
 }
 

@@ -10,7 +10,8 @@
 //   prepare()  masked     reads outcomes, takes back what was missed, decides whether to plan
 //   plan()     unmasked   a slice of it (window_plan.hpp), on data that no interrupt touches, until
 //                         it is complete: by the main loop, or by another core while that goes on
-//   stage()    unmasked   copies what is next to the place it is handed out from, and its brake
+//   stage()    unmasked   copies what is next to the place it is handed out from, and its brake;
+//                         where interrupts are masked for it, which is said once (Parts::staged)
 //   commit()   masked     hands the plan out; a start from rest moves on by whole beats if planning
 //                         has outlasted its margin
 //
@@ -37,7 +38,7 @@
 // where committed motion ends to the points that are not done yet, in order.
 //
 //   points:   done | committed | provisional | planned next ... | received
-//             begin()           next_                             end()
+//             begin()           window_.place()                   end()
 //   time:     past | filled (2 ms ahead) | committed | plan_state_ | provisional | rest
 //
 // What is handed out always ends at rest: behind the committed segments stands a provisional one, a
@@ -45,19 +46,12 @@
 // planning took long or the host was slow, finds it begun and starts anew where it ends. So no
 // delay of the main loop can end motion with speed.
 //
-// A target with several flashes stands in the window as often as flashes are still to come, and on
-// its own if there are many: the same place again, no sooner than the highest shot rate permits.
-// A `Place` is where handing out goes on: a target and how many of its flashes are on their way.
-//
-// Where shutter or attenuator need time between two points, the first one is a rest: a window ends
-// there, and the next one waits until all shots are judged and the beam is ready.
+// What a window is, with several flashes of a target and beams that need time, is in
+// next_window.hpp.
 //
 // Where the machine is quicker than planning, it starves. Started at once after that it would again
 // after every window, for the next plan takes as long as this one lasts. So it starts as much later
 // as a plan takes: it is a window ahead then, and starves no sooner than that is used up.
-//
-// Astray: after a brake the machine does not come from the target before. Then the first way takes
-// as long as it has to, and a dwell is gone to before it is begun.
 //
 // Determinism: a window of `window_points` points is planned when all of them are known, and the
 // first `commit_points` are committed; what is shorter is planned when the last point is known.
@@ -70,6 +64,7 @@
 #include "firmware/lamp/beat_clock.hpp"
 #include "firmware/lamp/shot_scheduler.hpp"
 #include "firmware/machine/hand_over.hpp"
+#include "firmware/machine/next_window.hpp"
 #include "firmware/machine/window_plan.hpp"
 #include "firmware/motion/point_queue.hpp"
 #include "firmware/stepper/segment_queue.hpp"
@@ -77,19 +72,16 @@
 
 namespace lamplock::machine {
 
-/// What a job is run with.
-struct RunOptions {
-  motion::JoinMode mode = motion::JoinMode::free;
-  bool dry = false;
-  std::uint32_t points_total = 0;
-  std::int32_t least_beats = 1;                     ///< between shots, from the highest shot rate
-  std::uint32_t shortest_tick_q16 = full_tick_q16;  ///< shortest_tick_q16() at the start
-};
+/// How a board takes the parts of a plan: straight from commit(), or from where stage() has put
+/// them before, so that commit() is short and interrupts are masked for little.
+enum class Parts : std::uint8_t { straight, staged };
 
 /// Runs one job at a time.
 class JobRunner {
  public:
-  JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots);
+  JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, Parts parts);
+  JobRunner(const JobRunner&) = delete;
+  JobRunner& operator=(const JobRunner&) = delete;
 
   /// Starts a job whose first point has index `first`, at full job speed; the machine must be at
   /// rest, no plan handed out.
@@ -117,13 +109,13 @@ class JobRunner {
   void recall_plan();
   /// Nobody plans, and nobody will before the next prepare().
   bool plan_at_home() const;
-  /// Copies what was planned to where it is handed out from, so that commit() is short: in motion
-  /// every beat may have a shot, and none is served meanwhile. Not masked; may be left out.
+  /// Copies what was planned to where it is handed out from (Parts::staged): in motion every beat
+  /// may have a shot, and none is served during commit(). Not masked.
   void stage();
   /// Hands out what was planned. Error: unreachable (failed_point()).
   Result commit();
   /// Another part of the plan can be handed out.
-  bool part_waits() const { return hand_over_.complete() && plan_.found() && part() != 0; }
+  bool part_waits() const { return plan_stands() == PlanStands::part; }
   /// What the hardware has done so far, nothing else.
   void read_outcomes();
   /// Brakes every axis at its limit, from the next tick to be filled.
@@ -168,10 +160,13 @@ class JobRunner {
   /// Handed out at once: some 40 us with interrupts masked, a small part of the quickest beat.
   static constexpr std::uint32_t part_segments = 8;
 
-  /// Where handing out goes on.
-  struct Place {
-    std::uint32_t point = 0;      ///< first target not handed out whole
-    std::uint32_t committed = 0;  ///< flashes of it that are handed out and not judged
+  /// How far the plan is.
+  enum class PlanStands : std::uint8_t {
+    none,     ///< nothing is planned
+    at_work,  ///< it is not complete
+    no_way,   ///< it has come to nothing
+    full,     ///< no room for its next part
+    part      ///< which can be handed out
   };
   /// What first_unfired() has counted: outcomes not read yet, up to this flash.
   struct Count {
@@ -180,15 +175,11 @@ class JobRunner {
     std::uint32_t fired = 0;
   };
   void go_back();
-  bool may_plan();
+  PlanStands plan_stands() const;
   std::uint32_t part() const;
-  bool find_window();
-  bool rows_known();
-  bool needs_another_beam(const motion::Target& target, lamp::Beam& last);
+  void begin_plan();
+  bool may_plan();
   bool beam_ready();
-  bool add_target(std::uint32_t point, std::uint32_t flashes);
-  bool add_way(std::uint32_t point, bool rest, std::uint32_t at_least);
-  Place place_after(std::uint32_t count) const;
   bool prepare_start();
   std::uint64_t start_beat() const;
   /// The start waits until the next plan will be there too.
@@ -206,29 +197,24 @@ class JobRunner {
 
   lamp::BeatClock& clock_;
   lamp::ShotScheduler& shots_;
+  const Parts parts_;
   motion::PointQueue queue_;
   stepper::SegmentQueue segments_;
   HandOver hand_over_;  ///< of plan_, from prepare() to commit()
   WindowPlan plan_;
+  RunOptions options_;
+  NextWindow window_;                 ///< its place() is the first flash not committed
   motion::BrakeLimits brake_limits_;  ///< of what was committed last
-  bool has_shot_ = false;             ///< among these points, the first one through
-  lamp::Beam first_beam_;             ///< this beam
   bool waiting_for_beam_ = false;
-  bool looked_ = false;        ///< the request is that of the next window
-  bool window_ready_ = false;  ///< which is all there
-  bool gone_to_ = false;       ///< the first way of the request only leads to its dwell
   std::uint32_t job_speed_ = full_job_speed;
   stepper::TickGenerator generator_{segments_};
-  RunOptions options_;
   PerAxis<std::uint32_t> lag_clocks_{};  ///< of the drives
   std::uint32_t first_ = 0;              ///< first point of the job
-  Place next_;                           ///< first flash not committed
   std::uint32_t received_ = 0;           ///< end of the queue when it last grew
   std::uint64_t receive_tick_ = 0;       ///< and when that was
   bool from_rest_ = true;                ///< the next window starts on a fresh beat
   std::uint32_t handed_ = 0;             ///< segments of the plan that have been handed out
   std::uint32_t staged_ = 0;  ///< and of the next part, which lies in the queue but for its first
-  bool stages_ = false;       ///< what is handed out is always staged
   bool returning_ = false;
   bool astray_ = true;   ///< the next window does not start at the target before it
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet

@@ -27,15 +27,20 @@ inline job::Job jumping_row(int points, std::uint64_t seed) {
 /// A board as short as can be, for a lamp that we trigger (ticks of nominal length). The edge of a
 /// beat comes in one of the gaps between the calls of a pass.
 class HandBoard {
- public:
-  HandBoard(const job::Job& job, std::uint64_t seed)
-      : core(job.settings), job_(job), random_(seed) {
-    stop_tick_ = 200'000 + random_() % 300'000;
-    stages_ = random_() % 2 == 0;
-  }
+  const job::Job& job_;
+  std::mt19937_64 random_;
+  const std::uint64_t stop_tick_ = 200'000 + random_() % 300'000;
+  const bool stages_ = random_() % 2 == 0;  ///< as a board that masks interrupts for short
 
-  machine::Controller core;
-  bool plans_itself = true;          ///< if not, somebody else calls plan()
+ public:
+  HandBoard(const job::Job& job, std::uint64_t seed) : job_(job), random_(seed) {}
+
+  machine::Controller core{job_.settings,
+                           {},
+                           max_axes,
+                           0xf,
+                           stages_ ? machine::Parts::staged : machine::Parts::straight};
+  bool plans_itself = true;                ///< if not, somebody else calls plan()
   std::vector<std::uint32_t> fired;  ///< how often each point was fired
 
   void begin(std::uint32_t first) {
@@ -136,13 +141,10 @@ class HandBoard {
     core.token_expired();
   }
 
-  const job::Job& job_;
-  std::mt19937_64 random_;
   std::deque<stepper::TickBlock> blocks_;
   lamp::FireToken held_;
   bool token_ = false;
-  std::uint64_t now_ = 0, filled_ = 0, stop_tick_ = 0;
-  bool stages_ = false;  ///< as a board with interrupts, which masks them for short
+  std::uint64_t now_ = 0, filled_ = 0;
   std::uint64_t beat_ = 2;
   std::uint32_t beat_ticks_ = core.clock().beat_ticks();
 };

@@ -32,7 +32,8 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 }  // namespace
 
 Board::Board()
-    : core_(stored_, mask_, boards::axes(map_), boards::channels(map_)), ports_(uart_send_gpio) {}
+    : core_(stored_, mask_, boards::axes(map_), boards::channels(map_), machine::Parts::staged),
+      ports_(uart_send_gpio) {}
 
 void Board::start_ports() {
   const std::array<char, 16> number = flash_unique_number();
