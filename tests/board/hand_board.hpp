@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -41,7 +42,8 @@ class HandBoard {
                            0xf,
                            stages_ ? machine::Parts::staged : machine::Parts::straight};
   bool plans_itself = true;                ///< if not, somebody else calls plan()
-  std::vector<std::uint32_t> fired;  ///< how often each point was fired
+  std::function<void()> while_parts_wait;  ///< between two of them
+  std::vector<std::uint32_t> fired;        ///< how often each point was fired
 
   void begin(std::uint32_t first) {
     ASSERT_EQ(core.on_begin(job::header_from(job_, first)), Result::ok);
@@ -62,10 +64,7 @@ class HandBoard {
     if (gap == 2) interrupt();
     while (plans_itself && plan && core.plan()) {
     }
-    do {
-      if (stages_) core.stage();
-      core.commit();
-    } while (stages_ && core.part_waits());
+    ASSERT_NO_FATAL_FAILURE(hand_out());
     core.tell();
     if (gap == 3) interrupt();
     feed();
@@ -109,6 +108,16 @@ class HandBoard {
       if (b.first_tick <= tick && tick < b.first_tick + b.ticks)
         return (b.bits & stepper::arm_bit) != 0;
     return false;
+  }
+  void hand_out() {
+    for (std::uint32_t parts = 0;; ++parts) {
+      ASSERT_LT(parts, stepper::SegmentQueue::capacity) << "a part waits and is never taken";
+      if (stages_) core.stage();
+      core.commit();
+      if (!core.part_waits()) return;
+      if (while_parts_wait) while_parts_wait();
+      if (!stages_) return;
+    }
   }
   /// The point that the machine stands at is the one that was fired.
   void count(std::uint64_t tick) {

@@ -6,39 +6,57 @@
 namespace lamplock::test {
 namespace {
 
-TEST(InterruptTiming, IdleAfterAStopKnowsEveryShot) {
+constexpr int job_points = 40;
+
+/// Boards one after the other, each with a job of its own that has begun.
+class InterruptTiming : public testing::Test {
+ protected:
+  using Body = std::function<void(HandBoard&)>;
+  void on_boards(int count, const Body& body, int points = job_points) {
+    for (seed_ = 0; seed_ < static_cast<std::uint64_t>(count); ++seed_) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed_);
+      const job::Job job = jumping_row(points, seed_);
+      HandBoard board(job, seed_);
+      ASSERT_NO_FATAL_FAILURE(board.begin(0));
+      ASSERT_NO_FATAL_FAILURE(body(board));
+    }
+  }
+  /// Passes for as long as the job runs.
+  template <class Pass>
+  static void run_job(HandBoard& board, Pass&& pass) {
+    for (int i = 0; i < 40'000 && board.core.state() == MachineState::run; ++i) pass();
+  }
+  static void expect_each_fired_once(const HandBoard& board) {
+    EXPECT_EQ(board.fired, std::vector<std::uint32_t>(job_points, 1));
+  }
+  std::uint64_t seed_ = 0;
+};
+
+TEST_F(InterruptTiming, IdleAfterAStopKnowsEveryShot) {
   int unfinished = 0;
-  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(300)); ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const job::Job job = jumping_row(40, seed);
-    HandBoard board(job, seed);
-    ASSERT_NO_FATAL_FAILURE(board.begin(0));
+  on_boards(scaled(300), [&](HandBoard& board) {
     // Half of the stops in a pass that has an edge.
-    while (!board.stop_due() || (seed % 2 == 0 && !board.edge_ahead())) board.pass();
+    while (!board.stop_due() || (seed_ % 2 == 0 && !board.edge_ahead())) board.pass();
     board.pass([&] { board.core.on_command({wire::Command::stop}); });
     while (board.core.state() != MachineState::idle) board.pass();
     ASSERT_EQ(board.status().first_unfired, board.shots());
     for (int i = 0; i < 4000 && !board.core.runner().at_rest(); ++i) board.pass();
-    unfinished += board.shots() < job.targets.size() ? 1 : 0;
-    if (board.shots() == job.targets.size()) continue;
+    if (board.shots() == job_points) return;
+    ++unfinished;
     ASSERT_NO_FATAL_FAILURE(board.begin(board.status().first_unfired));
-    for (int i = 0; i < 40'000 && board.core.state() == MachineState::run; ++i) board.pass();
-    ASSERT_EQ(board.fired, std::vector<std::uint32_t>(job.targets.size(), 1));
-  }
+    run_job(board, [&] { board.pass(); });
+    expect_each_fired_once(board);
+  });
   EXPECT_GT(unfinished, 0);
 }
 
 /// The flash that is on its way when the machine brakes counts, although it is put back among the
 /// points to come, and the next window is looked for before it is judged.
-TEST(InterruptTiming, AHoldThatEndsAtOnceFiresNoPointTwice) {
+TEST_F(InterruptTiming, AHoldThatEndsAtOnceFiresNoPointTwice) {
   int held = 0;
-  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(100)); ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const job::Job job = jumping_row(40, seed);
-    HandBoard board(job, seed);
-    std::mt19937_64 random(seed);
-    ASSERT_NO_FATAL_FAILURE(board.begin(0));
-    for (int i = 0; i < 40'000 && board.core.state() == MachineState::run; ++i) {
+  on_boards(scaled(100), [&](HandBoard& board) {
+    std::mt19937_64 random(seed_);
+    run_job(board, [&] {
       // The ticks before the edge have been filled, and no more.
       const bool hold = board.shots() % 4 == 3 && board.edge_ahead() && random() % 2 == 0;
       held += hold ? 1 : 0;
@@ -47,55 +65,44 @@ TEST(InterruptTiming, AHoldThatEndsAtOnceFiresNoPointTwice) {
         board.core.on_command({wire::Command::hold});
         board.core.on_command({wire::Command::resume});
       });
-    }
-    ASSERT_EQ(board.fired, std::vector<std::uint32_t>(job.targets.size(), 1));
-  }
+    });
+    expect_each_fired_once(board);
+  });
   EXPECT_GT(held, 0);
 }
 
 /// A start moves on by whole beats where planning has outlasted its margin: all of the plan does,
 /// whether it has been staged or not.
-TEST(InterruptTiming, APlanThatComesLateStartsLaterAsAWhole) {
-  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(20)); ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const job::Job job = jumping_row(40, seed);
-    HandBoard board(job, seed);
+TEST_F(InterruptTiming, APlanThatComesLateStartsLaterAsAWhole) {
+  on_boards(scaled(20), [&](HandBoard& board) {
     board.plans_itself = false;
-    ASSERT_NO_FATAL_FAILURE(board.begin(0));
-    for (int i = 0; i < 40'000 && board.core.state() == MachineState::run; ++i) {
+    run_job(board, [&] {
       board.pass();
-      if (!board.core.plan_waits()) continue;
+      if (!board.core.plan_waits()) return;
       for (int late = 0; late < 100; ++late) board.pass();
       while (board.core.plan()) {
       }
-    }
+    });
     ASSERT_EQ(board.core.state(), MachineState::idle);
-    ASSERT_EQ(board.fired, std::vector<std::uint32_t>(job.targets.size(), 1));
-  }
+    expect_each_fired_once(board);
+  });
 }
 
 /// What a board notes for the case that it crashes: every shot, read by the main loop or not.
-TEST(InterruptTiming, TheMarkOfAJobKnowsEveryShotAtOnce) {
-  const job::Job job = jumping_row(40, 5);
-  for (std::uint64_t seed = 0; seed < 4; ++seed) {
-    HandBoard board(job, seed);
-    ASSERT_NO_FATAL_FAILURE(board.begin(0));
-    for (int i = 0; i < 40'000 && board.shots() < job.targets.size(); ++i) {
+TEST_F(InterruptTiming, TheMarkOfAJobKnowsEveryShotAtOnce) {
+  on_boards(4, [&](HandBoard& board) {
+    for (int i = 0; i < 40'000 && board.shots() < job_points; ++i) {
       board.pass();
       if (board.core.state() != MachineState::run) break;
-      ASSERT_EQ(board.core.job_mark().first_unfired, board.shots()) << "seed " << seed;
+      ASSERT_EQ(board.core.job_mark().first_unfired, board.shots());
     }
-    ASSERT_EQ(board.shots(), job.targets.size());
-  }
+    ASSERT_EQ(board.shots(), static_cast<std::uint32_t>(job_points));
+  });
 }
 
-TEST(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
+TEST_F(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
   int found = 0;
-  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(100)); ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const job::Job job = jumping_row(40, seed);
-    HandBoard board(job, seed);
-    ASSERT_NO_FATAL_FAILURE(board.begin(0));
+  on_boards(scaled(100), [&](HandBoard& board) {
     while (!board.stop_due() || !board.edge_ahead()) board.pass();
     const std::uint32_t before = board.shots();
     board.pass([&] {
@@ -105,8 +112,68 @@ TEST(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
       ASSERT_EQ(board.status().first_unfired, board.shots());
     });
     found += board.shots() > before ? 1 : 0;
-  }
+  });
   EXPECT_GT(found, 0);
+}
+
+/// A fault while parts of a plan wait to be handed out: none of them is, nobody waits for that, and
+/// the next pass is that of an alarm.
+class FaultBetweenParts : public InterruptTiming {
+ protected:
+  void at_each(const Body& fault) {
+    int faults = 0;
+    const auto run = [&](HandBoard& board) {
+      bool broken = false;
+      const auto breaks = [&] {
+        if (broken) return;
+        broken = true;
+        fault(board);
+        EXPECT_FALSE(board.core.part_waits());
+      };
+      // Between parts of the first plan, for all of which there is room; or in motion, where the
+      // next plan is there and waits for it.
+      const bool at_start = seed_ % 2 == 0;
+      if (at_start) board.while_parts_wait = breaks;
+      for (int i = 0; i < 40'000 && !broken; ++i) {
+        ASSERT_NO_FATAL_FAILURE(board.pass([&] {
+          if (!at_start && board.shots() == job_points) breaks();
+        }));
+      }
+      ASSERT_NO_FATAL_FAILURE(board.pass());
+      faults += broken ? 1 : 0;
+      const std::uint32_t shots = board.shots();
+      EXPECT_EQ(board.core.state(), MachineState::alarm);
+      EXPECT_EQ(board.status().alarm, 3);
+      EXPECT_FALSE(board.core.outputs().fire_enable);
+      for (int i = 0; i < 1000; ++i) ASSERT_NO_FATAL_FAILURE(board.pass());
+      EXPECT_TRUE(board.core.runner().at_rest());
+      EXPECT_EQ(board.shots(), shots);
+      EXPECT_FALSE(board.core.part_waits());
+      board.core.on_line("$X");
+      EXPECT_EQ(board.core.state(), MachineState::idle);
+    };
+    on_boards(scaled(40), run, 3 * job_points);
+    EXPECT_EQ(faults, scaled(40));
+  }
+};
+
+TEST_F(FaultBetweenParts, TheBoardsTicksHaveRunOut) {
+  at_each([](HandBoard& board) {
+    board.core.lattice_stopped();
+    board.core.stopped_at({});
+  });
+}
+
+/// The core sees to it that motion never ends with speed, so it has to be made to: axes that are
+/// suddenly much further ahead come too late for what is queued.
+TEST_F(FaultBetweenParts, MotionEndsWithSpeed) {
+  at_each([](HandBoard& board) {
+    const machine::JobRunner& runner = board.core.runner();
+    const_cast<machine::JobRunner&>(runner).generator().set_leads({1'000'000});
+    stepper::TickBlock block;
+    for (int i = 0; i < 1000 && !runner.underrun(); ++i) board.core.fill(block, 1024);
+    EXPECT_TRUE(runner.underrun());
+  });
 }
 
 }  // namespace
