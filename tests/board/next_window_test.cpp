@@ -1,0 +1,105 @@
+// The next window: what was found is never that of another place.
+#include "firmware/machine/next_window.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+
+#include "tests/scale.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+/// A job in its queue, and whoever looks for windows in it.
+struct Looking {
+  motion::PointQueue queue;
+  lamp::BeamPath beam;
+  RunOptions options;
+  motion::PlanRequest request;
+  NextWindow window{queue, beam, options, request};
+};
+
+motion::Target random_target(std::mt19937_64& random) {
+  motion::Target target;
+  target.shots = static_cast<std::uint8_t>(random() % 4 == 0 ? random() % 6 : 1);
+  target.beats = static_cast<std::uint16_t>(random() % 5);
+  return target;
+}
+
+/// What somebody finds who has never looked before.
+void expect_as_fresh(const Looking& it, const Departure& departure) {
+  motion::PlanRequest request;
+  NextWindow fresh(it.queue, it.beam, it.options, request);
+  fresh.go_on_at(it.window.place());
+  fresh.look(departure);
+  ASSERT_EQ(it.window.ready(), fresh.ready());
+  ASSERT_EQ(it.request.count, request.count);
+  if (request.count == 0) return;
+  ASSERT_EQ(it.request.rest_at_end, request.rest_at_end);
+  ASSERT_EQ(it.request.known_end, request.known_end);
+  for (std::uint32_t i = 0; i < request.count; ++i) {
+    ASSERT_EQ(it.request.points[i], request.points[i]);
+    ASSERT_EQ(it.request.rest[i], request.rest[i]);
+    ASSERT_EQ(it.request.at_least[i], request.at_least[i]);
+  }
+}
+
+/// However handing out goes on: shots fired, those of a brake too, which were put back, ways handed
+/// out, a return to what was missed.
+TEST(NextWindow, IsThatOfThePlaceWhereHandingOutGoesOn) {
+  std::mt19937_64 random(1);
+  for (int job = 0; job < test::scaled(50); ++job) {
+    SCOPED_TRACE(job);
+    const auto it = std::make_unique<Looking>();
+    it->options.points_total = 300;
+    const Departure departure{random() % 2 == 0, random() % 2 == 0, random() % 2 == 0};
+    while (it->queue.begin() != it->options.points_total) {
+      switch (random() % 6) {
+        case 0:
+          for (auto n = random() % 60; n != 0 && it->queue.end() != it->options.points_total; --n)
+            it->queue.push(random_target(random));
+          it->window.forget();
+          break;
+        case 1:
+          it->window.go_on_at({it->queue.begin(), 0});
+          break;
+        case 2:
+          it->window.look(departure);
+          if (it->window.empty()) break;
+          it->window.go_on_at(it->window.place_after(
+              0, 1 + static_cast<std::uint32_t>(random() % it->request.commits())));
+          break;
+        default: {
+          if (it->queue.size() == 0) break;
+          const std::uint32_t point = it->queue.begin();
+          it->queue.mark_done(point);
+          it->window.flash_fired(point);
+          if (it->window.place().point < it->queue.begin())
+            it->window.go_on_at({it->queue.begin(), 0});
+        }
+      }
+      it->window.look(departure);
+      ASSERT_NO_FATAL_FAILURE(expect_as_fresh(*it, departure));
+    }
+  }
+}
+
+/// Looked for once: what comes in meanwhile is for the next time.
+TEST(NextWindow, IsLookedForOnceUntilItIsForgotten) {
+  Looking it;
+  it.options.points_total = 2;
+  it.queue.push({});
+  it.window.look({});
+  it.queue.push({});
+  it.window.look({});
+  EXPECT_EQ(it.request.count, 1u);
+  EXPECT_FALSE(it.window.ready());
+  it.window.forget();
+  it.window.look({});
+  EXPECT_EQ(it.request.count, 2u);
+  EXPECT_TRUE(it.window.ready());
+}
+
+}  // namespace
+}  // namespace lamplock::machine
