@@ -215,10 +215,10 @@ bool Controller::prepare(std::uint64_t clock) {
 }
 
 bool Controller::commit() {
-  const bool planned = part_waits();
   // A hold or an alarm since prepare() has made the plan worthless.
   const bool wanted = moving_ && !runner_.underrun();
-  if (wanted && runner_.commit() != Result::ok) {
+  const Committed committed = wanted ? runner_.commit() : Committed::nothing;
+  if (committed == Committed::no_way) {
     link_.refuse_point(Result::unreachable, runner_.failed_point());
     stop();
   }
@@ -233,7 +233,7 @@ bool Controller::commit() {
   if (state_ == MachineState::run && job_ && runner_.complete() && runner_.at_rest())
     state_ = MachineState::idle;
   end_overrides();
-  return planned;
+  return committed == Committed::part;
 }
 
 bool Controller::ready_to_move() const {

@@ -244,28 +244,28 @@ void JobRunner::begin_plan() {
   hand_over_.hand_out();
 }
 
-Result JobRunner::commit() {
+Committed JobRunner::commit() {
   switch (plan_stands()) {
     case PlanStands::part:
-      if (parts_ == Parts::staged && staged_ == 0) break;  // complete since stage(): the next time
+      // Complete since stage(): the next time.
+      if (parts_ == Parts::staged && staged_ == 0) return Committed::nothing;
       // Planning took too long, and what it started from has passed.
       if (provisional_begun())
         keep_provisional();
       else
         commit_plan();
-      break;
+      return Committed::part;
     case PlanStands::no_way:
       if (provisional_ != 0) {  // from there; from rest there may be one
         keep_provisional();
-        break;
+        return Committed::nothing;
       }
       failed_point_ = plan_.request().points[plan_.failed()];
       hand_over_.recall();
-      return Result::unreachable;
+      return Committed::no_way;
     default:
-      break;
+      return Committed::nothing;
   }
-  return Result::ok;
 }
 
 void JobRunner::take_back_provisional() {

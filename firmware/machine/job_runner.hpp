@@ -76,6 +76,9 @@ namespace lamplock::machine {
 /// them before, so that commit() is short and interrupts are masked for little.
 enum class Parts : std::uint8_t { straight, staged };
 
+/// What commit() has found to hand out.
+enum class Committed : std::uint8_t { nothing, part, no_way };
+
 /// Runs one job at a time.
 class JobRunner {
  public:
@@ -112,8 +115,9 @@ class JobRunner {
   /// Copies what was planned to where it is handed out from (Parts::staged): in motion every beat
   /// may have a shot, and none is served during commit(). Not masked.
   void stage();
-  /// Hands out what was planned. Error: unreachable (failed_point()).
-  Result commit();
+  /// Hands out a part of what was planned, unless it comes too late for what it starts from; or
+  /// there is no way to failed_point().
+  Committed commit();
   /// Another part of the plan can be handed out.
   bool part_waits() const { return plan_stands() == PlanStands::part; }
   /// What the hardware has done so far, nothing else.
