@@ -28,6 +28,24 @@ double beats_per_point(const motion::Limits& limits, const std::vector<motion::T
   return static_cast<double>(plan.total_beats()) / static_cast<double>(targets.size());
 }
 
+/// Mean of each column; there must be one row at least.
+Figures mean(const std::vector<Figures>& rows) {
+  const auto of = [&rows](auto value) {
+    double sum = 0;
+    for (const Figures& row : rows) sum += value(row);
+    return sum / static_cast<double>(rows.size());
+  };
+  const auto planned = [](const Figures& f) { return f.path.has_value(); };
+  Figures figures;
+  figures.start_stop = of([](const Figures& f) { return f.start_stop; });
+  if (std::all_of(rows.begin(), rows.end(), planned))
+    figures.path = of([](const Figures& f) { return *f.path; });
+  figures.free = of([](const Figures& f) { return f.free; });
+  figures.optimum = of([](const Figures& f) { return f.optimum; });
+  figures.labels = of([](const Figures& f) { return f.labels; });
+  return figures;
+}
+
 /// True if the time of a step is a whole number of beats but for rounding.
 bool ends_on_a_beat(const StartStopTime& row, double way_m) {
   const double a = row.accel_m_s2, v = row.speed_m_s;
@@ -106,14 +124,21 @@ JerkBeats jerk_beats(const Machine& machine, int points, std::uint64_t seed,
   return beats;
 }
 
-Figures course_figures(const PulseCourse& row, std::uint64_t seed, const PointsPlanned& planned) {
+Figures course_figures(const PulseCourse& row, int draws, std::uint64_t seed,
+                       const PointsPlanned& planned) {
   settings::Values values = machine_settings(pulse_machine.lamp_hz, pulse_machine.accel_m_s2,
                                              pulse_machine.speed_m_s, 2, steps_per_mm);
   const auto jump_milli = static_cast<std::int32_t>(std::lround(row.corner_jump_mm_s * 1000));
   for (int a = 0; a < 2; ++a)
     values.set_milli(settings::for_axis(settings::Id::speed_jump_x, a), jump_milli);
-  return figures_of(limits_of(values), course(row.shape, pulse_points, steps_per_mm, seed),
-                    planned);
+  const motion::Limits limits = limits_of(values);
+  std::vector<Figures> all;
+  for (int draw = 1; draw <= draws; ++draw) {
+    const std::uint64_t draw_seed = (seed - 1) * pulse_draws + static_cast<std::uint64_t>(draw);
+    all.push_back(
+        figures_of(limits, course(row.shape, pulse_points, steps_per_mm, draw_seed), planned));
+  }
+  return mean(all);
 }
 
 }  // namespace lamplock::bench

@@ -88,7 +88,11 @@ inline constexpr std::array<PulseCourse, 5> pulse_courses{
      {"right angle every 15 points, full stop", Course::stairs, 0},
      {"right angle every 15 points, jump of 0.75 mm/s", Course::stairs, 0.75},
      {"turning back by 120 degrees every 15 points", Course::zigzag, 0}}};
-Figures course_figures(const PulseCourse& row, std::uint64_t seed,
+/// Distances between its points are drawn, and single draws differ by up to 0.01 beats a point:
+/// what is shown are means over so many.
+inline constexpr int pulse_draws = 40;
+/// Means over draws of a seed; no two seeds share one, and those of seed 1 are 1, 2, 3...
+Figures course_figures(const PulseCourse& row, int draws, std::uint64_t seed,
                        const PointsPlanned& planned = {});
 
 }  // namespace lamplock::bench

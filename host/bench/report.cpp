@@ -51,10 +51,11 @@ std::string walk_table(const BenchReport& report) {
 std::string course_table(const BenchReport& report) {
   std::string text = fmt::format(
       "Beats per point on {} points 100-150 um apart, lamp {:g} Hz, {:g} m/s2, {:g} mm/s, seed "
-      "{}\n\n"
+      "{}:\n"
+      "every figure is the mean of {} draws of these distances\n\n"
       "{:<47} {}\n",
       pulse_points, pulse_machine.lamp_hz, pulse_machine.accel_m_s2, pulse_machine.speed_m_s * 1e3,
-      report.seed, "course", column_heads);
+      report.seed, pulse_draws, "course", column_heads);
   for (const CourseFigures& c : report.courses)
     text += fmt::format("{:<47} {}\n", c.name, columns(c.course));
   return text;

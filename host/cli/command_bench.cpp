@@ -35,7 +35,7 @@ std::size_t work(const Options& options, const bench::BenchReport& report) {
   };
   add("measured", bench::glass_start_stop_times.size(), report.measured_points);
   add("walks", bench::graded_walks.size(), report.walk_points);
-  add("example", bench::pulse_courses.size(), bench::pulse_points);
+  add("example", bench::pulse_courses.size() * bench::pulse_draws, bench::pulse_points);
   add("jerk", bench::jerk_machines.size() * bench::jerk_limits.size(), report.walk_points);
   return points;
 }
@@ -61,7 +61,8 @@ bench::BenchReport measure(const Options& options) {
           {machine, walk_figures(machine, report.walk_points, options.seed, planned)});
   if (options.wants("example"))
     for (const bench::PulseCourse& row : bench::pulse_courses)
-      report.courses.push_back({row.name, course_figures(row, options.seed, planned)});
+      report.courses.push_back(
+          {row.name, course_figures(row, bench::pulse_draws, options.seed, planned)});
   if (options.wants("jerk"))
     for (const bench::Machine& machine : bench::jerk_machines)
       report.jerks.push_back(
@@ -115,7 +116,8 @@ Json document(const bench::BenchReport& report) {
       add_figures(row, c.course);
       rows.push_back(row);
     }
-    json["example"] = {{"points", bench::pulse_points}, {"rows", rows}};
+    json["example"] = {
+        {"points", bench::pulse_points}, {"draws", bench::pulse_draws}, {"rows", rows}};
   }
   if (!report.jerks.empty()) {
     Json rows = Json::array();
@@ -159,7 +161,9 @@ void add_bench(CLI::App& program, Action& action) {
       "Example:\n  lamplock bench --chart beats.svg\n"
       "  lamplock bench --rows walks --points 2000 --seed 7 --json\n\n"
       "Nothing is simulated: the planner of the firmware plans each stream of points as the\n"
-      "machine does, and a search finds the fewest beats that any plan needs.");
+      "machine does, and a search finds the fewest beats that any plan needs. Rows of the example\n"
+      "are means over " +
+      std::to_string(bench::pulse_draws) + " draws of their random distances.");
   const auto options = std::make_shared<Options>();
   app->add_option("--rows", options->rows,
                   "Only these tables: measured, walks, example (default: these three), jerk")
@@ -170,7 +174,7 @@ void add_bench(CLI::App& program, Action& action) {
                   "Points of each walk (default: as many as the source has)")
       ->check(CLI::Range(10, 10'000'000))
       ->type_name("N");
-  app->add_option("--seed", options->seed, "Seed of the walks: same seed, same points")
+  app->add_option("--seed", options->seed, "Seed of what is drawn: same seed, same points")
       ->check(number_from(0, true))
       ->capture_default_str()
       ->type_name("S");
