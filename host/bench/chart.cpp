@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "host/bench/report.hpp"
+#include "host/svg.hpp"
 
 namespace lamplock::bench {
 namespace {
@@ -27,34 +28,23 @@ struct Scale {
   }
 };
 
-std::string text_at(double x, double y, const std::string& anchor, const std::string& text) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor,
-                     text);
-}
-
-std::string line(double x1, double y1, double x2, double y2) {
-  return fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"#ddd\"/>\n", x1, y1, x2,
-                     y2);
-}
+constexpr const char* grid_colour = "#ddd";
 
 std::string grid(const Scale& scale) {
-  std::string svg;
+  std::string picture;
   for (const double um : {100.0, 200.0, 300.0, 500.0, 1000.0, 2000.0, 3000.0, 5000.0}) {
     if (um < scale.least_um || um > scale.most_um) continue;
-    svg += line(scale.x(um), top, scale.x(um), height - bottom);
-    svg += text_at(scale.x(um), height - bottom + 18, "middle", fmt::format("{:g}", um));
+    picture += svg::line(scale.x(um), top, scale.x(um), height - bottom, grid_colour);
+    picture += svg::text_at(scale.x(um), height - bottom + 18, "middle", fmt::format("{:g}", um));
   }
   for (int tenth = 10; tenth / 10.0 < scale.most_beats; ++tenth) {
     const double beats = tenth / 10.0;
-    svg += line(left, scale.y(beats), width - right, scale.y(beats));
-    svg += text_at(left - 8, scale.y(beats) + 4, "end", fmt::format("{:.1f}", beats));
+    picture += svg::line(left, scale.y(beats), width - right, scale.y(beats), grid_colour);
+    picture += svg::text_at(left - 8, scale.y(beats) + 4, "end", fmt::format("{:.1f}", beats));
   }
-  svg += text_at((left + width - right) / 2, height - 14, "middle",
-                 "acceleration / lamp frequency squared, um (logarithmic)");
-  return svg + fmt::format(
-                   "<text transform=\"translate(20 {:.1f}) rotate(-90)\" "
-                   "text-anchor=\"middle\">beats per point</text>\n",
-                   (top + height - bottom) / 2);
+  picture += svg::text_at((left + width - right) / 2, height - 14, "middle",
+                          "acceleration / lamp frequency squared, um (logarithmic)");
+  return picture + svg::turned_text(20, (top + height - bottom) / 2, "beats per point");
 }
 
 /// One set of numbers: a mark for every row, hollow for the faster lamp.
@@ -67,12 +57,13 @@ struct Series {
 
 std::string marks(const Series& series, const std::vector<MeasuredFigures>& rows,
                   const Scale& scale) {
-  std::string svg;
+  std::string picture;
   for (const MeasuredFigures& row : rows)
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" stroke=\"{}\" fill=\"{}\"/>\n",
-                       scale.x(row.machine().way_um()), scale.y(series.beats(row)), series.radius,
-                       series.colour, row.row.lamp_hz > 50 ? "none" : series.colour);
-  return svg;
+    picture +=
+        fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" stroke=\"{}\" fill=\"{}\"/>\n",
+                    scale.x(row.machine().way_um()), scale.y(series.beats(row)), series.radius,
+                    series.colour, row.row.lamp_hz > 50 ? "none" : series.colour);
+  return picture;
 }
 
 }  // namespace
@@ -91,24 +82,25 @@ std::string chart_svg(const BenchReport& report) {
     for (const Series& series : all)
       scale.most_beats = std::max(scale.most_beats, series.beats(row) + 0.05);
   }
-  std::string svg = fmt::format(
+  std::string picture = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
       "{1}\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"{0}\" height=\"{1}\" "
       "fill=\"#fff\"/>\n",
       width, height);
-  svg += text_at(left, 24, "start",
-                 "Beats per point at 50 Hz (filled) and 100 Hz (hollow): every row of the source");
-  svg += grid(scale);
+  picture += svg::text_at(
+      left, 24, "start",
+      "Beats per point at 50 Hz (filled) and 100 Hz (hollow): every row of the source");
+  picture += grid(scale);
   double y = top + 20;
   for (const Series& series : all) {
-    svg += marks(series, report.measured, scale);
-    svg +=
+    picture += marks(series, report.measured, scale);
+    picture +=
         fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" stroke=\"{}\" fill=\"none\"/>\n",
                     width - 210.0, y - 4, series.radius, series.colour);
-    svg += text_at(width - 196, y, "start", series.name);
+    picture += svg::text_at(width - 196, y, "start", series.name);
     y += 20;
   }
-  return svg + "</svg>\n";
+  return picture + "</svg>\n";
 }
 
 }  // namespace lamplock::bench

@@ -8,12 +8,15 @@
 #include <functional>
 #include <utility>
 
+#include "host/svg.hpp"
+
 namespace lamplock::report {
 namespace {
 
 // All lengths are pixels.
-constexpr double width = 880, left = 78, right = 16, gap = 16, view_size = 264, view_gap = 62;
+constexpr double width = 880, left = 96, right = 16, gap = 16, view_size = 264, view_gap = 78;
 constexpr double title_y = 20, legend_y = 42, strip_y = 62, panels_y = 74, below = 46;
+constexpr double name_x = 13, limit_x = 27, view_name_gap = 56;
 constexpr double digit_width = 7;
 /// Vertices closer to the line than this are left out.
 constexpr double tolerance = 0.12;
@@ -29,42 +32,15 @@ constexpr const char* grid_colour = "#e4e4e4";
 constexpr const char* frame_colour = "#999";
 constexpr const char* limit_colour = "#555";
 
+using svg::text_at;
+using svg::turned_text;
+
 struct Pixel {
   double x = 0, y = 0;
 };
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (static_cast<unsigned char>(c) < 0x20)
-      out += ' ';
-    else
-      out += c;
-  }
-  return out;
-}
-
-std::string text_at(double x, double y, const char* anchor, const std::string& text) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor,
-                     escaped(text));
-}
-
-std::string turned_text(double x, double y, const std::string& text) {
-  return fmt::format(
-      "<text transform=\"translate({:.1f} {:.1f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-      x, y, escaped(text));
-}
-
 std::string line(Pixel from, Pixel to, const char* colour, const char* dashes = "") {
-  const std::string dashed = *dashes == 0 ? "" : fmt::format(" stroke-dasharray=\"{}\"", dashes);
-  return fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"{}\"{}/>\n", from.x, from.y,
-                     to.x, to.y, colour, dashed);
+  return svg::line(from.x, from.y, to.x, to.y, colour, dashes);
 }
 
 double distance_to_line(const Pixel& p, const Pixel& a, const Pixel& b) {
@@ -121,9 +97,9 @@ double nice_step(double range, double most) {
 /// Multiples of a step from `low` to `high`.
 std::vector<double> multiples(double low, double high, double step) {
   const double first = std::ceil(low / step - 1e-9);
-  const int count = static_cast<int>(std::floor(high / step + 1e-9) - first) + 1;
-  std::vector<double> all;
-  for (int i = 0; i < count; ++i) all.push_back((first + i) * step);
+  const double last = std::floor(high / step + 1e-9);
+  std::vector<double> all(static_cast<std::size_t>(std::max(0.0, last - first + 1)));
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = (first + static_cast<double>(i)) * step;
   return all;
 }
 
@@ -149,7 +125,6 @@ class Drawing {
     right_ = width - right - (plane_ ? view_size + view_gap : 0);
     y_ = panels_y;
     body_ += "<g font-weight=\"bold\">" + text_at(left, title_y, "start", title) + "</g>\n";
-    legend();
     strip();
   }
 
@@ -157,6 +132,7 @@ class Drawing {
     const double bottom = y_ - gap;
     beat_numbers(bottom);
     if (plane_) view();
+    legend();
     const double height = bottom + below;
     return fmt::format(
                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
@@ -260,49 +236,54 @@ class Drawing {
   bool plane_ = false;
   double right_ = 0, y_ = 0;
   int panels_ = 0;
+  bool limits_ = false, dots_ = false, rings_ = false, crosses_ = false;  ///< what has been drawn
   std::vector<Scale> scales_;
   std::string body_;
 };
 
+/// What has been drawn, and what it means.
 void Drawing::legend() {
+  constexpr double dash = 22, mark = 12, y = legend_y - 4;
   double at = left;
-  const auto word = [&](const std::string& text) {
-    body_ += text_at(at, legend_y, "start", text);
-    at += digit_width * static_cast<double>(text.size()) + 18;
+  const auto word = [&](double room, const std::string& text) {
+    body_ += text_at(at + room, legend_y, "start", text);
+    at += room + digit_width * static_cast<double>(text.size()) + 18;
   };
   for (const AxisSeries& axis : series_.axes) {
-    body_ += line({at, legend_y - 4}, {at + 22, legend_y - 4}, colours[index(axis.number)]);
-    at += 27;
-    word(axis.name);
+    body_ += line({at, y}, {at + dash, y}, colours[index(axis.number)]);
+    word(dash + 5, axis.name);
   }
-  body_ += line({at, legend_y - 4}, {at + 22, legend_y - 4}, limit_colour, "5 4");
-  at += 27;
-  word("limit");
-  dot({at + 4, legend_y - 4}, 3, "#000");
-  at += 12;
-  word("shot");
-  if (beat_width() >= least_ring_width) {
-    ring({at + 4, legend_y - 4}, 2.5);
-    at += 12;
-    word("beat without one");
+  if (limits_) {
+    body_ += line({at, y}, {at + dash, y}, limit_colour, "5 4");
+    word(dash + 5, "limit");
   }
-  const bool dark = series_.lamp && std::any_of(series_.beats.begin(), series_.beats.end(),
-                                                [](const BeatMark& b) { return !b.flash; });
-  if (!dark) return;
-  cross({at + 4, legend_y - 4}, 3);
-  at += 12;
-  word("no flash");
+  if (dots_) {
+    dot({at + 4, y}, 3, "#000");
+    word(mark, "shot");
+  }
+  if (rings_) {
+    ring({at + 4, y}, 2.5);
+    word(mark, "beat without a shot");
+  }
+  if (crosses_) {
+    cross({at + 4, y}, 3);
+    word(mark, "no flash");
+  }
 }
 
 void Drawing::strip() {
   for (const BeatMark& beat : series_.beats) {
     const Pixel at{x(beat.beat), strip_y};
-    if (series_.lamp && !beat.flash)
+    if (series_.lamp && !beat.flash) {
       cross(at, radius());
-    else if (beat.shot)
+      crosses_ = true;
+    } else if (beat.shot) {
       dot(at, radius(), "#000");
-    else if (beat_width() >= least_ring_width)
+      dots_ = true;
+    } else if (beat_width() >= least_ring_width) {
       ring(at, 0.8 * radius());
+      rings_ = true;
+    }
   }
 }
 
@@ -314,13 +295,14 @@ void Drawing::frame(double height, const std::string& name, const Scale& scale) 
       "height=\"{:.1f}\"/>"
       "</clipPath>\n",
       panels_, left, y_, right_ - left, height);
+  std::string names;
   for (const StateBand& band : series_.bands) {
     const double from = std::max(x(band.from), left), to = std::min(x(band.to), right_);
     if (to <= from) continue;
     body_ += fmt::format(
         "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"#fdf0d0\"/>\n",
         from, y_, to - from, height);
-    if (panels_ == 1) body_ += text_at((from + to) / 2, y_ + 14, "middle", band.name);
+    if (panels_ == 1) names += text_at((from + to) / 2, y_ + 14, "middle", band.name);
   }
   const double every = std::max(1.0, nice_step(series_.to - series_.from, (right_ - left) / 9));
   for (const double beat : multiples(series_.from, series_.to, every))
@@ -336,7 +318,9 @@ void Drawing::frame(double height, const std::string& name, const Scale& scale) 
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
       "stroke=\"{}\"/>\n",
       left, y_, right_ - left, height, frame_colour);
-  body_ += turned_text(15, y_ + height / 2, name);
+  body_ += names + turned_text(name_x, y_ + height / 2, name);
+  if (panels_ == 1 && series_.axes.empty())
+    body_ += text_at((left + right_) / 2, y_ + 20, "middle", "nothing moves in these beats");
 }
 
 void Drawing::limits(double height, const Scale& scale, const std::vector<Shown>& shown) {
@@ -350,18 +334,21 @@ void Drawing::limits(double height, const Scale& scale, const std::vector<Shown>
       if (limit < scale.low || limit > scale.high) continue;
       const double y = y_of(scale, height, limit);
       body_ += line({left, y}, {right_, y}, limit_colour, "5 4");
-      drawn = true;
+      drawn = limits_ = true;
     }
     if (!drawn) far += fmt::format("{}{:g}", far.empty() ? "limit " : ", ", s.limit);
   }
-  if (!far.empty()) body_ += turned_text(left - 47, y_ + height / 2, "(" + far + ")");
+  if (!far.empty()) body_ += turned_text(limit_x, y_ + height / 2, "(" + far + ")");
 }
 
 void Drawing::beat_numbers(double bottom) {
-  const double beats = series_.to - series_.from;
-  const double every = std::max(1.0, nice_step(beats, (right_ - left) / 44));
+  const auto text = [](double beat) { return fmt::format("{:.0f}", beat + 0.0); };
+  const double longest =
+      static_cast<double>(std::max(text(series_.from).size(), text(series_.to).size()));
+  const double room = std::max(44.0, (longest + 2) * digit_width);
+  const double every = std::max(1.0, nice_step(series_.to - series_.from, (right_ - left) / room));
   for (const double beat : multiples(series_.from, series_.to, every))
-    body_ += text_at(x(beat), bottom + 16, "middle", fmt::format("{:g}", beat + 0.0));
+    body_ += text_at(x(beat), bottom + 16, "middle", text(beat));
   body_ += text_at((left + right_) / 2, bottom + 36, "middle",
                    fmt::format("beats of {:.4g} ms", series_.beat_ms));
 }
@@ -407,7 +394,7 @@ void Drawing::view() {
   for (const ShotMark& shot : series_.shots)
     dot(place({shot.position_mm[0], shot.position_mm[1]}), std::min(radius(), 3.0), "#000");
   body_ += text_at(x0 + view_size / 2, panels_y + view_size + 36, "middle", "X, mm (from above)");
-  body_ += turned_text(x0 - 40, panels_y + view_size / 2, "Y, mm");
+  body_ += turned_text(x0 - view_name_gap, panels_y + view_size / 2, "Y, mm");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // A picture of a traced run: position, speed and acceleration of each axis over beats, as SVG.
 //
-// In:  the series of a run, a title. Out: text of an SVG file, some ten kilobytes.
+// In:  the series of a run, a title. Out: text of an SVG file, some ten kilobytes, for two
+//      thousand beats some hundred.
 // Who: `--plot` of the command line.
 //
 // On top a mark for every beat: fired, not fired, or without a flash. Limits are dashed where the

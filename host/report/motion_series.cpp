@@ -208,6 +208,7 @@ MotionSeries motion_series(const MotionTrace& trace, const settings::Values& val
   }
   series.beat_ms = beat_ticks * tick_ns * 1e-6;
   series.lamp = !trace.flashes().empty();
+  if (trace.beats().empty()) return series;
   for (int axis = 0; axis < max_axes; ++axis) {
     const auto moves = [axis](const MotionPiece& piece) {
       const stepper::AxisRun& run = piece.axis[index(axis)];

@@ -91,12 +91,53 @@ TEST(MotionPlot, ShowsWhatHappened) {
   EXPECT_THAT(good, HasSubstr(">Z</text>"));
   EXPECT_THAT(good, HasSubstr("stroke-dasharray"));
   EXPECT_THAT(good, HasSubstr("from above"));
+  EXPECT_THAT(good, HasSubstr(">shot</text>"));
+  EXPECT_THAT(good, HasSubstr(">limit</text>"));
+  EXPECT_THAT(good, Not(HasSubstr("nothing moves")));
   EXPECT_THAT(good, Not(HasSubstr("no flash")));
   EXPECT_THAT(good, Not(HasSubstr("tick, us")));
   lamp.dropout = 0.2;
   lamp.wander = 0.02;
   EXPECT_THAT(motion_svg(TracedRun(profile, job, all_beats, lamp).series(all_beats), ""),
               HasSubstr("no flash"));
+}
+
+TEST(MotionPlot, TellsOfNothingThatIsNotThere) {
+  MotionSeries series;
+  series.from = 2'000'000'000, series.to = 2'000'002'000, series.beat_ms = 10;
+  const std::string svg = motion_svg(series, "");
+  ASSERT_EQ(xml_fault(svg), "");
+  EXPECT_THAT(svg, HasSubstr("nothing moves in these beats"));
+  for (const char* word : {">shot<", ">limit<", "without a shot", "no flash", "stroke-dasharray"})
+    EXPECT_THAT(svg, Not(HasSubstr(word)));
+  EXPECT_THAT(svg, HasSubstr(">2000000500</text>"));
+}
+
+TEST(MotionPlot, NamesOfHoldsStandAboveTheGrid) {
+  MotionSeries series;
+  series.from = 0, series.to = 100, series.beat_ms = 10;
+  series.bands.push_back({20, 60, "hold"});
+  const std::string svg = motion_svg(series, "");
+  const std::size_t name = svg.find(">hold</text>"), panel = svg.find("panel2");
+  ASSERT_NE(name, std::string::npos);
+  EXPECT_LT(svg.rfind("<path", panel), name);
+  EXPECT_LT(name, panel);
+}
+
+TEST(MotionPlot, TitlesAreUtf8WhateverTheyCameFrom) {
+  const MotionSeries series{0, 1, 10, false, {}, {}, {}, {}};
+  const auto title = [&](const std::string& text) {
+    const std::string svg = motion_svg(series, text);
+    const std::size_t from = svg.find("<text", svg.find("bold")), begin = svg.find('>', from) + 1;
+    return svg.substr(begin, svg.find('<', begin) - begin);
+  };
+  for (const char* good : {"Schale", "\xc5\x82\xc3\xb3", "\xe2\x82\xac", "\xf0\x9f\x90\x9a"})
+    EXPECT_EQ(title(good), good);
+  EXPECT_EQ(title("a\xff\x01z"), "a? z");
+  EXPECT_EQ(title("cut \xe2\x82"), "cut ??");        // in the middle of a character
+  EXPECT_EQ(title("\xc0\xaf"), "??");                // longer than needed
+  EXPECT_EQ(title("\xed\xa0\x80"), "???");           // half of a pair
+  EXPECT_EQ(title("\xf4\x90\x80\x80 b"), "???? b");  // above the last one
 }
 
 TEST(MotionPlot, CurvesKeepInsideTheirPanels) {
