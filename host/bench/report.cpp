@@ -33,7 +33,7 @@ std::string measured_table(const BenchReport& report) {
     text += fmt::format("{:>4g} {:>6.2f} {:>6.1f} {:>9.3f} {:>6.3f} {:>+7.2f}  | {}\n",
                         m.row.lamp_hz, m.row.speed_m_s, m.row.accel_m_s2, measured_beats(m.row),
                         m.start_stop, m.off_percent(), columns(m.walk));
-  return text + "\n";
+  return text;
 }
 
 std::string walk_table(const BenchReport& report) {
@@ -45,7 +45,7 @@ std::string walk_table(const BenchReport& report) {
   for (const WalkFigures& w : report.walks)
     text += fmt::format("{:>4g} {:>6.2f} {:>6.1f}  {} {:>15.1f}\n", w.machine.lamp_hz,
                         w.machine.speed_m_s, w.machine.accel_m_s2, columns(w.walk), w.walk.labels);
-  return text + "\n";
+  return text;
 }
 
 std::string course_table(const BenchReport& report) {
@@ -84,10 +84,15 @@ std::string jerk_table(const BenchReport& report) {
 
 std::string tables(const BenchReport& report) {
   std::string text;
-  if (!report.measured.empty()) text += measured_table(report);
-  if (!report.walks.empty()) text += walk_table(report);
-  if (!report.courses.empty()) text += course_table(report);
-  if (!report.jerks.empty()) text += jerk_table(report);
+  const auto add = [&text](bool wanted, auto table) {
+    if (!wanted) return;
+    if (!text.empty()) text += '\n';
+    text += table();
+  };
+  add(!report.measured.empty(), [&] { return measured_table(report); });
+  add(!report.walks.empty(), [&] { return walk_table(report); });
+  add(!report.courses.empty(), [&] { return course_table(report); });
+  add(!report.jerks.empty(), [&] { return jerk_table(report); });
   return text;
 }
 

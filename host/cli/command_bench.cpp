@@ -159,7 +159,8 @@ void add_bench(CLI::App& program, Action& action) {
       "bench", "Plans the measured rows and walks of the sources, beside the exact optimum");
   app->footer(
       "Example:\n  lamplock bench --chart beats.svg\n"
-      "  lamplock bench --rows walks --points 2000 --seed 7 --json\n\n"
+      "  lamplock bench --rows walks --points 2000 --seed 7 --json\n"
+      "  lamplock bench --rows example,jerk\n\n"
       "Nothing is simulated: the planner of the firmware plans each stream of points as the\n"
       "machine does, and a search finds the fewest beats that any plan needs. Rows of the example\n"
       "are means over " +
@@ -179,6 +180,7 @@ void add_bench(CLI::App& program, Action& action) {
       ->capture_default_str()
       ->type_name("S");
   app->add_option("--chart", options->chart, "Write a chart of beats per point against a/f^2 (SVG)")
+      ->check(file_name())
       ->type_name("FILE");
   app->add_flag("--json", options->json, "Print the figures as JSON on stdout");
   app->callback([options, &action] { action = [options] { return run_bench(*options); }; });

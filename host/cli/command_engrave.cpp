@@ -30,7 +30,8 @@ void add_engrave(CLI::App& program, Action& action) {
       "engrave", "Engrave a mesh, bitmap or point list: points, order, job and machine in one");
   app->footer(
       "Example:\n  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n"
-      "  lamplock engrave points.xyz --board /dev/ttyACM0 --machine machine.toml\n\n"
+      "  lamplock engrave points.xyz --board /dev/ttyACM0 --machine machine.toml\n"
+      "  lamplock engrave points.xyz --plot motion.svg --plot-beats 0,60 --hold-at 30\n\n"
       "Ctrl-C holds the machine with the laser off, Enter resumes, Ctrl-C again stops. In a\n"
       "terminal a number and Enter is another job speed in percent, + or - and Enter a step.\n"
       "Exit status: 0 done, 1 job failed, 2 bad input, 3 no device, 130 interrupted.");

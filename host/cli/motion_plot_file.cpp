@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "host/cli/options.hpp"
 #include "host/cli/staged_file.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
@@ -18,12 +19,14 @@ constexpr std::int64_t beats_unless_asked = 200;
 constexpr std::int64_t most_beats = 2000;
 /// What comes before the first shot is short: one way.
 constexpr std::int64_t earliest_beat = std::numeric_limits<std::int32_t>::min();
+constexpr std::int64_t latest_beat = std::numeric_limits<std::int32_t>::max();
 
 }  // namespace
 
 void PlotOptions::add(CLI::App& app, const char* group) {
   app.add_option("--plot", file,
                  "Picture (SVG) of position, speed and acceleration over beats; virtual board")
+      ->check(file_name())
       ->type_name("FILE")
       ->group(group);
   app.add_option("--plot-beats", beats,
@@ -43,8 +46,11 @@ void PlotOptions::check() const {
   if (lower_extension(file) != ".svg")
     throw Error(Exit::bad_input, file, "pictures of motion are written as SVG",
                 "name it something.svg");
-  if (!beats.empty() &&
-      (beats[0] < earliest_beat || beats[1] <= beats[0] || beats[1] - beats[0] > most_beats))
+  const auto fits = [this] {
+    const std::int64_t from = beats[0], to = beats[1];
+    return from >= earliest_beat && from < to && to <= latest_beat && to - from <= most_beats;
+  };
+  if (!beats.empty() && !fits())
     throw Error(Exit::bad_input, fmt::format("--plot-beats {},{}", beats[0], beats[1]),
                 "is not what a picture can show",
                 fmt::format("give a first beat and a later one, at most {} apart", most_beats));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -46,6 +47,27 @@ LampMode lamp_mode_named(const std::string& name) {
   throw Error(Exit::bad_input, "--lamp-mode", "unknown mode " + name, "use none, slave or master");
 }
 
+/// An option and the file that it writes.
+struct Output {
+  const char* option;
+  const std::string& file;
+};
+
+/// Of two in one file the later one would be all that is left.
+void check_distinct(const std::vector<Output>& outputs) {
+  const auto place = [](const std::string& file) {
+    return std::filesystem::absolute(file).lexically_normal();
+  };
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (!outputs[i].file.empty() && !outputs[k].file.empty() && !is_special(outputs[i].file) &&
+          place(outputs[i].file) == place(outputs[k].file))
+        throw Error(
+            Exit::bad_input, outputs[i].file,
+            fmt::format("is to be written by {} and {}", outputs[k].option, outputs[i].option),
+            "give each a file of its own");
+}
+
 }  // namespace
 
 CLI::Validator number_from(double low, bool included) {
@@ -56,6 +78,11 @@ CLI::Validator number_from(double low, bool included) {
     return fmt::format("{} is not {} {:g}", text, included ? "at least" : "greater than", low);
   };
   return {check, ""};
+}
+
+CLI::Validator file_name() {
+  return {[](const std::string& text) { return std::string(text.empty() ? "has no name" : ""); },
+          ""};
 }
 
 CLI::Validator one_of(std::vector<std::string> names) {
@@ -288,20 +315,25 @@ void BoardOptions::add_job(CLI::App& app) {
   add_job_speed(app);
   app.add_flag("--dry", dry, "Move, never fire")->group(board_group);
   app.add_option("--hold-at", hold_at,
-                 "Hold for a second once so many points are fired: to see the machine brake")
+                 "Hold for a second once so many points are fired, counted from the beginning of "
+                 "the job: to see the machine brake")
       ->check(CLI::Range(1u, std::numeric_limits<std::uint32_t>::max()).description(""))
       ->type_name("N")
       ->group(board_group);
   app.add_option("--report", report, "Write report.json, shots.csv, shots.ply and cloud.png there")
+      ->check(file_name())
       ->type_name("DIR")
       ->group(board_group);
   app.add_option("--vcd", vcd, "Trace of all pins of a simulated board, for GTKWave")
+      ->check(file_name())
       ->type_name("FILE")
       ->group(board_group);
   app.add_option("--shots", shots, "What the laser of a simulated board fired, as CSV")
+      ->check(file_name())
       ->type_name("FILE")
       ->group(board_group);
   app.add_option("--timing", timing, "Timing of the chip, cycle by cycle, and where they go")
+      ->check(file_name())
       ->type_name("FILE")
       ->group(board_group);
   plot.add(app, board_group);
@@ -310,6 +342,7 @@ void BoardOptions::add_job(CLI::App& app) {
 }
 
 void BoardOptions::check() const {
+  check_distinct({{"--vcd", vcd}, {"--shots", shots}, {"--timing", timing}, {"--plot", plot.file}});
   if (!vcd.empty()) check_target(vcd);
   if (!shots.empty()) check_target(shots);
   if (!report.empty()) check_report_folder(report);

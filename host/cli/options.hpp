@@ -23,6 +23,9 @@ namespace lamplock::cli {
 /// Accepts finite numbers greater than `low`, or from `low` on.
 CLI::Validator number_from(double low, bool included);
 
+/// Accepts all names of files but the empty one.
+CLI::Validator file_name();
+
 /// Accepts one of these names.
 CLI::Validator one_of(std::vector<std::string> names);
 

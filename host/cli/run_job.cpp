@@ -69,6 +69,10 @@ class HoldOnce {
       if (!steering_.user_decides()) sender_.resume();
     }
   }
+  /// To be called when the job is over: what the machine says comes some points late.
+  void job_is_over() {
+    if (next_ == Next::hold) progress_.note("not held: the job was over before");
+  }
 
  private:
   enum class Next { hold, resume, nothing };
@@ -104,6 +108,7 @@ link::JobResult send(link::Transport& transport, const Work& work, const BoardOp
       sender.fail(std::current_exception());
     }
   }
+  hold.job_is_over();
   return sender.result();
 }
 
@@ -242,6 +247,13 @@ Outcome run_job(const Work& work, const BoardOptions& options,
     throw Error(Exit::bad_input, fmt::format("--from {}", options.from),
                 fmt::format("the job has {} points", work.points.size()),
                 fmt::format("points count from 0, the last is {}", work.points.size() - 1));
+  const std::size_t last = work.points.size() - 1;
+  if (options.hold_at != 0 && (options.hold_at <= options.from || options.hold_at > last))
+    throw Error(Exit::bad_input, fmt::format("--hold-at {}", options.hold_at),
+                fmt::format("the job goes from point {} to point {}", options.from, last),
+                last > options.from
+                    ? fmt::format("give a number from {} to {}", options.from + 1, last)
+                    : "leave it out");
   ask_permission(work, options);
   console.restart_clock();
   if (!port) return run_simulated(work, options, console);

@@ -16,13 +16,13 @@ namespace fs = std::filesystem;
   throw Error(Exit::bad_input, path.string(), what, "check folder, permissions and free space");
 }
 
+}  // namespace
+
 bool is_special(const fs::path& path) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   return fs::exists(status) && !fs::is_regular_file(status);
 }
-
-}  // namespace
 
 void check_target(const fs::path& target) {
   std::error_code ignored;

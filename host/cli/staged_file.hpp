@@ -29,6 +29,9 @@ class StagedFile {
   std::filesystem::path target_, staged_;
 };
 
+/// True for what is there and no file: a device, a pipe, a folder.
+bool is_special(const std::filesystem::path& path);
+
 /// Throws Error(bad_input) unless there is a folder to write `target` in: better told before hours
 /// of work than after.
 void check_target(const std::filesystem::path& target);

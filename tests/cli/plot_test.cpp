@@ -59,8 +59,49 @@ TEST(Plot, BadRequestsAreRefusedBeforeAnythingMoves) {
   refused({"--plot-beats", "0,10"}, "--plot-beats");
   refused({"--plot", plot, "--plot-beats", "10,10"}, "--plot-beats 10,10");
   refused({"--plot", plot, "--plot-beats", "0,2001"}, "--plot-beats 0,2001");
+  refused({"--plot", plot, "--plot-beats", "-5,9223372036854775807"}, "--plot-beats -5,");
+  refused({"--plot", plot, "--plot-beats", "9223372036854775806,9223372036854775807"},
+          "--plot-beats 9223372036854775806,");
+  refused({"--plot", plot, "--plot-beats", "-9223372036854775808,0"}, "--plot-beats -9223");
   refused({"--plot", plot, "--plot-beats", "0"}, "plot-beats");
   refused({"--plot", plot, "--plot-beats", "0,x"}, "plot-beats");
+  refused({"--plot", ""}, "--plot");
+  refused({"--plot", plot, "--vcd", folder / "b/../a.svg"}, "--vcd and --plot");
+}
+
+TEST(HoldAt, APointThatTheJobDoesNotPassIsRefused) {
+  const Folder folder;
+  const std::string points = folder.write("a.xyz", xyz(walk(20, 3)));
+  const auto refused = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"engrave", points, "--vcd", folder / "a.vcd", "--hold-at"});
+    const auto before = folder.files();
+    const Finished done = run(options);
+    EXPECT_EQ(done.status, 2) << options.back();
+    EXPECT_THAT(done.err, testing::MatchesRegex("error: --hold-at[^\n]*: [^\n]+; [^\n]+\n"));
+    EXPECT_EQ(folder.files(), before);
+  };
+  for (const char* points_fired : {"0", "-1", "1.5", "20", "21", "5000000000"})
+    refused({points_fired});
+  refused({"5", "--from", "5"});
+  refused({"20", "--from", "19"});
+  EXPECT_EQ(run({"engrave", points, "--hold-at", "6", "--from", "5"}).status, 0);
+  const std::string zero = folder.write("zero.xyz", "0 0 0\n");
+  EXPECT_THAT(run({"engrave", zero, "--hold-at", "1"}).err, HasSubstr("leave it out"));
+}
+
+TEST(HoldAt, ItIsSaidIfTheJobWasOverBefore) {
+  const Folder folder;
+  // A point a millisecond: what the machine says comes later than the last of them.
+  const std::string points = folder.write("a.xyz", xyz(walk(100, 3, 0.005)));
+  int not_held = 0;
+  for (const char* last : {"97", "98", "99"}) {
+    const Finished done = run({"engrave", points, "--lamp", "1000", "--hold-at", last});
+    EXPECT_EQ(done.status, 0);
+    const bool held = done.err.find("holding for a second") != std::string::npos;
+    EXPECT_NE(held, done.err.find("not held") != std::string::npos) << done.err;
+    not_held += held ? 0 : 1;
+  }
+  EXPECT_GT(not_held, 0);
 }
 
 TEST(HoldAt, BrakesGoesOnAndFiresEveryPointOnce) {

@@ -67,7 +67,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{{"order", "a.xyz"}, "--output"}, Wrong{{"compare", "a"}, "SECOND"},
                     Wrong{{"job"}, "--show"}, Wrong{{"bench", "--rows", "glass"}, "--rows"},
                     Wrong{{"bench", "--points", "0"}, "--points"},
-                    Wrong{{"bench", "--seed", "-3"}, "--seed"}));
+                    Wrong{{"bench", "--seed", "-3"}, "--seed"},
+                    Wrong{{"bench", "--chart", ""}, "--chart"},
+                    Wrong{{"engrave", "a.xyz", "--vcd", ""}, "--vcd"},
+                    Wrong{{"engrave", "a.xyz", "--report", ""}, "--report"}));
 
 }  // namespace
 }  // namespace lamplock::cli::test
