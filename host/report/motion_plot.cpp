@@ -302,7 +302,10 @@ void Drawing::frame(double height, const std::string& name, const Scale& scale) 
     body_ += fmt::format(
         "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"#fdf0d0\"/>\n",
         from, y_, to - from, height);
-    if (panels_ == 1) names += text_at((from + to) / 2, y_ + 14, "middle", band.name);
+    if (panels_ > 1) continue;
+    const double room = digit_width * static_cast<double>(band.name.size()) / 2 + 4;
+    names += text_at(std::clamp((from + to) / 2, left + room, right_ - room), y_ + 14, "middle",
+                     band.name);
   }
   const double every = std::max(1.0, nice_step(series_.to - series_.from, (right_ - left) / 9));
   for (const double beat : multiples(series_.from, series_.to, every))

@@ -135,6 +135,11 @@ std::string name_of(wire::MachineState state) {
   }
 }
 
+/// At rest in the middle of a job.
+bool waits(wire::MachineState state) {
+  return state == wire::MachineState::hold || state == wire::MachineState::door;
+}
+
 void add_band(MotionSeries& series, const std::string& name, double from, double to) {
   if (name.empty()) return;
   if (!series.bands.empty() && series.bands.back().name == name && series.bands.back().to >= from)
@@ -195,8 +200,9 @@ MotionSeries motion_series(const MotionTrace& trace, const settings::Values& val
       if (beats.of_tick(piece.end_tick()) > from && beats.of_tick(piece.first_tick) < to)
         pieces.push_back(piece);
   }
-  // What stands before the first motion and behind the last is not worth a picture.
-  while (!pieces.empty() && !pieces.back().moves()) pieces.pop_back();
+  // What stands behind the last motion is not worth a picture, unless it is to go on.
+  const auto over = [](const MotionPiece& p) { return !p.moves() && !waits(p.state); };
+  while (!pieces.empty() && over(pieces.back())) pieces.pop_back();
   MotionSeries series;
   series.from = static_cast<double>(window.from);
   series.to = static_cast<double>(window.to);

@@ -122,6 +122,15 @@ TEST(MotionPlot, NamesOfHoldsStandAboveTheGrid) {
   ASSERT_NE(name, std::string::npos);
   EXPECT_LT(svg.rfind("<path", panel), name);
   EXPECT_LT(name, panel);
+  // Inside the panel, wherever the hold is.
+  for (const double from : {0.0, 99.9}) {
+    series.bands = {{from, from + 0.1, "door open"}};
+    const std::string edge = motion_svg(series, "");
+    const std::size_t text = edge.rfind("<text x=\"", edge.find(">door open<"));
+    const double x = std::stod(edge.substr(text + 9));
+    EXPECT_GT(x, 96 + 30);
+    EXPECT_LT(x, 864 - 30);
+  }
 }
 
 TEST(MotionPlot, TitlesAreUtf8WhateverTheyCameFrom) {

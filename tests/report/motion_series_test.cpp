@@ -166,6 +166,37 @@ TEST(MotionSeries, AWindowIsTheSamePartOfTheWhole) {
   EXPECT_EQ(window.beats.size(), 21u);
 }
 
+TEST(MotionSeries, AHoldLastsAsLongAsTheWindow) {
+  const job::Profile profile = lamp_profile();
+  Rig rig(profile);
+  const sim::MotionTrace trace(rig.board, all_beats, sim::MotionTrace::Zero::first_shot);
+  link::SimulatedTransport transport(rig.board);
+  const job::Job job = wild_job(profile, 14, JoinMode::free, 300);
+  link::JobSender sender(transport, job, {});
+  while (sender.points_fired() < 100) ASSERT_TRUE(sender.step());
+  sender.pause();
+  const auto resume = transport.now() + std::chrono::seconds(1);
+  while (transport.now() < resume) ASSERT_TRUE(sender.step());
+  sender.resume();
+  while (sender.step()) {
+  }
+  const MotionSeries whole = motion_series(trace, profile.settings, all_beats, report::Fit::motion);
+  ASSERT_EQ(whole.bands.size(), 1u);
+  EXPECT_NEAR(whole.bands[0].to - whole.bands[0].from, 100, 15);
+  // A window that ends in the middle of it.
+  const auto middle = static_cast<std::int64_t>((whole.bands[0].from + whole.bands[0].to) / 2);
+  for (const report::Fit fit : {report::Fit::motion, report::Fit::window}) {
+    const MotionSeries part = motion_series(trace, profile.settings, {0, middle}, fit);
+    EXPECT_EQ(part.to, static_cast<double>(middle));
+    ASSERT_EQ(part.bands.size(), 1u);
+    EXPECT_GE(part.bands[0].to, part.to);
+    for (const AxisSeries& axis : part.axes) {
+      EXPECT_GE(axis.speed_m_s.back().beat, part.to);
+      EXPECT_EQ(axis.speed_m_s.back().value, 0);
+    }
+  }
+}
+
 TEST(MotionSeries, DryRunsCountFromTheFirstMotion) {
   const job::Profile profile = lamp_profile();
   job::JobOptions options;
