@@ -12,6 +12,11 @@ extern "C" void second_core();
 namespace lamplock::rp2040 {
 namespace {
 
+/// At the end of memory, where alignment leaves no gaps (toolchain/arm/rp2040.ld).
+[[gnu::section(".bss.rings.stamps")]] StampRing stamp_ring;
+[[gnu::section(".bss.rings.lattice")]] LatticeRings lattice_rings;
+[[gnu::section(".bss.rings.ticks")]] TickRing tick_ring;
+
 /// The one board; built by main().
 alignas(Board) std::byte board_memory[sizeof(Board)];
 
@@ -31,9 +36,10 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 
 }  // namespace
 
-Board::Board()
+Board::Board(const Rings& rings)
     : core_(stored_, mask_, boards::axes(map_), boards::channels(map_), machine::Parts::staged),
-      ports_(uart_send_gpio) {}
+      ports_(uart_send_gpio),
+      real_time_(map_, rings) {}
 
 void Board::start_ports() {
   const std::array<char, 16> number = flash_unique_number();
@@ -188,5 +194,5 @@ void second_core() { lamplock::rp2040::board().plan_for_ever(); }
 int main() {
   using namespace lamplock::rp2040;
   release_reset(used_blocks);
-  (new (board_memory) Board)->run();
+  (new (board_memory) Board({tick_ring, lattice_rings, stamp_ring}))->run();
 }

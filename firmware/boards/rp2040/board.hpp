@@ -35,7 +35,7 @@ using Ports = BasicPorts<UsbSerial, UartSerial>;
 
 class Board {
  public:
-  Board();
+  explicit Board(const Rings& rings);
   Board(const Board&) = delete;
   Board& operator=(const Board&) = delete;
 
@@ -122,7 +122,7 @@ class Board {
   std::uint32_t noted_shots_ = 0;
   bool noted_shot_out_ = false;
   bool second_core_ = false;  ///< it plans
-  RealTime real_time_{map_};  ///< last: its rings want addresses of their own size, 8 KiB
+  RealTime real_time_;
 };
 
 }  // namespace lamplock::rp2040

@@ -34,15 +34,23 @@
 
 namespace lamplock::rp2040 {
 
+/// What DMA reads and writes in circles; each wants an address of its own size. All zero at first.
+struct Rings {
+  TickRing& ticks;
+  LatticeRings& lattice;
+  StampRing& stamps;
+};
+
 /// One per board.
 class RealTime {
  public:
-  explicit RealTime(boards::PinMap map)
-      : map_(map),
-        expander_(rings_),
-        feed_(tick_ring_),
-        stamps_(stamp_ring_),
-        lattice_(rings_, tick_ring_, stamp_ring_),
+  RealTime(boards::PinMap map, const Rings& rings)
+      : tick_ring_(rings.ticks),
+        map_(map),
+        expander_(rings.lattice),
+        feed_(rings.ticks),
+        stamps_(rings.stamps),
+        lattice_(rings.lattice, rings.ticks, rings.stamps),
         fire_(lattice_, feed_, stamps_),
         beam_(map),
         estop_(fire_),
@@ -91,10 +99,7 @@ class RealTime {
   void set_alarm(std::uint32_t wait_us);
   void call_for_token();
 
-  // In the order of their alignment: no gaps between them.
-  TickRing tick_ring_;
-  LatticeRings rings_;
-  StampRing stamp_ring_;
+  TickRing& tick_ring_;
   boards::PinMap map_;
   StepExpander expander_;
   TickFeed feed_;

@@ -9,6 +9,8 @@
 extern "C" {
 extern std::uint32_t bss_begin[];
 extern std::uint32_t bss_end[];
+extern std::uint32_t rings_begin[];
+extern std::uint32_t rings_end[];
 
 int main();
 [[noreturn]] void start_image();
@@ -57,6 +59,7 @@ void start_image() {
   using namespace lamplock::rp2040;
   scb().vtor = reinterpret_cast<std::uintptr_t>(&image_vectors);
   for (std::uint32_t* word = bss_begin; word != bss_end; ++word) *word = 0;
+  for (std::uint32_t* word = rings_begin; word != rings_end; ++word) *word = 0;
   paint_stacks();
   main();
   __builtin_unreachable();
