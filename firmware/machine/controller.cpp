@@ -390,15 +390,7 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
     return Result::bad_value;
   }
   std::uint16_t setting = 0;
-  Result r = check_settings(values, setting);
-  // A path has corners, where speeds jump: no limit of jerk holds there.
-  const bool path = header.mode == static_cast<std::uint8_t>(motion::JoinMode::path);
-  for (int axis = 0; path && r == Result::ok && axis < header.axes; ++axis) {
-    const Id jerk = settings::for_axis(Id::jerk_x, axis);
-    if (values.milli(jerk) == 0) continue;
-    setting = settings::row(jerk).number;
-    r = Result::bad_value;
-  }
+  const Result r = check_settings(values, setting);
   refused_value_ = setting;
   return r;
 }

@@ -77,10 +77,16 @@ constexpr std::int64_t pulse_ticks(std::uint32_t beat, std::int64_t rise_ticks) 
 /// Slower than this, four minutes, is not a limit but a mistake.
 constexpr std::int64_t longest_rise_ticks = std::int64_t{1} << 28;
 
+/// What rounding leaves of an acceleration (see set_plan_limits).
+std::int64_t steady_accel_q62(std::int64_t accel_q62, std::uint32_t beat) {
+  const std::uint32_t margin = beat * 10;
+  return mul_div(accel_q62, margin - 13, margin) - 1;
+}
+
 /// A pulse over n ticks (segment.hpp) with peak A and jerk J is worth the steady acceleration
 /// A (1 - A / (J n)) or, if it is too short to get to A, J n / 4. False if that is next to nothing.
 bool limit_jerk(AxisLimits& axis, std::uint32_t beat) {
-  const std::int64_t most = axis.plan_accel_q62 - axis.plan_accel_q62 / ramp_rounding;
+  const std::int64_t most = pulse_peak_q62(axis, beat);
   const auto rise = [&axis](std::int64_t accel_q62) {
     return ratio_up(Int128(accel_q62) << 16, axis.jerk_q78);
   };
@@ -192,7 +198,7 @@ bool set_limits(AxisLimits& axis, const settings::Values& values, int a, std::ui
 /// the axis, the more).
 void set_plan_limits(AxisLimits& axis, std::uint32_t beat) {
   const std::uint32_t margin = beat * 10;
-  axis.plan_accel_q62 = mul_div(axis.accel_q62, margin - 13, margin) - 1;
+  axis.plan_accel_q62 = steady_accel_q62(axis.accel_q62, beat);
   axis.plan_speed_q62 = mul_div(axis.speed_q62, margin - 50, margin) - 1;
   axis.brake_accel_q62 = axis.plan_accel_q62;
   axis.rise_ticks = 0;
@@ -232,6 +238,11 @@ bool BrakeLimits::limit_jerk() const {
   for (int a = 0; a < axes; ++a)
     if (axis[static_cast<std::size_t>(a)].jerk_q78 != 0) return true;
   return false;
+}
+
+std::int64_t pulse_peak_q62(const AxisLimits& axis, std::uint32_t beat) {
+  const std::int64_t steady = steady_accel_q62(axis.accel_q62, beat);
+  return steady - steady / ramp_rounding;
 }
 
 Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint32_t tick_q16,

@@ -103,6 +103,9 @@ struct BrakeLimits {
   BrakeLimits(const Limits& limits);  // NOLINT(google-explicit-constructor)
 };
 
+/// Highest acceleration of pulses on an axis, with room for the rounding of their ramps.
+std::int64_t pulse_peak_q62(const AxisLimits& axis, std::uint32_t beat_ticks);
+
 /// Fills `out`. `tick_q16` is the shortest real tick to expect over the nominal one: a shorter tick
 /// makes real speed and acceleration larger, so the limits in ticks fall with its first and second
 /// power. Error: bad_value, with the number of the offending setting in `setting`.

@@ -76,6 +76,45 @@ std::int64_t line_speed_q32(const PerAxis<std::int64_t>& displacement_q32, std::
   return speed < most ? speed - (speed >> room_bits) : most;
 }
 
+/// Ticks in which the acceleration of a line rises to its peak, and no less than a stair
+/// (segment.hpp); 0 if it needs no ramp. All axes have their ramps at the same time: the peak is
+/// that of the axis with the least acceleration, `steepest`; how fast it rises is said by the one
+/// with the least jerk; both over their ways.
+Real rise_ticks(const PerAxis<std::int64_t>& steps_q32, const Limits& limits, int& steepest) {
+  Real least_jerk, longest;
+  bool limited = false;
+  for (int a = 0; a < limits.axes; ++a) {
+    const Real way = Real::of_q32(abs64(steps_q32[index(a)]));
+    if (steps_q32[index(a)] == 0) continue;
+    const AxisLimits& axis = limits.axis[index(a)];
+    const Real way_over_accel = way / Real(magnitude(axis.accel_q62));
+    if (longest < way_over_accel) {
+      longest = way_over_accel;
+      steepest = a;
+    }
+    if (axis.jerk_q78 == 0) continue;
+    const Real jerk = Real(magnitude(axis.jerk_q78), -16) / way;
+    if (!limited || jerk < least_jerk) least_jerk = jerk;
+    limited = true;
+  }
+  return limited ? Real(1u) / (longest * least_jerk) : Real();
+}
+
+/// Where ramps are needed: the line normalised by the peak of its pulses.
+void limit_jerk(PathLine& line, const PerAxis<std::int64_t>& steps_q32, const Limits& limits) {
+  int steepest = 0;
+  const Real rise = rise_ticks(steps_q32, limits, steepest);
+  if (!(Real(flat_rise_ticks) < rise)) return;
+  const AxisLimits& axis = limits.axis[index(steepest)];
+  const Real plan(magnitude(axis.plan_accel_q62));
+  const Real peak(magnitude(pulse_peak_q62(axis, limits.beat_ticks)));
+  const Real way = Real::of_q32(axis.displacement_q32(abs64(steps_q32[index(steepest)])));
+  const Real stair(stepper::least_stair_ticks);
+  line.displacement_q32 = (way * plan / peak).fixed(32);
+  line.rise_q32 = ((rise < stair ? stair : rise) / Real(limits.beat_ticks)).fixed(32) + 1;
+  line.flat_q32 = (Real(flat_rise_ticks) / rise).fixed(32);
+}
+
 Real weight_of(const AxisLimits& axis) { return Real(axis.weight_q31, -31); }
 
 /// Speed jump of an axis that is set, steps per beat.
@@ -102,7 +141,9 @@ PathLine make_line(const PerAxis<std::int64_t>& steps_q32, const Limits& limits)
   }
   if (!some) return line;
   measure(steps_q32, -32, limits, line);
-  line.displacement_q32 = longest + (longest >> room_bits) + 1;
+  line.displacement_q32 = longest;
+  limit_jerk(line, steps_q32, limits);
+  line.displacement_q32 += (line.displacement_q32 >> room_bits) + 1;
   line.speed_q32 = line_speed_q32(displacement, line.displacement_q32, limits);
   return line;
 }

@@ -6,8 +6,9 @@
 //
 // A line is run by all axes in proportion, so one number describes the motion. It is normalised as
 // in reach.hpp, by the axis that limits the acceleration along the line: time in beats, that axis'
-// acceleration = 1. The speed that is continuous at a corner is the one in mm/s, so lengths are
-// measured in millimetres, written as steps of the coarsest axis.
+// acceleration = 1; where jerk is limited the peak of its pulses (pulse_line.hpp) = 1.
+// The speed that is continuous at a corner is the one in mm/s, so lengths are measured in
+// millimetres, written as steps of the coarsest axis.
 //
 // The corner. At speed v an axis jumps by v |u' - u|, u and u' its direction cosines before and
 // behind the corner, and this may be no more than its setting J. But points are rounded to whole
@@ -51,6 +52,8 @@ struct PathLine {
   Real length;                         ///< in steps of the coarsest axis
   std::int64_t displacement_q32 = 0;   ///< normalised
   std::int64_t speed_q32 = 0;          ///< normalised limit
+  std::int64_t rise_q32 = 0;           ///< beats in which the acceleration rises; 0 = at once
+  std::int64_t flat_q32 = 0;           ///< share of it that is there at once
 };
 
 /// The line of a displacement in steps. What is too long for max_displacement_q32 has a

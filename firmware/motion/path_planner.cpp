@@ -2,26 +2,19 @@
 
 #include "firmware/motion/path_reach.hpp"
 #include "firmware/motion/profile.hpp"
+#include "firmware/motion/pulse.hpp"
 
 namespace lamplock::motion {
 namespace {
 
-/// Times tried per label.
-constexpr int candidates_per_label = 8;
+/// Times tried per label; with pulses each is divided in some ways, and more find nothing better.
+constexpr int candidates_per_label = 8, candidates_with_pulses = 3;
 /// Exact positions are kept as 64 bits beside the middle of a step. After this many ticks, eighteen
-/// minutes, rounding has moved them by a quarter of a step.
+/// minutes, rounding has moved them by a quarter of a step; pulses are rounded to larger units.
 constexpr std::uint32_t longest_segment_ticks = std::uint32_t{1} << 30;
-
-/// v * factor, rounded down.
-std::int64_t scaled(std::int64_t v, Real factor) {
-  constexpr std::int64_t largest = std::int64_t{1} << 62;
-  const Int128 product = Int128::product(v, factor.mantissa());
-  const int shift = -factor.exponent();
-  if (shift >= 128) return 0;
-  if (shift < 0) return v == 0 ? 0 : largest;
-  const Int128 result = product >> shift;
-  return result > Int128(largest) ? largest : result.to_int64();
-}
+constexpr std::uint32_t longest_pulses_ticks = std::uint32_t{1} << 28;
+/// Where the highest speed is looked for, beats are passed by this share.
+constexpr std::int32_t beats_share = 16;
 
 std::int64_t least_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
 
@@ -32,11 +25,6 @@ std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {
 
 std::int32_t larger(std::int32_t a, std::int32_t b) { return a > b ? a : b; }
 
-/// True if the profile goes against the way it has to go.
-bool goes_back(const AxisProfile& p, Int128 way) {
-  const std::int64_t cruise = p.cruise_speed_q62();
-  return cruise != 0 && (cruise < 0) != way.negative();
-}
 }  // namespace
 
 Result PathPlanner::plan(const PlanRequest& request, std::uint32_t& failed) {
@@ -50,7 +38,10 @@ Result PathPlanner::plan(const PlanRequest& request, std::uint32_t& failed) {
 void PathPlanner::begin(const PlanRequest& request) {
   request_ = &request;
   limits_ = request.limits;
-  const std::uint32_t most = longest_segment_ticks / limits_->beat_ticks;
+  limit_jerk_ = BrakeLimits(*limits_).limit_jerk();
+  longer_ = 0;
+  const std::uint32_t ticks = limit_jerk_ ? longest_pulses_ticks : longest_segment_ticks;
+  const std::uint32_t most = ticks / limits_->beat_ticks;
   most_beats_ = most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
   result_ = Result::unreachable;
   phase_ = Phase::set_up;
@@ -59,13 +50,11 @@ void PathPlanner::begin(const PlanRequest& request) {
 bool PathPlanner::advance() {
   switch (phase_) {
     case Phase::set_up:
-      phase_ = set_up(failed_) == Result::ok ? Phase::ahead : Phase::over;
+      phase_ = Phase::over;
+      if (set_up(failed_) == Result::ok) start_over();
       break;
     case Phase::ahead:
       look_ahead();
-      careful_ = false;
-      at_ = 0;
-      phase_ = Phase::search;
       break;
     case Phase::search:
       search();
@@ -97,17 +86,20 @@ Result PathPlanner::set_up(std::uint32_t& failed) {
     if (now.displacement_q32 > max_displacement_q32) return Result::unreachable;
     if (!now.none && now.speed_q32 <= 0) return Result::unreachable;
     Stage& stage = stages_[i];
-    stage.displacement_q32 = now.displacement_q32;
-    stage.speed_q32 = now.speed_q32;
+    stage.line = {now.displacement_q32, now.speed_q32};
+    if (now.rise_q32 != 0)
+      stage.line = make_pulse_line(now.displacement_q32, now.speed_q32, now.rise_q32, now.flat_q32);
     stage.corner_q32 = 0;
+    stage.hint = 1;
+    stage.least_beats = 1;
     stage.from_previous = Real();
     if (i == 0 && !set_start(now)) return Result::unreachable;
     if (i > 0 && !now.none && !before.none) {
       Stage& previous = stages_[i - 1];
       stage.from_previous = speed_factor(before, now);
       const Real corner = corner_speed(before, now, *limits_);
-      previous.corner_q32 = least_of(normalised_speed_q32(before, corner), previous.speed_q32);
-      const std::int64_t next = scaled(stage.speed_q32, Real(1u) / stage.from_previous);
+      previous.corner_q32 = least_of(normalised_speed_q32(before, corner), previous.line.speed_q32);
+      const std::int64_t next = scaled(stage.line.speed_q32, Real(1u) / stage.from_previous);
       previous.corner_q32 = request_->rest[i - 1] ? 0 : least_of(previous.corner_q32, next);
     }
     before = now;
@@ -127,7 +119,8 @@ bool PathPlanner::set_start(const PathLine& first) {
   const PathLine motion = line_of_speed(speeds, *limits_, speed);
   start_q32_ = normalised_speed_q32(first, speed);
   // The speed was made from a normalised one: allow for the rounding of both conversions.
-  const std::int64_t slack = 64 + (start_q32_ >> 28);
+  // Where jerk is limited speeds lie on bounds more often, and its profiles have room for more.
+  const std::int64_t slack = 64 + (start_q32_ >> (limit_jerk_ ? 22 : 28));
   const std::int64_t most = normalised_speed_q32(first, jump_speed(motion, first, *limits_));
   // Where this plan follows another one, that one has looked at the corner.
   if (!request_->follows && start_q32_ - slack > least_of(most, first.speed_q32)) return false;
@@ -137,24 +130,71 @@ bool PathPlanner::set_start(const PathLine& first) {
   return true;
 }
 
+void PathPlanner::start_over() {
+  phase_ = Phase::ahead;
+  at_ = request_->count - 1;
+  stages_[at_].end_q32 = 0;
+  misfits_ = 0;
+  careful_ = false;
+}
+
+/// One point: from its end to the start of its line.
 void PathPlanner::look_ahead() {
-  stages_[request_->count - 1].end_q32 = 0;
-  for (std::uint32_t i = request_->count - 1; i > 0; --i) {
-    const Stage& stage = stages_[i];
-    Stage& previous = stages_[i - 1];
-    previous.end_q32 = previous.corner_q32;
-    if (stage.displacement_q32 == 0 || previous.corner_q32 == 0) continue;
-    // Run backwards: the fewest beats allow the highest speed.
-    const PathWay way{stage.displacement_q32, stage.speed_q32};
-    const SpeedInterval end{0, stage.end_q32};
-    const std::int32_t fixed = fixed_beats(i);
-    const std::int32_t beats =
-        fixed != 0 ? fixed : fewest_beats(way, end, way.speed_q32, least_beats(i), most_beats_);
-    SpeedInterval start;
-    if (beats == 0 || !path_reach(way, end, beats, way.speed_q32, start)) continue;
-    const std::int64_t most = scaled(start.hi_q32, Real(1u) / stage.from_previous);
+  if (at_ == 0) {
+    phase_ = Phase::search;
+    return;
+  }
+  const Stage& stage = stages_[at_];
+  Stage& previous = stages_[at_ - 1];
+  previous.end_q32 = previous.corner_q32;
+  if (!stage.stands() && previous.corner_q32 != 0) {
+    const std::int64_t most = scaled(start_bound_q32(at_), Real(1u) / stage.from_previous);
     previous.end_q32 = least_of(previous.end_q32, most);
   }
+  --at_;
+}
+
+/// Highest speed at the start of a line, in its units.
+std::int64_t PathPlanner::start_bound_q32(std::uint32_t i) const {
+  const Stage& stage = stages_[i];
+  const SpeedInterval end{0, stage.end_q32};
+  std::int64_t most = highest_start_q32(i, end);
+  // Long pulses take away more speed than short ones: standing at the end may allow more.
+  if (stage.has_pulses()) {
+    const std::int64_t to_rest = highest_start_q32(i, {0, 0});
+    if (to_rest > most) most = to_rest;
+  }
+  return most < 0 ? stage.line.speed_q32 : most;
+}
+
+/// The same for some speeds at the end; less than zero if there is none. Seen from the end the
+/// fewest beats allow it; not so where jerk is limited: there it rises with the length of the
+/// pulses and falls again.
+std::int64_t PathPlanner::highest_start_q32(std::uint32_t i, const SpeedInterval& end) const {
+  const Stage& stage = stages_[i];
+  const std::int32_t fixed = fixed_beats(i);
+  const std::int32_t first = fixed != 0 ? fixed : fewest(i, end, stage.line.speed_q32);
+  if (first == 0) return -1;
+  std::int64_t most = highest_start_q32(i, end, first);
+  if (fixed != 0 || !stage.has_pulses()) return most;
+  int falls = 0;
+  for (std::int32_t k = first + 1; falls < 2 && k <= most_beats_; k += 1 + k / beats_share) {
+    const std::int64_t speed = highest_start_q32(i, end, k);
+    falls = speed > most ? 0 : falls + 1;
+    if (speed > most) most = speed;
+  }
+  return most;
+}
+
+/// The same for some beats; less than zero if there is none.
+std::int64_t PathPlanner::highest_start_q32(std::uint32_t i, const SpeedInterval& end,
+                                            std::int32_t beats) const {
+  std::int64_t most = -1;
+  for (int split = 0; split < stages_[i].splits(); ++split) {
+    SpeedInterval start;
+    if (step_back(i, end, beats, split, start) && start.hi_q32 > most) most = start.hi_q32;
+  }
+  return most;
 }
 
 void PathPlanner::search() {
@@ -192,7 +232,7 @@ std::int32_t PathPlanner::fixed_beats(std::uint32_t i) const {
 }
 
 std::int32_t PathPlanner::least_beats(std::uint32_t i) const {
-  const std::int32_t least = larger(1, request_->at_least[i]);
+  const std::int32_t least = larger(stages_[i].least_beats, request_->at_least[i]);
   return target(i).shots == 0 ? least : larger(least, request_->least_beats);
 }
 
@@ -200,15 +240,50 @@ SpeedInterval PathPlanner::start_speeds(std::uint32_t i, const SpeedInterval& en
   const Stage& stage = stages_[i];
   const std::int64_t lo = scaled(end.lo_q32, stage.from_previous);
   const std::int64_t hi = scaled(end.hi_q32, stage.from_previous);
-  return {least_of(lo, stage.speed_q32), least_of(hi, stage.speed_q32)};
+  return {least_of(lo, stage.line.speed_q32), least_of(hi, stage.line.speed_q32)};
 }
 
-bool PathPlanner::step(std::uint32_t i, const SpeedInterval& from, std::int32_t beats,
+bool PathPlanner::step(std::uint32_t i, const SpeedInterval& from, std::int32_t beats, int split,
                        SpeedInterval& to) const {
   const Stage& stage = stages_[i];
   to = {0, 0};
-  if (stage.displacement_q32 == 0) return from.lo_q32 == 0;
-  return path_reach({stage.displacement_q32, stage.speed_q32}, from, beats, stage.end_q32, to);
+  if (stage.stands()) return from.lo_q32 == 0;
+  const std::int64_t end = end_asked_q32(i);
+  if (stage.has_pulses() ? !pulse_reach(stage.line, from, beats, split, end, to)
+                         : !path_reach(stage.way(), from, beats, end, to))
+    return false;
+  to = {least_of(to.lo_q32, stage.end_q32), least_of(to.hi_q32, stage.end_q32)};
+  return true;
+}
+
+/// Highest speed to look for at the end of line i. A plan that follows starts at a speed from which
+/// the one before could get to this point in time, perhaps just so, to within its rounding.
+std::int64_t PathPlanner::end_asked_q32(std::uint32_t i) const {
+  constexpr std::int64_t rounding = 64;
+  const std::int64_t end = stages_[i].end_q32;
+  return i == 0 && request_->follows ? end + rounding + (end >> 28) : end;
+}
+
+/// The same run backwards: speeds at the start of a line that has a way, for those at its end.
+bool PathPlanner::step_back(std::uint32_t i, const SpeedInterval& end, std::int32_t beats,
+                            int split, SpeedInterval& start) const {
+  const Stage& stage = stages_[i];
+  if (stage.has_pulses())
+    return pulse_reach(stage.line, end, beats, mirrored_split(split), stage.line.speed_q32, start);
+  return path_reach(stage.way(), end, beats, stage.line.speed_q32, start);
+}
+
+/// Fewest beats for a line that has a way, forth or back; 0 = there are none.
+std::int32_t PathPlanner::fewest(std::uint32_t i, const SpeedInterval& from,
+                                 std::int64_t end) const {
+  const Stage& stage = stages_[i];
+  if (stage.has_pulses()) {
+    const std::int32_t beats =
+        fewest_pulse_beats(stage.line, from, end, least_beats(i), most_beats_, stage.hint);
+    if (beats != 0) stage.hint = beats;
+    return beats;
+  }
+  return fewest_beats(stage.way(), from, end, least_beats(i), most_beats_);
 }
 
 /// Fewest beats from speeds at the start of line i to its end; 0 = there is no way.
@@ -216,27 +291,49 @@ std::int32_t PathPlanner::first_beats(std::uint32_t i, const SpeedInterval& from
   const Stage& stage = stages_[i];
   const std::int32_t fixed = fixed_beats(i);
   SpeedInterval to;
-  if (fixed != 0) return step(i, from, fixed, to) ? fixed : 0;
-  if (stage.displacement_q32 == 0) return from.lo_q32 == 0 ? least_beats(i) : 0;
-  return fewest_beats({stage.displacement_q32, stage.speed_q32}, from, stage.end_q32,
-                      least_beats(i), most_beats_);
+  for (int split = 0; fixed != 0 && split < stage.splits(); ++split)
+    if (step(i, from, fixed, split, to)) return fixed;
+  if (fixed != 0) return 0;
+  if (stage.stands()) return from.lo_q32 == 0 ? least_beats(i) : 0;
+  return fewest(i, from, end_asked_q32(i));
 }
 
 void PathPlanner::extend(std::uint32_t i, std::uint32_t parent, bool careful) {
   const Label* const before = i == 0 ? nullptr : &stages_[i - 1].beam.labels[parent];
   const SpeedInterval from = before == nullptr ? start_ : start_speeds(i, before->speeds);
   std::int32_t beats = before == nullptr ? first_beats(i, from) : before->next;
-  for (int tries = 0; beats != 0 && tries < candidates_per_label; ++tries, ++beats) {
+  const int most = stages_[i].has_pulses() ? candidates_with_pulses : candidates_per_label;
+  for (int tries = 0; beats != 0 && tries < most; ++tries, ++beats) {
+    const Extended what = extend(i, parent, from, beats, careful);
+    // With more beats the interval only moves down, and can no further.
+    if (fixed_beats(i) != 0 || what == Extended::to_rest) return;
+    // Pulses can have gaps.
+    if (what == Extended::no && !stages_[i].has_pulses()) return;
+  }
+  if (!stages_[i].has_pulses() || beats == 0) return;
+  if (const std::int32_t rest = fewest(i, from, 0); rest >= beats)
+    extend(i, parent, from, rest, careful);
+}
+
+/// Adds the labels of some beats.
+PathPlanner::Extended PathPlanner::extend(std::uint32_t i, std::uint32_t parent,
+                                          const SpeedInterval& from, std::int32_t beats,
+                                          bool careful) {
+  Extended what = Extended::no;
+  if (beats > most_beats_) return what;
+  for (int split = 0; split < stages_[i].splits(); ++split) {
     Label label{};
-    if (beats > most_beats_ || !step(i, from, beats, label.speeds)) return;
-    const std::uint32_t total = before == nullptr ? 0 : before->total;
+    if (!step(i, from, beats, split, label.speeds)) continue;
+    const std::uint32_t total = i == 0 ? 0 : stages_[i - 1].beam.labels[parent].total;
     label.total = (total + static_cast<std::uint32_t>(beats)) & 0xffffffu;
     label.parent = static_cast<std::uint8_t>(parent);
-    label.beats = static_cast<std::uint16_t>(beats);
+    label.beats = static_cast<std::uint16_t>(beats) & 0x3fffu;
+    label.split = static_cast<std::uint16_t>(split) & 3u;
     keep(i, label, careful);
-    // With more beats the interval only moves down, and can no further.
-    if (fixed_beats(i) != 0 || label.speeds.lo_q32 == 0) return;
+    if (label.speeds.lo_q32 == 0) what = Extended::to_rest;
+    if (what == Extended::no) what = Extended::moving;
   }
+  return what;
 }
 
 void PathPlanner::keep(std::uint32_t i, Label label, bool careful) {
@@ -279,183 +376,42 @@ void PathPlanner::choose_beats() {
   for (std::uint32_t i = request_->count; i-- > 0;) {
     const Label label = stages_[i].beam.labels[chosen];
     chosen = label.parent;
-    stages_[i].chosen = Chosen{label.speeds, 0, {}, label.total, label.beats};
+    stages_[i].chosen = Chosen{label.speeds, 0, {}, label.total, label.beats, label.split};
   }
 }
 
 void PathPlanner::choose_speeds() {
-  for (std::uint32_t i = request_->count - 1; i-- > 0;) {
-    Chosen& here = stages_[i].chosen;
-    const Stage& next = stages_[i + 1];
-    here.speed_q32 = 0;
-    if (next.displacement_q32 == 0 || here.speeds.hi_q32 == 0) continue;
-    // Run backwards from the speed at the end of the next line. Bounds are rounded inwards, so a
-    // speed on a bound needs a hair of width not to be lost.
-    const std::int64_t end = next.chosen.speed_q32;
-    const std::int64_t slack = 8 + 4 * next.chosen.beats + (end >> 28);
-    const SpeedInterval wanted{end > slack ? end - slack : 0,
-                               least_of(end + slack, next.speed_q32)};
-    SpeedInterval both = here.speeds;
-    SpeedInterval can;
-    if (path_reach({next.displacement_q32, next.speed_q32}, wanted, next.chosen.beats,
-                   next.speed_q32, can)) {
-      const Real back = Real(1u) / next.from_previous;
-      both.lo_q32 = both.clamp(scaled(can.lo_q32, back));
-      both.hi_q32 = here.speeds.clamp(scaled(can.hi_q32, back));
-    }
-    here.speed_q32 = both.clamp(wanted_speed_q32(i));
+  for (std::uint32_t i = request_->count - 1; i-- > 0;) choose_speed(i);
+}
+
+/// Chooses the speed at a point, that at the next one being known.
+void PathPlanner::choose_speed(std::uint32_t i) {
+  Chosen& here = stages_[i].chosen;
+  const Stage& next = stages_[i + 1];
+  here.speed_q32 = 0;
+  if (next.stands() || here.speeds.hi_q32 == 0) return;
+  // Run backwards from the speed at the end of the next line. Bounds are rounded inwards, so a
+  // speed on a bound needs a hair of width not to be lost.
+  const std::int64_t end = next.chosen.speed_q32;
+  const std::int64_t slack = 8 + 4 * next.chosen.beats + (end >> 28);
+  const SpeedInterval wanted{end > slack ? end - slack : 0,
+                             least_of(end + slack, next.line.speed_q32)};
+  SpeedInterval both = here.speeds;
+  SpeedInterval can;
+  if (step_back(i + 1, wanted, next.chosen.beats, next.chosen.split, can)) {
+    const Real back = Real(1u) / next.from_previous;
+    both.lo_q32 = both.clamp(scaled(can.lo_q32, back));
+    both.hi_q32 = here.speeds.clamp(scaled(can.hi_q32, back));
   }
+  here.speed_q32 = both.clamp(wanted_speed_q32(i));
 }
 
 /// Mean speed over both lines at a point.
 std::int64_t PathPlanner::wanted_speed_q32(std::uint32_t i) const {
   const Stage &here = stages_[i], &next = stages_[i + 1];
-  const std::int64_t behind = scaled(next.displacement_q32, Real(1u) / next.from_previous);
-  return (here.displacement_q32 + least_of(behind, max_displacement_q32)) /
+  const std::int64_t behind = scaled(next.line.displacement_q32, Real(1u) / next.from_previous);
+  return (here.line.displacement_q32 + least_of(behind, max_displacement_q32)) /
          (here.chosen.beats + next.chosen.beats);
-}
-
-/// Makes a segment and looks at it. Where it is not good one more point at least becomes a full
-/// stop, and the window is planned anew: at most as often as it has points.
-void PathPlanner::check() {
-  const std::uint32_t i = at_;
-  const MotionState from = state_before(i);
-  const Segment s = make_segment(i, from);
-  Stage& stage = stages_[i];
-  for (int a = 0; a < limits_->axes; ++a) {
-    const Int128 off =
-        s.end.axis[index(a)].position_q64 - stepper::middle_of_step(target(i).steps[index(a)]);
-    stage.chosen.off_q64[index(a)] = off.to_int64();
-  }
-  const bool in = inside(s, from);
-  if (in && can_stop(s)) {
-    if (++at_ < request_->count) return;
-    result_ = Result::ok;
-    phase_ = Phase::over;
-    return;
-  }
-  const bool had_rest = stage.corner_q32 == 0 && (in || i == 0 || stages_[i - 1].corner_q32 == 0);
-  stage.corner_q32 = 0;
-  if (!in && i > 0) stages_[i - 1].corner_q32 = 0;
-  failed_ = 0;
-  phase_ = had_rest ? Phase::over : Phase::ahead;
-}
-
-bool PathPlanner::inside(const Segment& s, const MotionState& from) const {
-  for (int a = 0; a < limits_->axes; ++a) {
-    const AxisLimits& axis = limits_->axis[index(a)];
-    const AxisProfile& profile = s.axis[index(a)];
-    if (!within_limits(profile, axis.speed_q62, axis.accel_q62)) return false;
-    const Int128 start = from.axis[index(a)].position_q64, end = s.end.axis[index(a)].position_q64;
-    Int128 low = start < end ? start : end, high = start < end ? end : start;
-    if (goes_back(profile, end - start)) {
-      const Excursion e = excursion(profile);
-      low = start + (e.low_q62 << 2);
-      high = start + (e.high_q62 << 2);
-    }
-    if (low.hi() < axis.min_steps || high.hi() > axis.max_steps) return false;
-  }
-  return true;
-}
-
-bool PathPlanner::can_stop(const Segment& s) const {
-  for (int a = 0; a < limits_->axes; ++a) {
-    const AxisLimits& axis = limits_->axis[index(a)];
-    const AxisState& end = s.end.axis[index(a)];
-    if (end.speed_q62 == 0) continue;
-    // Half the time at the speed, rounded up.
-    const std::int64_t ticks = std::int64_t{braking_ticks(end.speed_q62, axis.plan_accel_q62)} + 1;
-    const std::int64_t stop =
-        (end.position_q64 + (Int128::product(end.speed_q62, ticks) << 1)).hi();
-    if (stop < axis.min_steps || stop > axis.max_steps) return false;
-  }
-  return true;
-}
-
-std::int64_t PathPlanner::start_speed_q32(std::uint32_t i) const {
-  if (i == 0) return start_q32_;
-  return least_of(scaled(stages_[i - 1].chosen.speed_q32, stages_[i].from_previous),
-                  stages_[i].speed_q32);
-}
-
-Segment PathPlanner::make_segment(std::uint32_t i, const MotionState& from) const {
-  const Stage& stage = stages_[i];
-  const Target& to = target(i);
-  const PathLine path = line(i);
-  Segment s;
-  s.start_tick = from.tick;
-  s.ticks = static_cast<std::uint32_t>(stage.chosen.beats) * limits_->beat_ticks;
-  s.ends_point = true;
-  s.point = request_->points[i];
-  s.end.tick = s.end_tick();
-  const PerAxis<std::int64_t> v0 = axis_speeds_q62(path, start_speed_q32(i), limits_->beat_ticks);
-  const PerAxis<std::int64_t> v1 =
-      axis_speeds_q62(path, stage.chosen.speed_q32, limits_->beat_ticks);
-  PerAxis<Int128> way{};
-  int longest = 0;
-  for (int a = 0; a < limits_->axes; ++a) {
-    way[index(a)] =
-        (stepper::middle_of_step(to.steps[index(a)]) - from.axis[index(a)].position_q64) >> 2;
-    if (abs64(path.way[index(a)]) > abs64(path.way[index(longest)])) longest = a;
-  }
-  // The phases of the longest axis are those of all.
-  const std::int64_t half =
-      abs64(axis_speeds_q62(path, stage.speed_q32, limits_->beat_ticks)[index(longest)]) / 2;
-  AxisProfile phases;
-  if (path.none) {
-    phases.lead_ticks = s.ticks / 2;
-    phases.tail_ticks = s.ticks - phases.lead_ticks;
-  } else {
-    const Int128 forth = path.way[index(longest)] < 0 ? -way[index(longest)] : way[index(longest)];
-    phases = make_profile(forth - Int128::product(half, s.ticks), abs64(v0[index(longest)]) - half,
-                          abs64(v1[index(longest)]) - half, s.ticks, half);
-  }
-  for (int a = 0; a < limits_->axes; ++a) {
-    const AxisProfile profile =
-        make_phases(way[index(a)], v0[index(a)], v1[index(a)], phases.lead_ticks,
-                    phases.cruise_ticks, phases.tail_ticks);
-    s.axis[index(a)] = profile;
-    s.end.axis[index(a)] = {
-        from.axis[index(a)].position_q64 + (stepper::displacement_q62(profile) << 2), v1[index(a)]};
-  }
-  if (to.shots != 0) s.shot = {true, shot_window_ticks(i, v1), to.channel, to.energy};
-  return s;
-}
-
-Segment PathPlanner::segment(std::uint32_t i) const { return make_segment(i, state_before(i)); }
-
-MotionState PathPlanner::state_before(std::uint32_t i) const {
-  if (i == 0) return request_->start;
-  const Chosen& chosen = stages_[i - 1].chosen;
-  MotionState state;
-  state.tick = request_->start.tick + std::uint64_t{chosen.total} * limits_->beat_ticks;
-  const PerAxis<std::int64_t> speeds =
-      axis_speeds_q62(line(i - 1), chosen.speed_q32, limits_->beat_ticks);
-  for (int a = 0; a < limits_->axes; ++a)
-    state.axis[index(a)] = {
-        stepper::middle_of_step(target(i - 1).steps[index(a)]) + Int128(chosen.off_q64[index(a)]),
-        speeds[index(a)]};
-  return state;
-}
-
-std::uint32_t PathPlanner::shot_window_ticks(std::uint32_t i,
-                                             const PerAxis<std::int64_t>& before) const {
-  // |speed| <= v + A t on both sides of the point: v t + A t^2 / 2 = tolerance.
-  // Never more than a quarter beat: an edge that far off belongs to no beat.
-  PerAxis<std::int64_t> behind{};
-  if (i + 1 < request_->count)
-    behind = axis_speeds_q62(line(i + 1), start_speed_q32(i + 1), limits_->beat_ticks);
-  std::int64_t least_q32 = one_q32 / 4;
-  for (int a = 0; a < limits_->axes; ++a) {
-    const AxisLimits& axis = limits_->axis[index(a)];
-    const std::int64_t one = abs64(before[index(a)]), other = abs64(behind[index(a)]);
-    const std::int64_t per_beat_q32 =
-        (Int128::product(one > other ? one : other, limits_->beat_ticks) >> 30).to_int64();
-    const std::int64_t v = axis.displacement_q32(per_beat_q32);
-    const std::int64_t root = sqrt_down_q32(mul_q32(v, v) + 2 * axis.shot_way_q32);
-    least_q32 = least_of(least_q32, root > v ? root - v : 0);
-  }
-  return static_cast<std::uint32_t>((least_q32 * limits_->beat_ticks) >> 32);
 }
 
 }  // namespace lamplock::motion

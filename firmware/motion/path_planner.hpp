@@ -20,6 +20,9 @@
 //    `path_labels` kept.
 // 3. Backwards: speeds, as near to the mean of both lines as the intervals allow.
 //
+// Where jerk is limited lines are run in pulses, and pulse_line.hpp takes the place of reach.hpp:
+// it is asked once for each way to divide the time. The acceleration is zero at every point.
+//
 // A segment has the same phases on all axes, with speeds and accelerations in proportion, so the
 // machine is on the line at every tick, to within the step it is rounded to. Every axis ends
 // exactly on its step: its cruise speed follows from its own distance.
@@ -37,6 +40,7 @@
 #include "firmware/motion/path_geometry.hpp"
 #include "firmware/motion/path_reach.hpp"
 #include "firmware/motion/plan_request.hpp"
+#include "firmware/motion/pulse_line.hpp"
 
 namespace lamplock::motion {
 
@@ -49,7 +53,8 @@ class PathPlanner {
   /// Begins a window; the request must stay as it is while segments are asked for.
   void begin(const PlanRequest& request);
   /// Goes on with it, point by point; false when there is nothing left to do. Budget: the
-  /// first slice sets the whole window up, some 6 ms with three axes; the others 3 ms.
+  /// first slice sets the whole window up, some 6 ms with three axes; the others 3 ms, where jerk
+  /// is limited 10 ms.
   bool advance();
   /// What came of it. Error: unreachable, with the place in the window in failed(); then nothing
   /// may be used.
@@ -67,8 +72,9 @@ class PathPlanner {
     SpeedInterval speeds;      ///< at the point, in units of the line before it
     std::uint32_t total : 24;  ///< beats from the start of the window
     std::uint32_t parent : 8;
-    std::uint16_t beats;  ///< of the last line
-    std::uint16_t next;   ///< least beats of the line behind
+    std::uint16_t beats : 14;  ///< of the last line
+    std::uint16_t split : 2;   ///< how its time is divided (pulse_line.hpp)
+    std::uint16_t next;        ///< least beats of the line behind
   };
   struct Beam {
     std::array<Label, path_labels> labels;
@@ -80,14 +86,22 @@ class PathPlanner {
     PerAxis<std::int64_t> off_q64;  ///< exact position there, from the middle of the step
     std::uint32_t total;
     std::int32_t beats;
+    int split;
   };
   /// A line and the point at its end.
   struct Stage {
-    std::int64_t displacement_q32 = 0;  ///< normalised; 0 = stands
-    std::int64_t speed_q32 = 0;         ///< limit on the line, normalised
-    std::int64_t corner_q32 = 0;        ///< limit at the point, normalised
-    std::int64_t end_q32 = 0;           ///< the same after looking ahead
-    Real from_previous;                 ///< factor for speeds at the start of the line
+    /// Displacement (0 = stands) and limit; where jerk is not limited no more of it.
+    PulseLine line;
+    std::int64_t corner_q32 = 0;    ///< limit at the point, normalised
+    std::int64_t end_q32 = 0;       ///< the same after looking ahead
+    std::int32_t least_beats = 1;   ///< more where rounding left no pulses
+    mutable std::int32_t hint = 1;  ///< beats that were the fewest last time
+    Real from_previous;             ///< factor for speeds at the start of the line
+
+    bool stands() const { return line.displacement_q32 == 0; }
+    bool has_pulses() const { return line.rise_q32 != 0; }
+    int splits() const { return has_pulses() ? pulse_splits : 1; }
+    PathWay way() const { return {line.displacement_q32, line.speed_q32}; }
     union {
       Beam beam;      ///< while beats are searched
       Chosen chosen;  ///< afterwards
@@ -96,25 +110,44 @@ class PathPlanner {
   };
 
   enum class Phase : std::uint8_t { set_up, ahead, search, check, over };
+  /// What beats lead to: nothing, only motion, or rest as well.
+  enum class Extended : std::uint8_t { no, moving, to_rest };
 
   Result set_up(std::uint32_t& failed);
   PathLine line(std::uint32_t i) const;
   bool set_start(const PathLine& first);
+  void start_over();
   void look_ahead();
+  std::int64_t start_bound_q32(std::uint32_t i) const;
+  std::int64_t highest_start_q32(std::uint32_t i, const SpeedInterval& end) const;
+  std::int64_t highest_start_q32(std::uint32_t i, const SpeedInterval& end,
+                                 std::int32_t beats) const;
   void search();
   bool extend(std::uint32_t i, bool careful);
   void extend(std::uint32_t i, std::uint32_t parent, bool careful);
-  bool step(std::uint32_t i, const SpeedInterval& from, std::int32_t beats,
+  Extended extend(std::uint32_t i, std::uint32_t parent, const SpeedInterval& from,
+                  std::int32_t beats, bool careful);
+  bool step(std::uint32_t i, const SpeedInterval& from, std::int32_t beats, int split,
             SpeedInterval& to) const;
+  bool step_back(std::uint32_t i, const SpeedInterval& end, std::int32_t beats, int split,
+                 SpeedInterval& start) const;
+  std::int32_t fewest(std::uint32_t i, const SpeedInterval& from, std::int64_t end_q32) const;
   void keep(std::uint32_t i, Label label, bool careful);
+  std::int64_t end_asked_q32(std::uint32_t i) const;
   std::int32_t first_beats(std::uint32_t i, const SpeedInterval& from) const;
   void choose_beats();
   void choose_speeds();
+  void choose_speed(std::uint32_t i);
   std::int64_t wanted_speed_q32(std::uint32_t i) const;
   void check();
+  void stop_at(std::uint32_t i, bool inside);
+  void take_longer();
+  bool keeps_jerk(const Segment& s) const;
   bool inside(const Segment& s, const MotionState& from) const;
   bool can_stop(const Segment& s) const;
   Segment make_segment(std::uint32_t i, const MotionState& from) const;
+  AxisProfile phases(std::uint32_t i, Int128 way_q62, std::int64_t v0_q62, std::int64_t v1_q62,
+                     std::int64_t speed_q62) const;
   MotionState state_before(std::uint32_t i) const;
   std::uint32_t shot_window_ticks(std::uint32_t i, const PerAxis<std::int64_t>& speeds_q62) const;
 
@@ -133,6 +166,9 @@ class PathPlanner {
   std::uint32_t at_ = 0;      ///< the point that comes next in this phase
   std::uint32_t failed_ = 0;  ///< the place that has no way
   std::int32_t most_beats_ = 1;
+  bool limit_jerk_ = false;     ///< on any axis
+  std::uint64_t misfits_ = 0;   ///< lines whose pulses do not keep the limits
+  std::int32_t longer_ = 0;     ///< how often some were given more beats
   SpeedInterval start_;         ///< at the start of the window, in units of the first line
   std::int64_t start_q32_ = 0;  ///< the speed in it
   std::array<Stage, window_points> stages_{};

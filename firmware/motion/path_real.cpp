@@ -49,4 +49,14 @@ bool operator<(Real a, Real b) {
   return a.exponent_ != b.exponent_ ? a.exponent_ < b.exponent_ : a.mantissa_ < b.mantissa_;
 }
 
+std::int64_t scaled(std::int64_t v, Real factor) {
+  constexpr std::int64_t largest = std::int64_t{1} << 62;
+  const Int128 product = Int128::product(v, factor.mantissa());
+  const int shift = -factor.exponent();
+  if (shift >= 128) return 0;
+  if (shift < 0) return v == 0 ? 0 : largest;
+  const Int128 result = product >> shift;
+  return result > Int128(largest) ? largest : result.to_int64();
+}
+
 }  // namespace lamplock::motion

@@ -36,4 +36,7 @@ class Real {
   int exponent_ = 0;
 };
 
+/// v * factor for v >= 0, rounded down; what does not fit into 62 bits is returned as 2^62.
+std::int64_t scaled(std::int64_t v, Real factor);
+
 }  // namespace lamplock::motion

@@ -68,17 +68,10 @@ bool keeps_jerk(std::int64_t accel, std::uint32_t n, std::uint8_t ramp, std::int
   return Int128::product(jerk_q78, r) >= Int128(abs64(accel)) << 16;
 }
 
-/// A pulse that brakes; with a ramp of A/J ticks it takes v/A + A/J, and no more if v is small.
-std::uint32_t pulse_brake_ticks(std::int64_t v0, const AxisBrake& axis) {
-  if (v0 == 0) return 0;
-  const std::uint32_t n = braking_ticks(v0, axis.accel_q62) + axis.rise_ticks;
-  return n + n / 64;
-}
-
 /// Appends a brake to a profile: its tail.
 void add_brake(AxisProfile& p, const AxisBrake& axis) {
   const std::int64_t v = p.cruise_speed_q62();
-  std::uint32_t n = pulse_brake_ticks(v, axis);
+  std::uint32_t n = brake_ticks(v, axis);
   for (int tries = 0; tries < most_tries; ++tries, n += n / 8) {
     p.tail_ticks = n;
     if (make_pulse(-v, n, axis.jerk_q78, p.tail_accel_q62, p.tail_ramp)) return;
@@ -148,6 +141,44 @@ bool make_pulses(AxisProfile& p, std::int64_t v1, std::int64_t jerk_q78) {
   return lead && tail;
 }
 
+namespace {
+
+/// The ramp that a phase of n ticks needs, 0 = none; false if no ramp is long enough.
+bool find_ramp(std::int64_t change, std::uint32_t n, std::int64_t jerk_q78, std::uint8_t& ramp) {
+  std::int64_t accel = 0;
+  ramp = 0;
+  return jerk_q78 == 0 || make_pulse(change, n, jerk_q78, accel, ramp);
+}
+
+std::int64_t pulse_accel(std::int64_t change, std::uint32_t n, std::uint8_t ramp) {
+  return n == 0 ? 0 : whole_units(change / static_cast<std::int64_t>(full_ticks(n, ramp)));
+}
+
+}  // namespace
+
+bool make_pulses(PerAxis<AxisProfile>& profiles, const PerAxis<std::int64_t>& v1,
+                 const Limits& limits) {
+  std::uint8_t lead = 0, tail = 0;
+  for (int a = 0; a < limits.axes; ++a) {
+    const AxisProfile& p = profiles[index(a)];
+    const std::int64_t jerk_q78 = limits.axis[index(a)].jerk_q78, vc = p.cruise_speed_q62();
+    std::uint8_t first = 0, last = 0;
+    if (!find_ramp(vc - p.speed_q62, p.lead_ticks, jerk_q78, first)) return false;
+    if (!find_ramp(v1[index(a)] - vc, p.tail_ticks, jerk_q78, last)) return false;
+    if (first > lead) lead = first;
+    if (last > tail) tail = last;
+  }
+  for (int a = 0; a < limits.axes; ++a) {
+    AxisProfile& p = profiles[index(a)];
+    p.lead_accel_q62 = pulse_accel(p.cruise_speed_q62() - p.speed_q62, p.lead_ticks, lead);
+    p.lead_ramp = lead;
+    p.tail_accel_q62 = pulse_accel(v1[index(a)] - p.cruise_speed_q62(), p.tail_ticks, tail);
+    p.tail_ramp = tail;
+    set_turns(p);
+  }
+  return true;
+}
+
 bool keeps_jerk(const AxisProfile& p, std::int64_t jerk_q78) {
   return jerk_q78 == 0 || (keeps_jerk(p.lead_accel_q62, p.lead_ticks, p.lead_ramp, jerk_q78) &&
                            keeps_jerk(p.tail_accel_q62, p.tail_ticks, p.tail_ramp, jerk_q78));
@@ -168,6 +199,14 @@ AxisProfile make_choice(std::uint32_t choice, Int128 distance, std::int64_t v0, 
   const std::uint32_t lead = part(e.lead),
                       tail = e.lead + e.tail == 8 ? ticks - lead : part(e.tail);
   return make_phases(distance, v0, v1, lead, ticks - lead - tail, tail);
+}
+
+std::uint32_t brake_ticks(std::int64_t v0, const AxisBrake& axis) {
+  const std::uint32_t least = braking_ticks(v0, axis.accel_q62);
+  if (axis.jerk_q78 == 0 || v0 == 0) return least;
+  // With a ramp of A/J ticks it takes v/A + A/J, and no more if v is small.
+  const std::uint32_t n = least + axis.rise_ticks;
+  return n + n / 64;
 }
 
 std::int32_t pulse_braking_speed_qs(const AxisLimits& axis, std::uint32_t beat_ticks,

@@ -26,6 +26,12 @@ namespace lamplock::motion {
 /// most that a pulse of n ticks can change a speed by.
 bool make_pulses(AxisProfile& profile, std::int64_t v1_q62, std::int64_t jerk_q78);
 
+/// The same for all axes of a straight line, whose phases are equally long: with ramps as long as
+/// the axis needs that needs the longest, so that they stay on the line. Leaves phases without
+/// ramps where they are too short for some axis.
+bool make_pulses(PerAxis<AxisProfile>& profiles, const PerAxis<std::int64_t>& v1_q62,
+                 const Limits& limits);
+
 /// True if no ramp is steeper than `jerk_q78` (0 = not limited).
 bool keeps_jerk(const AxisProfile& profile, std::int64_t jerk_q78);
 
@@ -38,6 +44,10 @@ AxisProfile make_choice(std::uint32_t choice, Int128 distance_q62, std::int64_t 
 /// at most the limit, (v^2 + v t) / 2 = way with the time t in which the acceleration rises.
 std::int32_t pulse_braking_speed_qs(const AxisLimits& axis, std::uint32_t beat_ticks,
                                     std::int64_t steps);
+
+/// Ticks in which an axis brakes to rest from a speed and no acceleration; on average at half the
+/// speed.
+std::uint32_t brake_ticks(std::int64_t v0_q62, const AxisBrake& axis);
 
 /// Accelerations of the axes while something is broken off.
 using Accelerations = PerAxis<std::int64_t>;

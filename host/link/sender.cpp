@@ -55,15 +55,6 @@ std::string describe_setting(std::uint32_t number) {
   return fmt::format("${} ({})", number, settings::row(id).name);
 }
 
-constexpr auto path_mode = static_cast<std::uint8_t>(motion::JoinMode::path);
-
-bool is_jerk(std::uint32_t setting) {
-  const auto number = [](int axis) {
-    return settings::row(settings::for_axis(settings::Id::jerk_x, axis)).number;
-  };
-  return setting >= number(0) && setting <= number(max_axes - 1);
-}
-
 }  // namespace
 
 std::string go_on_options(std::uint32_t first_unfired, std::uint32_t flashes_fired) {
@@ -264,11 +255,6 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
       throw Error(Exit::bad_input, where, "cannot be reached inside the machine's limits",
                   "check speed, acceleration and beats");
     case Result::bad_value:
-      if (!of_point && job_.header.mode == path_mode && is_jerk(refused.value))
-        throw Error(Exit::bad_input, where,
-                    fmt::format("refuses {}: path mode has no limit of jerk yet",
-                                describe_setting(refused.value)),
-                    "set it to 0, in the profile and on the machine, or choose another mode");
       throw Error(
           Exit::bad_input, where,
           fmt::format("refuses {}", of_point ? "the record" : describe_setting(refused.value)),

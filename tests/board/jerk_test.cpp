@@ -17,9 +17,11 @@ job::Profile jerk_profile(double jerk_m_s3, double hz = 100) {
   return profile;
 }
 
+constexpr JoinMode every_mode[] = {JoinMode::free, JoinMode::start_stop, JoinMode::path};
+
 TEST(Jerk, JobsAreDoneInsideTheWorkSpace) {
   for (const double jerk : {30.0, 300.0, 3000.0})
-    for (const JoinMode mode : both_modes) {
+    for (const JoinMode mode : every_mode) {
       SCOPED_TRACE(jerk);
       const job::Profile profile = jerk_profile(jerk);
       const job::Job job =
@@ -39,7 +41,7 @@ TEST(Jerk, HoldsAtAnyMomentStopInsideAndGoOn) {
       return static_cast<sim::Picoseconds>(random() % (ms * 1000)) * ps_per_us;
     };
     const job::Profile profile = jerk_profile(20.0 * std::pow(10.0, static_cast<double>(seed % 3)));
-    const job::Job job = job::make_job(wild_points(30, seed + 92), profile, {});
+    const job::Job job = job_for(wild_points(30, seed + 92), profile, every_mode[seed % 4 % 3]);
     Rig rig(profile);
     BoardCable cable(rig);
     for (auto at = up_to(1000); at < 10'000 * ps_per_ms; at += up_to(500)) {
@@ -64,41 +66,15 @@ std::string refusal(Rig& rig, const job::Job& job) {
   return "taken";
 }
 
-TEST(Jerk, PathsAreRefusedWithTheSettingAndTheReason) {
-  job::JobOptions path;
-  path.mode = JoinMode::path;
-  for (int axis = 0; axis < 3; ++axis) {
-    job::Profile profile = lamp_profile();
-    job::state_setting(profile, settings::for_axis(Id::jerk_x, axis), 100, "test");
-    // Whether the machine has the limit itself or is asked for it by the job.
-    for (const job::Profile& machine : {profile, lamp_profile()}) {
-      Rig rig(machine);
-      const std::string line = refusal(rig, job::make_job(wild_points(10, 1), profile, path));
-      EXPECT_THAT(line, HasSubstr("refuses $" + std::to_string(1081 + axis) + " (jerk_" +
-                                  "xyz"[axis] + "): path mode has no limit of jerk yet"));
-      EXPECT_THAT(line, testing::Not(HasSubstr("machine's own")));
-      EXPECT_TRUE(rig.monitor.nothing_happened());
-    }
-    // The machine's own limit, which the job would lift, stands in the way too.
-    Rig rig(profile);
-    EXPECT_THAT(refusal(rig, job::make_job(wild_points(10, 1), lamp_profile(), path)),
-                HasSubstr("path mode has no limit of jerk yet"));
-  }
-}
-
-TEST(Jerk, PathsAndLooserLimitsAreRefusedWithTheSetting) {
+TEST(Jerk, LooserLimitsAreRefusedWithTheSetting) {
   const job::Profile profile = jerk_profile(100);
   const points::PointCloud points = wild_points(10, 1);
-  {
-    Rig rig(profile);
-    EXPECT_THAT(refusal(rig, job_for(points, profile, JoinMode::path)), HasSubstr("$1081"));
-    EXPECT_TRUE(rig.monitor.nothing_happened());
-  }
   for (const double asked : {0.0, 100.5}) {
     job::Profile looser = profile;
     job::state_setting(looser, Id::jerk_y, asked, "test");
     Rig rig(profile);
     EXPECT_THAT(refusal(rig, job::make_job(points, looser, {})), HasSubstr("$1082"));
+    EXPECT_TRUE(rig.monitor.nothing_happened());
   }
   // A machine without a limit of its own takes any.
   Rig rig(lamp_profile());

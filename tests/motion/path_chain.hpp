@@ -91,7 +91,8 @@ inline double real_corner_speed(const Chain& chain, const Vector& from, const Ve
   for (std::size_t a = 0; a < static_cast<std::size_t>(chain.limits.axes); ++a) {
     const double jump = from_q62(chain.limits.axis[a].jump_q62) * chain.limits.beat_ticks;
     const double u0 = from[a] / l0, u1 = to[a] / l1;
-    cosine += u0 * u1;
+    const double weight = chain.limits.axis[a].weight_q31 / 2147483648.0;  // a length is in mm
+    cosine += weight * weight * u0 * u1;
     const double rounding = 1 / l0 + 1 / l1 + slack;
     if (std::fabs(u0 + u1) > rounding + 3e-8 - 2 * slack) back = false;
     const double change = std::fabs(u1 - u0);

@@ -159,9 +159,8 @@ TEST(PulseExample, CornersWithAJumpTakeWhatTheExactSearchTakes) {
   std::cout << "corners with a jump of 0.75 mm/s: "
             << static_cast<double>(planned) / (seeds * points) << " beats a point, optimum "
             << static_cast<double>(optimum) / (seeds * points) << "\n";
-  EXPECT_GE(planned, optimum);
-  EXPECT_LE(static_cast<double>(planned), 1.0005 * static_cast<double>(optimum));
-  EXPECT_LE(static_cast<double>(optimum), 1.10 * seeds * points);
+  EXPECT_EQ(planned, optimum);
+  EXPECT_LE(static_cast<double>(planned), 1.10 * seeds * points);
 }
 
 }  // namespace
