@@ -102,16 +102,23 @@ bool PathPlanner::inside(const Segment& s, const MotionState& from) const {
   return true;
 }
 
+/// From the end of a segment, and from any tick of it. A profile of n ticks may peak 1.02/n above
+/// the acceleration of brakes (limits.cpp): earlier on a brake then ends v^2/2A 1.02/n further, v/A
+/// being less than n ticks, so by half a tick's way at most.
 bool PathPlanner::can_stop(const Segment& s) const {
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
+    const AxisProfile& profile = s.axis[index(a)];
     const AxisState& end = s.end.axis[index(a)];
     if (end.speed_q62 == 0) continue;
+    const std::int64_t cruise = abs64(profile.cruise_speed_q62());
+    std::int64_t fastest = abs64(profile.speed_q62);
+    if (cruise > fastest) fastest = cruise;
     // Half the time at the speed, rounded up.
     const std::int64_t ticks = std::int64_t{brake_ticks(end.speed_q62, AxisBrake(axis))} + 1;
-    const std::int64_t stop =
-        (end.position_q64 + (Int128::product(end.speed_q62, ticks) << 1)).hi();
-    if (stop < axis.min_steps || stop > axis.max_steps) return false;
+    const Int128 stop = end.position_q64 + (Int128::product(end.speed_q62, ticks) << 1);
+    const Int128 room = Int128(fastest) << 1;
+    if ((stop - room).hi() < axis.min_steps || (stop + room).hi() > axis.max_steps) return false;
   }
   return true;
 }

@@ -106,14 +106,15 @@ inline double real_corner_speed(const Chain& chain, const Vector& from, const Ve
 /// Fewest beats for a whole path, rest to rest.
 class PathReference {
  public:
-  static long fewest_beats(const Chain& chain) {
+  /// With the limits that are set, or with what the planner leaves of them for rounding to ticks.
+  static long fewest_beats(const Chain& chain, bool as_planned = false) {
     const std::size_t n = chain.targets.size();
     std::vector<Label> labels{{0, {0, 0}}};
     for (std::size_t i = 0; i < n; ++i) {
-      const Line line = line_to(chain, i);
+      const Line line = line_to(chain, i, as_planned);
       double end = 0;
       if (i + 1 < n && line.length != 0) {
-        const Line next = line_to(chain, i + 1);
+        const Line next = line_to(chain, i + 1, as_planned);
         if (next.length != 0)
           end = std::min({real_corner_speed(chain, line.way, next.way), line.speed, next.speed});
       }
@@ -137,7 +138,7 @@ class PathReference {
     double length = 0, accel = 0, speed = 0;
   };
 
-  static Line line_to(const Chain& chain, std::size_t i) {
+  static Line line_to(const Chain& chain, std::size_t i, bool as_planned) {
     Line line{way_to(chain, i), 0, 1e300, 1e300};
     line.length = length_of(chain, line.way);
     const double beat = chain.limits.beat_ticks;
@@ -145,8 +146,10 @@ class PathReference {
       const double direction = std::fabs(line.way[a]) / line.length;
       if (line.length == 0 || direction == 0) continue;
       const motion::AxisLimits& axis = chain.limits.axis[a];
-      line.accel = std::min(line.accel, from_q62(axis.accel_q62) * beat * beat / direction);
-      line.speed = std::min(line.speed, from_q62(axis.speed_q62) * beat / direction);
+      const double accel = from_q62(as_planned ? axis.plan_accel_q62 : axis.accel_q62);
+      const double speed = from_q62(as_planned ? axis.plan_speed_q62 : axis.speed_q62);
+      line.accel = std::min(line.accel, accel * beat * beat / direction);
+      line.speed = std::min(line.speed, speed * beat / direction);
     }
     return line;
   }

@@ -21,6 +21,8 @@ using test::in_work_space;
 
 TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
   Planner planner;
+  long all_free = 0, all_start_stop = 0;
+  int slower = 0;
   for (int i = 0; i < test::scaled(150); ++i) {
     SCOPED_TRACE(testing::Message() << "chain " << i);
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4100);
@@ -38,12 +40,18 @@ TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
         free_beats = plan.total_beats();
       } else {
         for (const Segment& s : plan.segments) ASSERT_TRUE(s.end.at_rest());
-        // Resting at every point is one of the ways to go; the online search may miss a little.
-        ASSERT_LE(static_cast<double>(free_beats),
-                  static_cast<double>(plan.total_beats()) * 1.01 + 1);
+        // Resting at every point is one of the ways to go; the online search may miss a little, at
+        // kilohertz beats, where the board has the time for a part of it only.
+        const auto beats = static_cast<double>(plan.total_beats());
+        if (static_cast<double>(free_beats) > beats * 1.01 + 1) ++slower;
+        ASSERT_LE(static_cast<double>(free_beats), beats * 1.02 + 1);
+        all_free += free_beats;
+        all_start_stop += plan.total_beats();
       }
     }
   }
+  EXPECT_LE(slower, test::scaled(150) / 1000);
+  EXPECT_LT(static_cast<double>(all_free), 0.9 * static_cast<double>(all_start_stop));
 }
 
 TEST(Planner, SoftLimitsBiteInTheseChains) {

@@ -161,7 +161,7 @@ TEST(PulseLine, OneLineTakesHardlyMoreThanTheSevenPhasesOfTheTextbooks) {
   std::uniform_real_distribution<double> unit(0, 1);
   const auto planner = std::make_unique<PathPlanner>();
   for (int i = 0; i < test::scaled(2'000); ++i) {
-    const double hz = std::pow(10, 1 + 2.7 * unit(random)),
+    const double hz = std::pow(10, 1 + 2.69 * unit(random)),
                  speed = std::pow(10, 2 * unit(random) - 2),
                  accel = std::pow(10, 2 * unit(random) - 0.5),
                  jerk = std::max(1.0, accel * hz * 0.05 * std::pow(400, unit(random)));

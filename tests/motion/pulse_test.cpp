@@ -188,14 +188,32 @@ TEST(Pulse, BrakesFromAnyStateWithoutAJerk) {
   }
 }
 
+/// What has to hold where a plan from speed finds no way on: all before it, and the brake that is
+/// run then. The machine goes on from rest (docs/planning.md, 6a).
+Fault fault_of_stop(const Chain& chain, const ChainPlan& plan) {
+  stepper::MotionState from = test::rest_at_zero();
+  for (std::uint32_t i = 0; i < plan.segments.size(); ++i) {
+    const Segment& s = plan.segments[i];
+    if (const Fault fault = test::segment_fault(chain, from, s, plan.beats[i], i)) return fault;
+    from = s.end;
+  }
+  if (!stays_inside(make_brake(from, chain.limits), from, chain.limits))
+    return {"the brake leaves the work space", static_cast<std::uint32_t>(plan.segments.size())};
+  return {};
+}
+
 /// Everything that holds for a plan, with jerk: analytically, tick by tick for some.
-Fault fault_of(std::uint64_t number, Planner& planner, bool every_tick) {
+Fault fault_of(std::uint64_t number, Planner& planner, bool every_tick, int& stopped) {
   std::mt19937_64 random(number * 0x9e3779b97f4a7c15u + 7500);
   Chain chain = test::random_chain(random, 3 + random() % 60);
   if (random() % 8 == 0) chain.mode = JoinMode::start_stop;
   test::limit_jerk(chain, random);
   ChainPlan plan;
   Fault fault = test::chain_fault(chain, planner, plan);
+  if (plan.result != Result::ok && !plan.segments.empty() && !plan.segments.back().end.at_rest()) {
+    ++stopped;
+    return fault_of_stop(chain, plan);
+  }
   if (fault || !every_tick) return fault;
   long left = 1'000'000;
   std::vector<test::JerkWatch> watches;
@@ -219,8 +237,11 @@ Fault fault_of(std::uint64_t number, Planner& planner, bool every_tick) {
 
 TEST(Pulse, ChainsKeepEveryLimitAndCanAlwaysStop) {
   const auto planner = std::make_unique<Planner>();
-  for (std::uint64_t number = 0; number < static_cast<std::uint64_t>(test::scaled(1'000)); ++number)
-    ASSERT_EQ(fault_of(number, *planner, number % 10 == 0), Fault{}) << "chain " << number;
+  const auto chains = static_cast<std::uint64_t>(test::scaled(1'000));
+  int stopped = 0;
+  for (std::uint64_t number = 0; number < chains; ++number)
+    ASSERT_EQ(fault_of(number, *planner, number % 10 == 0, stopped), Fault{}) << "chain " << number;
+  EXPECT_LE(stopped, static_cast<int>(chains / 2000));
 }
 
 }  // namespace
