@@ -107,10 +107,13 @@ Figures walk_figures(const Machine& machine, int points, std::uint64_t seed,
   return figures_of(limits, histogram_walk(points, axes, steps_per_mm, seed), planned);
 }
 
-JerkBeats jerk_beats(const Machine& machine, int points, std::uint64_t seed,
+JerkBeats jerk_beats(const Machine& machine, motion::JoinMode mode, int points, std::uint64_t seed,
                      const PointsPlanned& planned) {
   constexpr int axes = 2;
-  const auto walk = histogram_walk(points, axes, steps_per_mm, seed);
+  const auto walk =
+      mode == motion::JoinMode::path
+          ? course(Course::straight, std::min(points, pulse_points), steps_per_mm, seed)
+          : histogram_walk(points, axes, steps_per_mm, seed);
   JerkBeats beats{};
   for (std::size_t i = 0; i < beats.size(); ++i) {
     settings::Values values = machine_settings(machine.lamp_hz, machine.accel_m_s2,
@@ -118,7 +121,7 @@ JerkBeats jerk_beats(const Machine& machine, int points, std::uint64_t seed,
     for (int a = 0; a < axes; ++a)
       values.set_milli(settings::for_axis(settings::Id::jerk_x, a),
                        static_cast<std::int32_t>(std::lround(jerk_limits[i] * 1000)));
-    beats[i] = beats_per_point(limits_of(values), walk, motion::JoinMode::free);
+    beats[i] = beats_per_point(limits_of(values), walk, mode);
     if (planned) planned(walk.size());
   }
   return beats;

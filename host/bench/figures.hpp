@@ -65,12 +65,13 @@ inline constexpr std::array<Machine, 4> graded_walks{
     {{100, 2, 0.1}, {100, 4, 0.1}, {100, 10, 0.1}, {200, 10, 1}}};
 inline constexpr int graded_points = 10'000;
 
-/// What a limit of jerk costs: free planning of the same walk under each of these, m/s3, 0 = none.
+/// What a limit of jerk costs, under each of these, m/s3, 0 = none: free planning of a walk; path
+/// mode on a straight row of the thesis below, as long as there at most.
 inline constexpr std::array<double, 8> jerk_limits{0, 100'000, 5000, 2000, 1000, 500, 200, 100};
 inline constexpr std::array<Machine, 6> jerk_machines{
     {{100, 2, 0.1}, {100, 4, 0.1}, {100, 10, 0.1}, {200, 10, 1}, {1000, 10, 1}, {4000, 10, 1}}};
 using JerkBeats = std::array<double, jerk_limits.size()>;
-JerkBeats jerk_beats(const Machine& machine, int points, std::uint64_t seed,
+JerkBeats jerk_beats(const Machine& machine, motion::JoinMode mode, int points, std::uint64_t seed,
                      const PointsPlanned& planned = {});
 
 /// The example of the thesis on CNC systems for pulsed lasers (BSUIR Minsk).

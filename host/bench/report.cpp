@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace lamplock::bench {
 namespace {
 
@@ -61,23 +63,31 @@ std::string course_table(const BenchReport& report) {
   return text;
 }
 
-std::string jerk_table(const BenchReport& report) {
-  std::string text = fmt::format(
-      "Beats per point, free, on walks of {} points in a plane, seed {}, by limit of jerk in "
-      "m/s3\n\n"
+std::string jerk_rows(const BenchReport& report, JerkBeats JerkFigures::*beats) {
+  std::string text =
       "lamp  speed  accel\n"
-      "  Hz    m/s   m/s2",
-      report.walk_points, report.seed);
+      "  Hz    m/s   m/s2";
   for (const double jerk : jerk_limits)
     text += jerk == 0 ? fmt::format("{:>9}", "none") : fmt::format("{:>9g}", jerk);
   text += "\n";
   for (const JerkFigures& row : report.jerks) {
     text += fmt::format("{:>4g} {:>6.2f} {:>6.1f}", row.machine.lamp_hz, row.machine.speed_m_s,
                         row.machine.accel_m_s2);
-    for (const double beats : row.beats) text += fmt::format("{:>9.3f}", beats);
+    for (const double b : row.*beats) text += fmt::format("{:>9.3f}", b);
     text += "\n";
   }
   return text;
+}
+
+std::string jerk_table(const BenchReport& report) {
+  return fmt::format(
+             "Beats per point by limit of jerk in m/s3, {} points, seed {}. Free, on a walk in a "
+             "plane:\n\n",
+             report.walk_points, report.seed) +
+         jerk_rows(report, &JerkFigures::free) +
+         fmt::format("\nPath mode, on a straight row of {} points 100 to 150 um apart:\n\n",
+                     std::min(report.walk_points, pulse_points)) +
+         jerk_rows(report, &JerkFigures::path);
 }
 
 }  // namespace

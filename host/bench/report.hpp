@@ -33,10 +33,11 @@ struct CourseFigures {
   Figures course;
 };
 
-/// A walk under limits of jerk.
+/// A walk and a row under limits of jerk.
 struct JerkFigures {
   Machine machine;
-  JerkBeats beats{};
+  JerkBeats free{};  ///< the walk
+  JerkBeats path{};  ///< the row
 };
 
 /// Everything that was asked for; a part that was not is empty.

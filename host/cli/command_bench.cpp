@@ -36,7 +36,8 @@ std::size_t work(const Options& options, const bench::BenchReport& report) {
   add("measured", bench::glass_start_stop_times.size(), report.measured_points);
   add("walks", bench::graded_walks.size(), report.walk_points);
   add("example", bench::pulse_courses.size() * bench::pulse_draws, bench::pulse_points);
-  add("jerk", bench::jerk_machines.size() * bench::jerk_limits.size(), report.walk_points);
+  add("jerk", bench::jerk_machines.size() * bench::jerk_limits.size(),
+      report.walk_points + std::min(report.walk_points, bench::pulse_points));
   return points;
 }
 
@@ -66,7 +67,9 @@ bench::BenchReport measure(const Options& options) {
   if (options.wants("jerk"))
     for (const bench::Machine& machine : bench::jerk_machines)
       report.jerks.push_back(
-          {machine, jerk_beats(machine, report.walk_points, options.seed, planned)});
+          {machine,
+           jerk_beats(machine, motion::JoinMode::free, report.walk_points, options.seed, planned),
+           jerk_beats(machine, motion::JoinMode::path, report.walk_points, options.seed, planned)});
   return report;
 }
 
@@ -123,7 +126,8 @@ Json document(const bench::BenchReport& report) {
     Json rows = Json::array();
     for (const bench::JerkFigures& j : report.jerks) {
       Json row = machine_json(j.machine);
-      row["free"] = j.beats;
+      row["free"] = j.free;
+      row["path"] = j.path;
       rows.push_back(row);
     }
     json["jerk"] = {

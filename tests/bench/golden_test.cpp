@@ -170,12 +170,23 @@ TEST(Golden, FreePlanningStaysAtTheOptimumOnLongWalks) {
 
 TEST(Golden, TheLowerTheJerkTheMoreBeats) {
   const Machine machine{200, 10, 1};
-  const JerkBeats beats = jerk_beats(machine, 400, 3);
+  const JerkBeats beats = jerk_beats(machine, motion::JoinMode::free, 400, 3);
   EXPECT_DOUBLE_EQ(beats[0], walk_figures(machine, 400, 3).free) << "no limit is no limit";
   for (std::size_t i = 1; i < beats.size(); ++i) EXPECT_GT(beats[i], beats[i - 1] * 0.99) << i;
   EXPECT_GT(beats.back(), 3 * beats.front());
   // Half the jerk is the same motion in 2^(1/3) of the time, where speeds do not matter.
   EXPECT_NEAR(beats[7] / beats[6], std::cbrt(2), 0.06);
+}
+
+TEST(Golden, PathsTakeMoreBeatsTooAndHardlyMoreWhereTheJerkIsHigh) {
+  for (const Machine& machine : jerk_machines) {
+    const JerkBeats beats = jerk_beats(machine, motion::JoinMode::path, 400, 3);
+    EXPECT_LT(beats[1], 1.01 * beats[0]) << machine.lamp_hz << " Hz";
+    // At 4 kHz a row takes tens of beats a point, and four labels find what they find.
+    const double least = machine.lamp_hz > 1000 ? 0.75 : 0.97;
+    for (std::size_t i = 1; i < beats.size(); ++i)
+      EXPECT_GT(beats[i], beats[i - 1] * least) << machine.lamp_hz << " Hz, " << jerk_limits[i];
+  }
 }
 
 /// What path mode takes on the courses of the thesis, beats a point, on the average of many draws.

@@ -18,7 +18,8 @@ TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
   for (const Case& c :
        {Case{motion::JoinMode::free}, Case{motion::JoinMode::start_stop},
         Case{motion::JoinMode::free, true}, Case{motion::JoinMode::free, false, 500},
-        Case{motion::JoinMode::free, true, 500}}) {
+        Case{motion::JoinMode::free, true, 500}, Case{motion::JoinMode::path},
+        Case{motion::JoinMode::path, false, 500}}) {
     SCOPED_TRACE(testing::Message() << "lag " << c.lag << " jerk " << c.jerk_m_s3);
     job::Profile profile = chip_profile(100);
     if (c.lag) {

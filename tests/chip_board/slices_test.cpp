@@ -77,6 +77,21 @@ TEST(Slices, OfAllModesAreShort) {
   }
 }
 
+/// Where jerk is limited the search of a path asks more of each point; jobs of both are looked at.
+TEST(Slices, WithLimitsOfJerkAreShort) {
+  for (const JoinMode mode : {JoinMode::path, JoinMode::free})
+    for (const double jerk_m_s3 : {2000.0, 100.0}) {
+      SCOPED_TRACE(testing::Message() << "mode " << static_cast<int>(mode) << ", " << jerk_m_s3);
+      job::Profile profile = chip_profile(500);
+      job::set_acceleration(profile, 10);
+      for (int axis = 0; axis < 3; ++axis) {
+        job::state_setting(profile, for_axis(Id::speed_jump_x, axis), 45, "test");
+        job::state_setting(profile, for_axis(Id::jerk_x, axis), jerk_m_s3, "test");
+      }
+      expect_short_slices(profile, mode, chip_points(40, 7), 20);
+    }
+}
+
 /// Corners from which an axis cannot stop inside become full stops, one after the other, and each
 /// time the window is planned anew: in one slice that outlasted the watchdog.
 TEST(Slices, OfAPathAlongTheEndsOfTheWorkSpaceAreShort) {
