@@ -1,8 +1,6 @@
 #include "firmware/motion/path_planner.hpp"
 
 #include "firmware/motion/path_reach.hpp"
-#include "firmware/motion/profile.hpp"
-#include "firmware/motion/pulse.hpp"
 
 namespace lamplock::motion {
 namespace {
@@ -39,7 +37,6 @@ void PathPlanner::begin(const PlanRequest& request) {
   request_ = &request;
   limits_ = request.limits;
   limit_jerk_ = BrakeLimits(*limits_).limit_jerk();
-  longer_ = 0;
   const std::uint32_t ticks = limit_jerk_ ? longest_pulses_ticks : longest_segment_ticks;
   const std::uint32_t most = ticks / limits_->beat_ticks;
   most_beats_ = most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
@@ -91,7 +88,6 @@ Result PathPlanner::set_up(std::uint32_t& failed) {
       stage.line = make_pulse_line(now.displacement_q32, now.speed_q32, now.rise_q32, now.flat_q32);
     stage.corner_q32 = 0;
     stage.hint = 1;
-    stage.least_beats = 1;
     stage.from_previous = Real();
     if (i == 0 && !set_start(now)) return Result::unreachable;
     if (i > 0 && !now.none && !before.none) {
@@ -134,7 +130,6 @@ void PathPlanner::start_over() {
   phase_ = Phase::ahead;
   at_ = request_->count - 1;
   stages_[at_].end_q32 = 0;
-  misfits_ = 0;
   careful_ = false;
 }
 
@@ -232,7 +227,7 @@ std::int32_t PathPlanner::fixed_beats(std::uint32_t i) const {
 }
 
 std::int32_t PathPlanner::least_beats(std::uint32_t i) const {
-  const std::int32_t least = larger(stages_[i].least_beats, request_->at_least[i]);
+  const std::int32_t least = larger(1, request_->at_least[i]);
   return target(i).shots == 0 ? least : larger(least, request_->least_beats);
 }
 

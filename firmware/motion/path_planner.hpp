@@ -94,7 +94,6 @@ class PathPlanner {
     PulseLine line;
     std::int64_t corner_q32 = 0;    ///< limit at the point, normalised
     std::int64_t end_q32 = 0;       ///< the same after looking ahead
-    std::int32_t least_beats = 1;   ///< more where rounding left no pulses
     mutable std::int32_t hint = 1;  ///< beats that were the fewest last time
     Real from_previous;             ///< factor for speeds at the start of the line
 
@@ -141,8 +140,6 @@ class PathPlanner {
   std::int64_t wanted_speed_q32(std::uint32_t i) const;
   void check();
   void stop_at(std::uint32_t i, bool inside);
-  void take_longer();
-  bool keeps_jerk(const Segment& s) const;
   bool inside(const Segment& s, const MotionState& from) const;
   bool can_stop(const Segment& s) const;
   Segment make_segment(std::uint32_t i, const MotionState& from) const;
@@ -167,8 +164,6 @@ class PathPlanner {
   std::uint32_t failed_ = 0;  ///< the place that has no way
   std::int32_t most_beats_ = 1;
   bool limit_jerk_ = false;     ///< on any axis
-  std::uint64_t misfits_ = 0;   ///< lines whose pulses do not keep the limits
-  std::int32_t longer_ = 0;     ///< how often some were given more beats
   SpeedInterval start_;         ///< at the start of the window, in units of the first line
   std::int64_t start_q32_ = 0;  ///< the speed in it
   std::array<Stage, window_points> stages_{};

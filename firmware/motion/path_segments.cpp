@@ -6,10 +6,6 @@
 namespace lamplock::motion {
 namespace {
 
-/// Lines whose pulses do not fit, which is rare, are made longer so often, and so often without
-/// standing at their ends.
-constexpr std::int32_t most_longer = 16, longer_moving = 2;
-
 std::int64_t least_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
 
 /// True if the profile goes against the way it has to go.
@@ -30,13 +26,9 @@ void PathPlanner::check() {
         s.end.axis[index(a)].position_q64 - stepper::middle_of_step(target(i).steps[index(a)]);
     stages_[i].chosen.off_q64[index(a)] = off.to_int64();
   }
-  if (stages_[i].has_pulses() && !keeps_jerk(s)) {
-    misfits_ |= std::uint64_t{1} << i;
-  } else if (const bool in = inside(s, from); !in || !can_stop(s)) {
-    return stop_at(i, in);
-  }
+  const bool in = inside(s, from);
+  if (!in || !can_stop(s)) return stop_at(i, in);
   if (++at_ < request_->count) return;
-  if (misfits_ != 0) return take_longer();
   result_ = Result::ok;
   phase_ = Phase::over;
 }
@@ -54,42 +46,12 @@ void PathPlanner::stop_at(std::uint32_t i, bool inside) {
   if (!had_rest) start_over();
 }
 
-/// Where rounding leaves no pulses a line takes more beats, and if that does not help the machine
-/// stands at both its ends: then it is only a matter of beats.
-void PathPlanner::take_longer() {
-  ++longer_;
-  for (std::uint32_t i = 0; i < request_->count; ++i) {
-    if ((misfits_ >> i & 1) == 0) continue;
-    Stage& stage = stages_[i];
-    const bool fixed = fixed_beats(i) != 0;
-    stage.least_beats = stage.chosen.beats + 1 + stage.chosen.beats * longer_ / 8;
-    if (longer_ > most_longer || (!fixed && stage.least_beats > most_beats_)) {
-      failed_ = i;
-      phase_ = Phase::over;
-      return;
-    }
-    if (longer_ <= longer_moving && !fixed) continue;
-    stage.corner_q32 = 0;
-    if (i > 0) stages_[i - 1].corner_q32 = 0;
-  }
-  start_over();
-}
-
-bool PathPlanner::keeps_jerk(const Segment& s) const {
-  for (int a = 0; a < limits_->axes; ++a) {
-    const AxisLimits& axis = limits_->axis[index(a)];
-    const AxisProfile& profile = s.axis[index(a)];
-    if (!within_limits(profile, axis.speed_q62, axis.accel_q62)) return false;
-    if (!motion::keeps_jerk(profile, axis.jerk_q78)) return false;
-  }
-  return true;
-}
-
 bool PathPlanner::inside(const Segment& s, const MotionState& from) const {
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
     const AxisProfile& profile = s.axis[index(a)];
     if (!within_limits(profile, axis.speed_q62, axis.accel_q62)) return false;
+    if (!keeps_jerk(profile, axis.jerk_q78)) return false;
     const Int128 start = from.axis[index(a)].position_q64, end = s.end.axis[index(a)].position_q64;
     Int128 low = start < end ? start : end, high = start < end ? end : start;
     if (goes_back(profile, end - start)) {
