@@ -53,8 +53,8 @@ class PathPlanner {
   /// Begins a window; the request must stay as it is while segments are asked for.
   void begin(const PlanRequest& request);
   /// Goes on with it, point by point; false when there is nothing left to do. Budget: the
-  /// first slice sets the whole window up, some 6 ms with three axes; the others 3 ms, where jerk
-  /// is limited 10 ms.
+  /// first slice sets the whole window up, some 7 ms with three axes; the others 3 ms, where jerk
+  /// is limited 14 ms.
   bool advance();
   /// What came of it. Error: unreachable, with the place in the window in failed(); then nothing
   /// may be used.

@@ -124,8 +124,8 @@ TimingTable BoardTiming::table(Picoseconds delay) const {
     table.stacks[core].size = top - bottom;
     table.stacks[core].used = stack_used(board_.chip().bus().memory_at(bottom).first(top - bottom));
   }
-  table.ram_used = address_of(image_, "bss_end") - sram_base +
-                   address_of(image_, "rings_end") - address_of(image_, "rings_begin");
+  table.ram_used = address_of(image_, "bss_end") - sram_base + address_of(image_, "rings_end") -
+                   address_of(image_, "rings_begin");
   table.ram_size = ram_total;
   table.flash_used = static_cast<std::uint32_t>(image_.size());
   table.flash_size = static_cast<std::uint32_t>(board_.chip().flash().storage().size());
