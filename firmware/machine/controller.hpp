@@ -8,8 +8,8 @@
 //   new_connection      main loop             on change         before the first bytes of another
 //                                                               host, or of one that was away
 //   prepare             main loop             1 ms              state; true: something to plan
-//   plan                main loop, or         when so told      a slice of planning, up to 10 ms
-//                       another core alone
+//   plan                main loop, or         when so told      a slice of planning, up to 10 ms,
+//                       another core alone                      of a path with jerk 20 ms
 //   commit              main loop             after prepare     motion handed out, answers
 //   input_changed       main loop             on change         e-stop, door, limit switches; at
 //                                                               power-up for each active one
