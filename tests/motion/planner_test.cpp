@@ -317,9 +317,9 @@ TEST(Planner, RefusesBeatsWhoseTicksNoSegmentHolds) {
   }
 }
 
-TEST(Planner, BoxesThatMeetOnAHairAreNotLost) {
-  // Points along the ends of the work space at 4 kHz: moves of the improver left boxes that could
-  // not be made again, and speeds chosen from what was left of the old ones could not be joined.
+TEST(Planner, PointsAlongTheEndsOfTheWorkSpaceAreReached) {
+  // At 4 kHz. With windows of 40 points moves of the improver left boxes here that could not be
+  // made again, and speeds chosen from what was left of the old ones could not be joined.
   constexpr std::int32_t points[][3] = {
       {-8945, -5181, -9916}, {-8973, -5189, -9901},  {-2849, 865, -9901},   {-2814, 865, -9904},
       {-2787, 851, -9879},   {-2761, 843, -9858},    {-2761, 811, -9864},   {-2748, 811, -9861},
