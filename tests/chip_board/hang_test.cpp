@@ -32,18 +32,28 @@ class Loss : public BootedRig {
     rig().board.chip().bus().write(address, instruction, Width::half, Master::core0,
                                    rig().core().cycle());
   }
+  /// When this returns the CPU is gone. A fault comes only when what was put under it is reached: a
+  /// core that sleeps, or is about to be interrupted, serves the interrupt first, and all that it
+  /// notes there is noted.
   void lose(End end, int id = 0) {
     sim::chip::Core& core = rig().board.chip().core(id);
     constexpr std::uint16_t loop = 0xe7fe, undefined = 0xde00, load_r0 = 0x6800;
     put(spare, end == End::undefined ? undefined : end == End::bad_load ? load_r0 : loop);
     constexpr std::uint32_t nowhere = 0x3000'0000;
     if (end == End::spins_deaf) core.set_primask(true);
-    if (end == End::spins_in_isr)
-      for (int i = 0; i < 200'000 && core.exception() != 16 + 1; ++i)
-        rig().board.chip().run_until(rig().board.chip().now() + 1);
+    constexpr unsigned hard_fault = 3, timer_1 = 16 + 1;
+    if (end == End::spins_in_isr) run_until_in(core, timer_1);
     if (end == End::bad_load) core.set_reg(0, nowhere);
     if (end == End::locked_up) core.set_reg(13, nowhere);
     core.set_reg(15, end == End::bad_jump || end == End::locked_up ? nowhere : spare);
+    if (is_fault(end)) run_until_in(core, hard_fault);
+  }
+  /// Up to the entry of an exception.
+  void run_until_in(const sim::chip::Core& core, unsigned exception) {
+    sim::chip::Chip& chip = rig().board.chip();
+    for (int i = 0; i < 200'000 && core.exception() != exception; ++i)
+      chip.run_until(chip.now() + 1);
+    EXPECT_EQ(core.exception(), exception);
   }
   /// Until the watchdog has restarted the chip, as it did once; a plan may take a second.
   void restart() {
