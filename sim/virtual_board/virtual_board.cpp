@@ -21,6 +21,19 @@ constexpr std::size_t host_buffer = 4096;
 /// Blocks kept after they were played, to look back from a late edge to its lattice tick.
 constexpr std::size_t remembered_blocks = 64;
 
+/// The tick that begins a lag before another one. A lattice that lags behind the lamp has given no
+/// time to the tick of a shot yet: from there on ticks are as long as the last that has one.
+std::uint64_t tick_before(const TickLine& line, std::uint64_t tick, Picoseconds lag) {
+  const std::uint64_t end = line.end_tick();
+  if (tick <= end) return line.first_tick_from(line.time_of(tick) - lag);
+  const lamp::TickSpan& last = line.span_of(end);
+  const Picoseconds length = static_cast<Picoseconds>(last.clocks) * ps_per_clock;
+  const auto ticks = static_cast<Picoseconds>(last.ticks);
+  const Picoseconds untimed = static_cast<Picoseconds>(tick - end) * length / ticks;
+  if (untimed >= lag) return tick - static_cast<std::uint64_t>(lag * ticks / length);
+  return line.first_tick_from(line.end_time() - (lag - untimed));
+}
+
 }  // namespace
 
 VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& world)
@@ -279,8 +292,7 @@ StepPosition VirtualBoard::load_at_tick(std::uint64_t tick) const {
   for (int axis = 0; axis < max_axes; ++axis) {
     const Picoseconds lag = world_->drives().lag(axis);
     if (lag == 0) continue;
-    const std::uint64_t before = ticks_.first_tick_from(ticks_.time_of(tick) - lag);
-    steps[index(axis)] = position_at_tick(before)[index(axis)];
+    steps[index(axis)] = position_at_tick(tick_before(ticks_, tick, lag))[index(axis)];
   }
   return steps;
 }
