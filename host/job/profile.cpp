@@ -110,6 +110,10 @@ void state_setting(Profile& profile, Id id, double value, const std::string& whe
                     milli <= static_cast<double>(std::numeric_limits<std::int32_t>::max());
   if (!fits || !profile.settings.set_milli(id, static_cast<std::int32_t>(milli)))
     fail(where, fmt::format("{} = {} is out of range", row.name, value), range_of(row));
+  // For many settings 0 is none, or no limit: not what a small number means.
+  if (value != 0 && milli == 0)
+    fail(where, fmt::format("{} = {} cannot be told from 0", row.name, value),
+         "settings are kept to 0.001; give 0 or more than that");
   profile.stated.set(static_cast<std::size_t>(id));
 }
 

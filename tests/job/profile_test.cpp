@@ -87,6 +87,13 @@ TEST(Profile, ErrorsNameFileLineKeyAndRange) {
   EXPECT_THAT(error_of("axes = = 3\n"), HasSubstr(".toml:1"));
 }
 
+TEST(Profile, WhatIsTooSmallToKeepIsRefusedWhere0MeansNone) {
+  EXPECT_THAT(error_of("jerk = [0.0004, 1, 1]\n"),
+              HasSubstr("jerk_x = 0.0004 cannot be told from 0"));
+  EXPECT_THAT(error_of("lamp_energy = 1e-300\n"), HasSubstr("cannot be told from 0"));
+  EXPECT_NO_THROW(read("jerk = [0.001, 0, 1]\n"));
+}
+
 TEST(Profile, MissingFileIsAnError) {
   EXPECT_THROW(read_profile("/nowhere/machine.toml"), Error);
   EXPECT_THROW(read_profile(std::filesystem::temp_directory_path()), Error);
