@@ -110,7 +110,7 @@ StepPosition StepExpander::steps_at(std::uint64_t tick) const {
       const std::uint32_t n = left < ticks_per_step_word - skip ? left : ticks_per_step_word - skip;
       // DIR belongs to the tick: a word may hold both directions.
       const std::uint32_t word = word_of(a, place) << 2 * skip;
-      const std::uint32_t used = n == ticks_per_step_word ? ~0u : ~(~0u >> 2 * n);
+      const std::uint32_t used = ~0u << 2 * (ticks_per_step_word - n);
       const std::uint32_t stepping = word & used & all_step_bits;
       const std::uint32_t back = stepping & (word >> 1);
       step -= std::popcount(stepping) - 2 * std::popcount(back);
