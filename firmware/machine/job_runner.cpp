@@ -370,7 +370,7 @@ void JobRunner::commit_brake() {
 /// brake stays inside. Returns where it ends.
 stepper::MotionState JobRunner::brake_from(const stepper::MotionState& head) {
   stepper::Segment s = motion::make_brake(head, brake_limits_, generator_.accelerations_q62());
-  if (!brake_limits_.limit_jerk() || motion::stays_inside(s, head, brake_limits_)) {
+  if (!brake_limits_.jerk_limited() || motion::stays_inside(s, head, brake_limits_)) {
     generator_.replace(s);
     return s.end;
   }

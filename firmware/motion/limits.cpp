@@ -85,7 +85,7 @@ std::int64_t steady_accel_q62(std::int64_t accel_q62, std::uint32_t beat) {
 
 /// A pulse over n ticks (segment.hpp) with peak A and jerk J is worth the steady acceleration
 /// A (1 - A / (J n)) or, if it is too short to get to A, J n / 4. False if that is next to nothing.
-bool limit_jerk(AxisLimits& axis, std::uint32_t beat) {
+bool set_jerk_limits(AxisLimits& axis, std::uint32_t beat) {
   const std::int64_t most = pulse_peak_q62(axis, beat);
   const auto rise = [&axis](std::int64_t accel_q62) {
     return ratio_up(Int128(accel_q62) << 16, axis.jerk_q78);
@@ -209,7 +209,7 @@ Id make_axis(AxisLimits& axis, const settings::Values& values, int a, std::uint3
              std::uint32_t tick_q16) {
   if (!set_limits(axis, values, a, tick_q16)) return Id::max_rate_x;
   set_plan_limits(axis, beat);
-  if (values.milli(Id::jerk_x, a) != 0 && !limit_jerk(axis, beat)) return Id::jerk_x;
+  if (values.milli(Id::jerk_x, a) != 0 && !set_jerk_limits(axis, beat)) return Id::jerk_x;
   if (axis.plan_accel_q62 < min_accel_q62 || axis.plan_speed_q62 <= 0) return Id::acceleration_x;
   normalise(axis, beat);
   // A speed that is some units of the search off costs four times as much of the acceleration in
@@ -219,6 +219,14 @@ Id make_axis(AxisLimits& axis, const settings::Values& values, int a, std::uint3
   axis.shot_tolerance_q32 = shot_tolerance_q32(values, a);
   axis.shot_way_q32 = axis.displacement_q32(axis.shot_tolerance_q32);
   return Id::count;
+}
+
+/// True if jerk is limited on any axis of Limits or BrakeLimits.
+template <typename AllAxes>
+bool any_jerk(const AllAxes& limits) {
+  for (int a = 0; a < limits.axes; ++a)
+    if (limits.axis[static_cast<std::size_t>(a)].jerk_q78 != 0) return true;
+  return false;
 }
 
 }  // namespace
@@ -234,11 +242,8 @@ BrakeLimits::BrakeLimits(const Limits& limits) : axes(limits.axes) {
   for (std::size_t a = 0; a < axis.size(); ++a) axis[a] = AxisBrake(limits.axis[a]);
 }
 
-bool BrakeLimits::limit_jerk() const {
-  for (int a = 0; a < axes; ++a)
-    if (axis[static_cast<std::size_t>(a)].jerk_q78 != 0) return true;
-  return false;
-}
+bool Limits::jerk_limited() const { return any_jerk(*this); }
+bool BrakeLimits::jerk_limited() const { return any_jerk(*this); }
 
 std::int64_t pulse_peak_q62(const AxisLimits& axis, std::uint32_t beat) {
   const std::int64_t steady = steady_accel_q62(axis.accel_q62, beat);

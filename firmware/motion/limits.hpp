@@ -71,6 +71,8 @@ struct Limits {
   std::uint32_t beat_ticks = 0;  ///< N: ticks in a beat
   PerAxis<AxisLimits> axis{};
 
+  /// True if jerk is limited on any axis.
+  bool jerk_limited() const;
   /// Steps per tick, Q62, of a normalised speed of an axis.
   std::int64_t speed_q62(int a, std::int64_t v_q32) const {
     return mul_q32(v_q32, axis[static_cast<std::size_t>(a)].plan_accel_q62) *
@@ -95,8 +97,8 @@ struct BrakeLimits {
   int axes = 0;
   PerAxis<AxisBrake> axis{};
 
-  /// True if jerk is limited.
-  bool limit_jerk() const;
+  /// True if jerk is limited on any axis.
+  bool jerk_limited() const;
 
   BrakeLimits() = default;
   /// Also where limits are at hand.

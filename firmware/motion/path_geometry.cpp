@@ -101,7 +101,8 @@ Real rise_ticks(const PerAxis<std::int64_t>& steps_q32, const Limits& limits, in
 }
 
 /// Where ramps are needed: the line normalised by the peak of its pulses.
-void limit_jerk(PathLine& line, const PerAxis<std::int64_t>& steps_q32, const Limits& limits) {
+void normalise_by_peak(PathLine& line, const PerAxis<std::int64_t>& steps_q32,
+                       const Limits& limits) {
   int steepest = 0;
   const Real rise = rise_ticks(steps_q32, limits, steepest);
   if (!(Real(flat_rise_ticks) < rise)) return;
@@ -142,7 +143,7 @@ PathLine make_line(const PerAxis<std::int64_t>& steps_q32, const Limits& limits)
   if (!some) return line;
   measure(steps_q32, -32, limits, line);
   line.displacement_q32 = longest;
-  limit_jerk(line, steps_q32, limits);
+  normalise_by_peak(line, steps_q32, limits);
   line.displacement_q32 += (line.displacement_q32 >> room_bits) + 1;
   line.speed_q32 = line_speed_q32(displacement, line.displacement_q32, limits);
   return line;

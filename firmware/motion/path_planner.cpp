@@ -36,8 +36,8 @@ Result PathPlanner::plan(const PlanRequest& request, std::uint32_t& failed) {
 void PathPlanner::begin(const PlanRequest& request) {
   request_ = &request;
   limits_ = request.limits;
-  limit_jerk_ = BrakeLimits(*limits_).limit_jerk();
-  const std::uint32_t ticks = limit_jerk_ ? longest_pulses_ticks : longest_segment_ticks;
+  jerk_limited_ = limits_->jerk_limited();
+  const std::uint32_t ticks = jerk_limited_ ? longest_pulses_ticks : longest_segment_ticks;
   const std::uint32_t most = ticks / limits_->beat_ticks;
   most_beats_ = most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
   result_ = Result::unreachable;
@@ -116,7 +116,7 @@ bool PathPlanner::set_start(const PathLine& first) {
   start_q32_ = normalised_speed_q32(first, speed);
   // The speed was made from a normalised one: allow for the rounding of both conversions.
   // Where jerk is limited speeds lie on bounds more often, and its profiles have room for more.
-  const std::int64_t slack = 64 + (start_q32_ >> (limit_jerk_ ? 22 : 28));
+  const std::int64_t slack = 64 + (start_q32_ >> (jerk_limited_ ? 22 : 28));
   const std::int64_t most = normalised_speed_q32(first, jump_speed(motion, first, *limits_));
   // Where this plan follows another one, that one has looked at the corner.
   if (!request_->follows && start_q32_ - slack > least_of(most, first.speed_q32)) return false;
@@ -150,7 +150,7 @@ void PathPlanner::look_ahead() {
 }
 
 /// Highest speed at the start of a line, in its units.
-std::int64_t PathPlanner::start_bound_q32(std::uint32_t i) const {
+std::int64_t PathPlanner::start_bound_q32(std::uint32_t i) {
   const Stage& stage = stages_[i];
   const SpeedInterval end{0, stage.end_q32};
   std::int64_t most = highest_start_q32(i, end);
@@ -165,7 +165,7 @@ std::int64_t PathPlanner::start_bound_q32(std::uint32_t i) const {
 /// The same for some speeds at the end; less than zero if there is none. Seen from the end the
 /// fewest beats allow it; not so where jerk is limited: there it rises with the length of the
 /// pulses and falls again.
-std::int64_t PathPlanner::highest_start_q32(std::uint32_t i, const SpeedInterval& end) const {
+std::int64_t PathPlanner::highest_start_q32(std::uint32_t i, const SpeedInterval& end) {
   const Stage& stage = stages_[i];
   const std::int32_t fixed = fixed_beats(i);
   const std::int32_t first = fixed != 0 ? fixed : fewest(i, end, stage.line.speed_q32);
@@ -269,9 +269,8 @@ bool PathPlanner::step_back(std::uint32_t i, const SpeedInterval& end, std::int3
 }
 
 /// Fewest beats for a line that has a way, forth or back; 0 = there are none.
-std::int32_t PathPlanner::fewest(std::uint32_t i, const SpeedInterval& from,
-                                 std::int64_t end) const {
-  const Stage& stage = stages_[i];
+std::int32_t PathPlanner::fewest(std::uint32_t i, const SpeedInterval& from, std::int64_t end) {
+  Stage& stage = stages_[i];
   if (stage.has_pulses()) {
     const std::int32_t beats =
         fewest_pulse_beats(stage.line, from, end, least_beats(i), most_beats_, stage.hint);
@@ -282,7 +281,7 @@ std::int32_t PathPlanner::fewest(std::uint32_t i, const SpeedInterval& from,
 }
 
 /// Fewest beats from speeds at the start of line i to its end; 0 = there is no way.
-std::int32_t PathPlanner::first_beats(std::uint32_t i, const SpeedInterval& from) const {
+std::int32_t PathPlanner::first_beats(std::uint32_t i, const SpeedInterval& from) {
   const Stage& stage = stages_[i];
   const std::int32_t fixed = fixed_beats(i);
   SpeedInterval to;

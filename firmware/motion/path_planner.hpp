@@ -92,10 +92,10 @@ class PathPlanner {
   struct Stage {
     /// Displacement (0 = stands) and limit; where jerk is not limited no more of it.
     PulseLine line;
-    std::int64_t corner_q32 = 0;    ///< limit at the point, normalised
-    std::int64_t end_q32 = 0;       ///< the same after looking ahead
-    mutable std::int32_t hint = 1;  ///< beats that were the fewest last time
-    Real from_previous;             ///< factor for speeds at the start of the line
+    std::int64_t corner_q32 = 0;  ///< limit at the point, normalised
+    std::int64_t end_q32 = 0;     ///< the same after looking ahead
+    std::int32_t hint = 1;        ///< beats that were the fewest last time
+    Real from_previous;           ///< factor for speeds at the start of the line
 
     bool stands() const { return line.displacement_q32 == 0; }
     bool has_pulses() const { return line.rise_q32 != 0; }
@@ -117,8 +117,8 @@ class PathPlanner {
   bool set_start(const PathLine& first);
   void start_over();
   void look_ahead();
-  std::int64_t start_bound_q32(std::uint32_t i) const;
-  std::int64_t highest_start_q32(std::uint32_t i, const SpeedInterval& end) const;
+  std::int64_t start_bound_q32(std::uint32_t i);
+  std::int64_t highest_start_q32(std::uint32_t i, const SpeedInterval& end);
   std::int64_t highest_start_q32(std::uint32_t i, const SpeedInterval& end,
                                  std::int32_t beats) const;
   void search();
@@ -130,10 +130,10 @@ class PathPlanner {
             SpeedInterval& to) const;
   bool step_back(std::uint32_t i, const SpeedInterval& end, std::int32_t beats, int split,
                  SpeedInterval& start) const;
-  std::int32_t fewest(std::uint32_t i, const SpeedInterval& from, std::int64_t end_q32) const;
+  std::int32_t fewest(std::uint32_t i, const SpeedInterval& from, std::int64_t end_q32);
   void keep(std::uint32_t i, Label label, bool careful);
   std::int64_t end_asked_q32(std::uint32_t i) const;
-  std::int32_t first_beats(std::uint32_t i, const SpeedInterval& from) const;
+  std::int32_t first_beats(std::uint32_t i, const SpeedInterval& from);
   void choose_beats();
   void choose_speeds();
   void choose_speed(std::uint32_t i);
@@ -163,7 +163,7 @@ class PathPlanner {
   std::uint32_t at_ = 0;      ///< the point that comes next in this phase
   std::uint32_t failed_ = 0;  ///< the place that has no way
   std::int32_t most_beats_ = 1;
-  bool limit_jerk_ = false;     ///< on any axis
+  bool jerk_limited_ = false;   ///< on any axis
   SpeedInterval start_;         ///< at the start of the window, in units of the first line
   std::int64_t start_q32_ = 0;  ///< the speed in it
   std::array<Stage, window_points> stages_{};

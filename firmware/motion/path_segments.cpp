@@ -41,7 +41,7 @@ void PathPlanner::stop_at(std::uint32_t i, bool inside) {
       stage.corner_q32 == 0 && (inside || i == 0 || stages_[i - 1].corner_q32 == 0);
   stage.corner_q32 = 0;
   if (!inside && i > 0) stages_[i - 1].corner_q32 = 0;
-  failed_ = 0;
+  failed_ = i;
   phase_ = Phase::over;
   if (!had_rest) start_over();
 }

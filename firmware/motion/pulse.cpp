@@ -48,18 +48,25 @@ std::uint8_t shortest_ramp(std::uint32_t n, std::int64_t change, std::int64_t je
   return ramp;
 }
 
-/// A phase of n ticks that changes the speed by so much.
+/// The acceleration with which a phase of n ticks changes the speed by so much.
+std::int64_t pulse_accel(std::int64_t change, std::uint32_t n, std::uint8_t ramp) {
+  return n == 0 ? 0 : whole_units(change / static_cast<std::int64_t>(full_ticks(n, ramp)));
+}
+
+/// The ramp that such a phase needs, 0 = none; false if no ramp is long enough.
+bool find_ramp(std::int64_t change, std::uint32_t n, std::int64_t jerk_q78, std::uint8_t& ramp) {
+  ramp = 0;
+  if (jerk_q78 == 0 || may_be_flat(pulse_accel(change, n, 0), jerk_q78)) return true;
+  ramp = shortest_ramp(n, abs64(change), jerk_q78);
+  return ramp != 0;
+}
+
+/// Both. What is impossible is left steep, to be recognised.
 bool make_pulse(std::int64_t change, std::uint32_t n, std::int64_t jerk_q78, std::int64_t& accel,
                 std::uint8_t& ramp) {
-  ramp = 0;
-  accel = 0;
-  if (change == 0 || n == 0) return true;
-  accel = whole_units(change / static_cast<std::int64_t>(n));
-  if (may_be_flat(accel, jerk_q78)) return true;
-  ramp = shortest_ramp(n, abs64(change), jerk_q78);
-  // One that is impossible is left steep, to be recognised.
-  accel = whole_units(change / static_cast<std::int64_t>(full_ticks(n, ramp)));
-  return ramp != 0;
+  const bool found = find_ramp(change, n, jerk_q78, ramp);
+  accel = pulse_accel(change, n, ramp);
+  return found;
 }
 
 bool keeps_jerk(std::int64_t accel, std::uint32_t n, std::uint8_t ramp, std::int64_t jerk_q78) {
@@ -140,21 +147,6 @@ bool make_pulses(AxisProfile& p, std::int64_t v1, std::int64_t jerk_q78) {
   set_turns(p);
   return lead && tail;
 }
-
-namespace {
-
-/// The ramp that a phase of n ticks needs, 0 = none; false if no ramp is long enough.
-bool find_ramp(std::int64_t change, std::uint32_t n, std::int64_t jerk_q78, std::uint8_t& ramp) {
-  std::int64_t accel = 0;
-  ramp = 0;
-  return jerk_q78 == 0 || make_pulse(change, n, jerk_q78, accel, ramp);
-}
-
-std::int64_t pulse_accel(std::int64_t change, std::uint32_t n, std::uint8_t ramp) {
-  return n == 0 ? 0 : whole_units(change / static_cast<std::int64_t>(full_ticks(n, ramp)));
-}
-
-}  // namespace
 
 bool make_pulses(PerAxis<AxisProfile>& profiles, const PerAxis<std::int64_t>& v1,
                  const Limits& limits) {

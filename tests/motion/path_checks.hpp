@@ -80,7 +80,7 @@ inline bool has_endless_line(const Chain& chain, double longest_ticks = 1 << 30)
 
 /// Accelerations are whole multiples of this.
 inline std::int64_t accel_unit(const Chain& chain) {
-  return motion::BrakeLimits(chain.limits).limit_jerk() ? stepper::pulse_accel_unit : 2;
+  return chain.limits.jerk_limited() ? stepper::pulse_accel_unit : 2;
 }
 
 /// A segment starts where and when the one before it ended.

@@ -196,6 +196,26 @@ TEST(PathPlanner, LeastBeatsAndFixedBeatsAreKept) {
   }
 }
 
+TEST(PathPlanner, ATargetOutsideTheWorkSpaceIsNamed) {
+  for (const std::uint32_t bad : {0u, 4u, 9u}) {
+    Chain chain = row_of(10, 2);
+    for (std::uint32_t i = bad; i < 10; ++i) chain.targets[i].steps[1] = 1'000'000;
+    chain.limits.axis[1].max_steps = 500'000;
+    PointQueue queue;
+    PlanRequest request;
+    request.queue = &queue;
+    request.count = 10;
+    for (std::uint32_t i = 0; i < 10; ++i) request.points[i] = i;
+    for (const Target& t : chain.targets) queue.push(t);
+    request.limits = &chain.limits;
+    request.start = test::rest_at_zero();
+    PathPlanner planner;
+    std::uint32_t failed = 99;
+    EXPECT_EQ(planner.plan(request, failed), Result::unreachable);
+    EXPECT_EQ(failed, bad);
+  }
+}
+
 TEST(PathPlanner, FixedBeatsOfAPlanArePossible) {
   PathPlanner planner;
   for (int i = 0; i < test::scaled(40); ++i) {
