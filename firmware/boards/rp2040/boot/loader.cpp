@@ -1,5 +1,5 @@
-// The loader: the part of the image that runs from flash. It starts the clocks, copies the rest
-// of the image to SRAM, checks all of it and enters it.
+// The loader: the first part of the image, which runs from flash. It starts the clocks, copies what
+// has to be in SRAM there, checks all of the image and enters it.
 //
 // Nothing here may use what is not yet in SRAM: no function or constant outside of the sections
 // .loader*, and no memcpy that the compiler finds in a loop (the build switches that off).
@@ -20,7 +20,7 @@
 // From the linker script. The CRC is the last word of the image; toolchain/image writes it.
 extern "C" {
 extern const std::uint32_t loader_begin[];
-extern const std::uint32_t loader_end[];
+extern const std::uint32_t resident_end[];
 extern const std::uint32_t image_in_flash[];
 extern std::uint32_t image_begin[];
 extern std::uint32_t image_crc[];
@@ -64,8 +64,8 @@ LAMPLOCK_LOADER void load_image() {
   const std::uint32_t* from = image_in_flash;
   for (std::uint32_t* to = image_begin; to <= image_crc; ++to) *to = *from++;
   release_second_core();
-  const std::uint32_t loader_crc = crc_words(loader_begin, loader_end, ~0u);
-  if (~crc_words(image_begin, image_crc, loader_crc) != *image_crc)
+  const std::uint32_t flash_crc = crc_words(loader_begin, resident_end, ~0u);
+  if (~crc_words(image_begin, image_crc, flash_crc) != *image_crc)
     for (;;) reset_to_usb_boot();
 
   // By register: a branch does not reach from flash to SRAM.
