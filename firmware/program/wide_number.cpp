@@ -1,0 +1,51 @@
+#include "firmware/program/wide_number.hpp"
+
+#include <bit>
+
+#include "shared/fixed_point.hpp"
+
+namespace lamplock::program {
+
+std::int64_t times_q62(std::int64_t a, std::int64_t b_q62) {
+  const Int128 product = Int128::product(a, b_q62) + Int128(std::int64_t{1} << 61);
+  // Shifted by 62: two bits of the lower half.
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(product.hi()) << 2 |
+                                   product.lo() >> 62);
+}
+
+std::int64_t quotient_q62(std::uint64_t a, std::uint64_t b) {
+  if (b == 0) return 0;
+  std::uint64_t rest = a, quotient = 0;
+  // The first bit is 1 for a = b only.
+  for (int bit = 0; bit <= 62; ++bit) {
+    quotient <<= 1;
+    if (rest >= b) {
+      rest -= b;
+      quotient |= 1;
+    }
+    rest <<= 1;  // below 2 b
+  }
+  return static_cast<std::int64_t>(quotient);
+}
+
+std::uint64_t wide_root(Int128 x) {
+  if (x.hi() == 0) return isqrt(x.lo());
+  const int shift = std::countl_zero(static_cast<std::uint64_t>(x.hi())) & ~1;
+  const Int128 n = x << shift;
+  const auto high = static_cast<std::uint64_t>(n.hi());
+  // Half of the digits, then the other half by one step of Newton's iteration, which is too large
+  // by less than one: e^2 / (2 root) for e < 2^32.
+  const std::uint32_t first = isqrt(high);
+  const std::uint64_t rest = high - wide_product(first, first);  // at most 2 first
+  const std::uint64_t second = (rest << 31 | n.lo() >> 33) / first;
+  std::uint64_t root = (std::uint64_t{first} << 32) + (second >> 32 != 0 ? 0xffffffffu : second);
+  root >>= shift / 2;
+  while (Int128::portable_product(root, root) > x) --root;
+  return root;
+}
+
+std::int64_t length_of(std::int64_t x, std::int64_t y) {
+  return static_cast<std::int64_t>(wide_root(Int128::product(x, x) + Int128::product(y, y)));
+}
+
+}  // namespace lamplock::program

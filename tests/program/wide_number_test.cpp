@@ -1,0 +1,81 @@
+#include "firmware/program/wide_number.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+
+#include "shared/fixed_point.hpp"
+#include "tests/native_int128.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::program {
+namespace {
+
+using test::Native;
+
+/// A number of any number of bits up to `most`.
+std::uint64_t of_any_size(std::mt19937_64& random, int most) {
+  const auto bits = static_cast<int>(random() % static_cast<unsigned>(most + 1));
+  return bits == 0 ? 0 : random() >> (64 - bits);
+}
+
+TEST(WideNumber, ProductsAreRoundedToNearest) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < test::scaled(20000); ++i) {
+    auto a = static_cast<std::int64_t>(of_any_size(random, 62));
+    auto b = static_cast<std::int64_t>(of_any_size(random, 62));
+    if (random() % 2 != 0) a = -a;
+    if (random() % 2 != 0) b = -b;
+    const Native twice = Native{a} * b * 2 - Native{times_q62(a, b)} * 2 * (Native{1} << 62);
+    ASSERT_GE(twice, -(Native{1} << 62)) << a << " " << b;
+    ASSERT_LE(twice, Native{1} << 62) << a << " " << b;
+  }
+}
+
+TEST(WideNumber, QuotientsAreRoundedDown) {
+  std::mt19937_64 random(2);
+  for (int i = 0; i < test::scaled(20000); ++i) {
+    const std::uint64_t b = of_any_size(random, 63) | 1;
+    const std::uint64_t a = random() % (b + 1);
+    const auto exact = (static_cast<test::UnsignedNative>(a) << 62) / b;
+    ASSERT_EQ(static_cast<test::UnsignedNative>(quotient_q62(a, b)), exact) << a << " " << b;
+  }
+  EXPECT_EQ(quotient_q62(7, 7), one_q62);
+  EXPECT_EQ(quotient_q62(0, 7), 0);
+  EXPECT_EQ(quotient_q62(0, 0), 0);
+}
+
+void expect_root(test::UnsignedNative x) {
+  const std::uint64_t root = wide_root(test::to_int128(static_cast<Native>(x)));
+  const test::UnsignedNative r = root;
+  ASSERT_LE(r * r, x);
+  ASSERT_GT((r + 1) * (r + 1), x);
+}
+
+TEST(WideNumber, RootsAreRoundedDown) {
+  std::mt19937_64 random(3);
+  for (int i = 0; i < test::scaled(20000); ++i) {
+    const test::UnsignedNative any =
+        static_cast<test::UnsignedNative>(random()) << 62 | random() >> 2;
+    expect_root(any >> (random() % 126));
+    // Squares and their neighbours.
+    const test::UnsignedNative r = of_any_size(random, 63);
+    if (r == 0) continue;
+    expect_root(r * r);
+    expect_root(r * r - 1);
+    expect_root(r * r + r + r);
+  }
+  expect_root(0);
+  expect_root((static_cast<test::UnsignedNative>(1) << 126) - 1);
+}
+
+TEST(WideNumber, LengthOfAVector) {
+  EXPECT_EQ(length_of(3, -4), 5);
+  EXPECT_EQ(length_of(0, 0), 0);
+  EXPECT_EQ(length_of(-1, 1), 1);
+  EXPECT_EQ(length_of(-300'000'000'000, 400'000'000'000), 500'000'000'000);
+}
+
+}  // namespace
+}  // namespace lamplock::program
