@@ -1,0 +1,206 @@
+#include "firmware/program/arc.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "firmware/program/angle.hpp"
+#include "firmware/program/wide_number.hpp"
+
+namespace lamplock::program {
+namespace {
+
+/// What a piece may be.
+constexpr std::int64_t least_tolerance_e7 = 50;
+constexpr std::int64_t largest_piece_q48 = turn_q48 / 4;
+constexpr int most_pieces_bits = 30;
+
+/// Vectors are turned with this many more bits, so that a point is rounded once.
+constexpr int fine_bits = 12;
+
+/// Two radii: what programs with rounded numbers have more between start and end.
+constexpr std::int64_t rounding_e7 = 20;
+
+/// grbl 1.1, error 33.
+constexpr std::int64_t radii_alike_e7 = one_e7 / 200;
+constexpr std::int64_t radii_apart_e7 = one_e7 / 2;
+constexpr std::int64_t radius_share = 1000;
+
+/// Radii that differ by no more than their rounding.
+constexpr std::int64_t round_e7 = 2;
+
+struct Vector {
+  std::int64_t x, y;
+};
+Vector from_to(const Place& a, const Place& b, const CurvePlane& plane) {
+  return {b[plane.first] - a[plane.first], b[plane.second] - a[plane.second]};
+}
+Int128 dot(Vector a, Vector b) { return Int128::product(a.x, b.x) + Int128::product(a.y, b.y); }
+Int128 cross(Vector a, Vector b) { return Int128::product(a.x, b.y) - Int128::product(a.y, b.x); }
+
+Vector turned(Vector v, std::int64_t angle_q48) {
+  const SineCosine turn = sine_cosine(angle_q48);
+  return {times_q62(v.x, turn.cosine_q62) - times_q62(v.y, turn.sine_q62),
+          times_q62(v.x, turn.sine_q62) + times_q62(v.y, turn.cosine_q62)};
+}
+
+Vector finely(Vector v) {
+  return {v.x * (std::int64_t{1} << fine_bits), v.y * (std::int64_t{1} << fine_bits)};
+}
+std::int64_t coarsely(std::int64_t v) { return (v + (1 << (fine_bits - 1))) >> fine_bits; }
+
+/// Both ends as seen from the centre.
+struct Ends {
+  Vector start, end;
+  std::int64_t start_radius, end_radius;
+};
+Ends ends_of(const ArcRequest& request) {
+  const Vector start = from_to(request.centre, request.start, request.plane);
+  const Vector end = from_to(request.centre, request.end, request.plane);
+  return {start, end, length_of(start.x, start.y), length_of(end.x, end.y)};
+}
+
+bool is_arc(const ArcRequest& request) {
+  return sane(request.start, request.plane) && sane(request.end, request.plane) &&
+         sane(request.centre, request.plane);
+}
+
+/// The angle run through, further turns included; always above 0.
+std::int64_t sweep_of(const Ends& ends, const ArcRequest& request) {
+  const Int128 along = dot(ends.start, ends.end), across = cross(ends.start, ends.end);
+  const bool same_direction = across == Int128{} && !along.negative();
+  std::int64_t angle = turn_q48;
+  if (!same_direction) {
+    angle = angle_of(along, request.clockwise ? -across : across);
+    // What rounding made nothing or a full turn is neither.
+    angle = std::clamp<std::int64_t>(angle, 1, turn_q48 - 1);
+  }
+  const std::uint32_t turns = request.turns > 1 ? std::min(request.turns - 1, most_turns) : 0;
+  return angle + turns * turn_q48;
+}
+
+/// 2 r' of a spiral: twice the change of the radius in each radian; no less.
+std::int64_t twice_slope(std::int64_t change, std::int64_t sweep_q48) {
+  // A shorter one leaves its chord by no more than a quarter of the sweep times the change: 1 e7.
+  if (sweep_q48 < turn_q48 >> 20) return 0;
+  // 2^49 change / sweep / 2 pi, with 32 bits of the sweep.
+  const int shift = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(sweep_q48))) - 32;
+  const auto divisor =
+      static_cast<std::uint32_t>(shift < 0 ? sweep_q48 << -shift : sweep_q48 >> shift);
+  constexpr std::int64_t most_change = std::int64_t{1} << 40;  // the result has 61 bits at most
+  const Int128 dividend = Int128(std::min(change, most_change)) << (49 - shift);
+  return times_q62(dividend.divided_by(divisor).to_int64(), turns_of_radian_q62) + 1;
+}
+
+/// The largest angle of which the chord keeps the tolerance, on a circle.
+std::int64_t largest_angle(std::int64_t radius, std::int64_t tolerance) {
+  if (tolerance >= radius) return largest_piece_q48;
+  constexpr int more_bits = 15;  // 2^15 2^47 and (2^30 2^47 2^48) fit
+  const Int128 square = Int128::product(tolerance, 2 * radius - tolerance) << (2 * more_bits);
+  const auto half_chord = static_cast<std::int64_t>(wide_root(square));
+  const Int128 to_chord = Int128(radius - tolerance) << more_bits;
+  const std::int64_t angle = 2 * angle_of(to_chord, half_chord);
+  return std::min(angle, largest_piece_q48);
+}
+
+/// A part of the tolerance for which the rule of the circle is no looser than a^2/8 r: with
+/// u = e/r, 1 - cos sqrt(2u) >= u - u^2/6.
+std::int64_t stricter(std::int64_t tolerance, std::int64_t radius) {
+  if (tolerance >= radius) return tolerance;
+  const std::int64_t share =
+      quotient_q62(static_cast<std::uint64_t>(tolerance), static_cast<std::uint64_t>(radius));
+  return tolerance - times_q62(tolerance, share) / 6;
+}
+
+std::uint32_t pieces_of(const Ends& ends, std::int64_t sweep_q48, std::int64_t tolerance_e7) {
+  std::int64_t radius = std::max(ends.start_radius, ends.end_radius);
+  std::int64_t tolerance = std::clamp(tolerance_e7, least_tolerance_e7, most_coordinate_e7);
+  const std::int64_t change = abs64(ends.end_radius - ends.start_radius);
+  if (change > round_e7) {
+    radius = length_of(radius, twice_slope(change, sweep_q48));
+    // The product of a tolerance and this radius must have 96 bits.
+    radius = std::min(radius, 2 * most_coordinate_e7);
+    tolerance = stricter(tolerance, radius);
+  }
+  const std::int64_t piece =
+      std::max(largest_angle(radius, tolerance), (sweep_q48 >> most_pieces_bits) + 1);
+  return static_cast<std::uint32_t>((sweep_q48 + piece - 1) / piece);
+}
+
+std::int64_t length_in_plane(const Ends& ends, std::int64_t sweep_q48) {
+  // Mean radius times sweep times 2 pi, in eighths: 2^-48 2^-1 2^3.
+  const Int128 eighths = Int128::product(ends.start_radius + ends.end_radius, sweep_q48) >> 46;
+  // Only ten thousand turns of a radius beyond the machine are longer.
+  const std::int64_t most = std::min(eighths, Int128(one_q62)).to_int64();
+  const std::int64_t along = times_q62(most, radians_of_eighth_q62);
+  return length_of(along, ends.end_radius - ends.start_radius);
+}
+
+}  // namespace
+
+bool centre_of_radius(const Place& start, const Place& end, const CurvePlane& plane,
+                      std::int64_t radius_e7, bool clockwise, Place& centre) {
+  if (!sane(start, plane) || !sane(end, plane) || !sane(radius_e7)) return false;
+  const Vector way = from_to(start, end, plane);
+  const std::int64_t two_radii = 2 * abs64(radius_e7);
+  const Int128 square = dot(way, way);
+  const std::int64_t reach = two_radii + rounding_e7;
+  if (square == Int128{} || two_radii == 0 || Int128::product(reach, reach) < square) return false;
+
+  // Twice the distance of the centre from the middle between start and end, which is 0 where the
+  // points are as far apart as they can be.
+  const Int128 rest = Int128::product(two_radii, two_radii) - square;
+  const auto twice_aside = static_cast<std::int64_t>(rest.negative() ? 0 : wide_root(rest));
+  // The direction of the way by 62 bits, however short it is.
+  const auto longest = static_cast<std::uint64_t>(abs64(way.x) | abs64(way.y));
+  const int shift = 61 - static_cast<int>(std::bit_width(longest));
+  const Vector longer = {way.x * (std::int64_t{1} << shift), way.y * (std::int64_t{1} << shift)};
+  const std::uint64_t length = wide_root(dot(longer, longer));
+  const auto cosine = [length](std::int64_t v) {
+    const std::int64_t size = quotient_q62(static_cast<std::uint64_t>(abs64(v)), length);
+    return v < 0 ? -size : size;
+  };
+  // To the left of the way: anticlockwise and less than half a turn, or neither.
+  const std::int64_t left = clockwise == (radius_e7 < 0) ? twice_aside : -twice_aside;
+  const auto halved = [](std::int64_t v) { return (v + 1) >> 1; };
+  centre = start;
+  centre[plane.first] += halved(way.x - times_q62(left, cosine(longer.y)));
+  centre[plane.second] += halved(way.y + times_q62(left, cosine(longer.x)));
+  return true;
+}
+
+bool arc_fits(const ArcRequest& request) {
+  if (!is_arc(request)) return false;
+  const Ends ends = ends_of(request);
+  const std::int64_t apart = abs64(ends.end_radius - ends.start_radius);
+  if (apart <= radii_alike_e7) return true;
+  return apart <= radii_apart_e7 && apart * radius_share <= ends.start_radius;
+}
+
+Division Arc::begin(const ArcRequest& request, std::int64_t other_way_e7) {
+  const Vector straight = from_to(request.start, request.end, request.plane);
+  const Division line = {1, sane(request.start, request.plane) && sane(request.end, request.plane)
+                                ? length_of(length_of(straight.x, straight.y), other_way_e7)
+                                : 0};
+  if (!is_arc(request)) return line;
+  const Ends ends = ends_of(request);
+  if (ends.start_radius == 0 || ends.end_radius == 0) return line;
+
+  const std::int64_t sweep = sweep_of(ends, request);
+  const std::uint32_t pieces = pieces_of(ends, sweep, request.tolerance_e7);
+  const std::int64_t turn = request.clockwise ? -sweep : sweep;
+  angle_q48_.begin(0, turn, pieces);
+  // The end turned back to the start: the start but for its length.
+  const Vector start = finely(ends.start), back = turned(finely(ends.end), -turn);
+  first_.begin(start.x, back.x, pieces);
+  second_.begin(start.y, back.y, pieces);
+  centre_ = {request.centre[request.plane.first], request.centre[request.plane.second]};
+  return {pieces, length_of(length_in_plane(ends, sweep), other_way_e7)};
+}
+
+PlanePoint Arc::next(std::uint32_t pieces) {
+  const Vector from_centre = {first_.next(pieces), second_.next(pieces)};
+  const Vector v = turned(from_centre, angle_q48_.next(pieces));
+  return {centre_.first_e7 + coarsely(v.x), centre_.second_e7 + coarsely(v.y)};
+}
+
+}  // namespace lamplock::program

@@ -1,0 +1,75 @@
+// What all kinds of curves have in common: a plane, even division, and what a shape answers.
+//
+// A curve is a shape in a plane; the other axes move evenly along with it. A shape (arc.hpp,
+// spline.hpp) says into how many pieces it must be divided and gives the ends of the pieces in its
+// plane, one after the other; curve.hpp does the rest. Called by the interpreter, main loop.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/program/value.hpp"
+#include "shared/fixed_point.hpp"
+
+namespace lamplock::program {
+
+/// Axes of the plane of a curve: anticlockwise is from the first to the second, seen from the
+/// positive end of the normal. G17 = {0, 1, 2}, G18 = {2, 0, 1}, G19 = {1, 2, 0}.
+struct CurvePlane {
+  std::uint8_t first, second, normal;
+};
+
+/// What a shape makes of a request.
+struct Division {
+  std::uint32_t pieces;    ///< at least 1
+  std::int64_t length_e7;  ///< of the whole curve
+};
+
+struct PlanePoint {
+  std::int64_t first_e7, second_e7;
+};
+
+/// Coordinates and tolerances larger than this (7 km) are none.
+inline constexpr std::int64_t most_coordinate_e7 = std::int64_t{1} << 46;
+
+constexpr bool sane(std::int64_t coordinate_e7) {
+  return abs64(coordinate_e7) <= most_coordinate_e7;
+}
+/// Whether both axes of the plane are.
+constexpr bool sane(const Place& place, const CurvePlane& plane) {
+  return sane(place[plane.first]) && sane(place[plane.second]);
+}
+
+/// From one number to another, less than 2^63 apart, in n equal steps, n < 2^31: after i steps it
+/// stands at from + i (to - from) / n, rounded to nearest, however many steps there are.
+class EvenWalk {
+ public:
+  void begin(std::int64_t from, std::int64_t to, std::uint32_t steps) {
+    const std::int64_t way = to - from;
+    value_ = from;
+    step_ = way / steps;
+    std::int64_t rest = way % steps;
+    if (rest < 0) {
+      rest += steps;
+      --step_;
+    }
+    rest_ = static_cast<std::uint32_t>(rest);
+    sum_ = steps / 2;
+  }
+  std::int64_t value() const { return value_; }
+  /// The next value; `steps` as in begin().
+  std::int64_t next(std::uint32_t steps) {
+    value_ += step_;
+    sum_ += rest_;
+    if (sum_ >= steps) {
+      sum_ -= steps;
+      ++value_;
+    }
+    return value_;
+  }
+
+ private:
+  std::int64_t value_, step_;
+  std::uint32_t rest_, sum_;
+};
+
+}  // namespace lamplock::program

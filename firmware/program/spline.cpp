@@ -1,0 +1,66 @@
+#include "firmware/program/spline.hpp"
+
+#include <algorithm>
+
+#include "firmware/program/spline_length.hpp"
+#include "firmware/program/wide_number.hpp"
+
+namespace lamplock::program {
+namespace {
+
+bool is_spline(const SplineRequest& request) {
+  return sane(request.start, request.plane) && sane(request.first_control, request.plane) &&
+         sane(request.second_control, request.plane) && sane(request.end, request.plane);
+}
+
+/// Least n with n n >= x.
+std::uint32_t root_up(std::uint64_t x) {
+  const std::uint32_t root = isqrt(x);
+  return std::uint64_t{root} * root < x ? root + 1 : root;
+}
+
+/// x / y rounded up, for x below 2^62.
+std::uint64_t quotient_up(std::uint64_t x, std::uint64_t y) { return (x + y - 1) / y; }
+
+/// 3/4 of the longer second difference over the tolerance, and its root.
+std::uint32_t pieces_for(std::int64_t second_difference, std::int64_t tolerance_e7) {
+  const std::int64_t tolerance = std::clamp<std::int64_t>(tolerance_e7, 1, most_coordinate_e7);
+  const std::uint64_t square = quotient_up(3 * static_cast<std::uint64_t>(second_difference),
+                                           4 * static_cast<std::uint64_t>(tolerance));
+  return std::clamp<std::uint32_t>(root_up(square), 1, most_spline_pieces);
+}
+
+}  // namespace
+
+Spline::Cubic Spline::cubic_of(const SplineRequest& request, std::uint8_t axis) {
+  const std::int64_t p0 = request.start[axis], p1 = request.first_control[axis],
+                     p2 = request.second_control[axis], p3 = request.end[axis];
+  return {p0, 3 * (p1 - p0), 3 * (p2 - 2 * p1 + p0), p3 - 3 * p2 + 3 * p1 - p0};
+}
+
+std::int64_t Spline::at(const Cubic& cubic, std::int64_t t_q62) {
+  const std::int64_t cd = cubic.c + times_q62(cubic.d, t_q62);
+  const std::int64_t bcd = cubic.b + times_q62(cd, t_q62);
+  return cubic.a + times_q62(bcd, t_q62);
+}
+
+Division Spline::begin(const SplineRequest& request, std::int64_t other_way_e7) {
+  if (!is_spline(request)) return {1, other_way_e7};
+  first_ = cubic_of(request, request.plane.first);
+  second_ = cubic_of(request, request.plane.second);
+  // c = 3 (P2 - 2 P1 + P0), c + 3 d = 3 (P3 - 2 P2 + P1).
+  const std::int64_t bend =
+      std::max(length_of(first_.c, second_.c),
+               length_of(first_.c + 3 * first_.d, second_.c + 3 * second_.d)) /
+      3;
+  const std::uint32_t pieces = pieces_for(bend, request.tolerance_e7);
+  t_q62_.begin(0, one_q62, pieces);
+  return {pieces, spline_length(request, other_way_e7)};
+}
+
+PlanePoint Spline::next(std::uint32_t pieces) {
+  const std::int64_t t_q62 = t_q62_.next(pieces);
+  return {at(first_, t_q62), at(second_, t_q62)};
+}
+
+}  // namespace lamplock::program

@@ -1,0 +1,52 @@
+// Cubic splines (G5): equal steps of the parameter, as many as the tolerance asks for.
+//
+// In:  four control points of a Bezier curve in the plane.
+// Out: ends of the pieces in the plane; curve.hpp adds the other axes.
+// Called by curve.hpp when a spline begins and for each of its pieces: 24 products of 32 x 32 bits.
+//
+// B(t) = a + b t + c t^2 + d t^3 with integer coefficients, computed anew for each t = i/n, which
+// is an EvenWalk of 62 bits: a point is less than 2 e7 beside the true curve.
+//
+// Division: a chord over h of the parameter leaves the curve by h^2/8 |B''| at most, and |B''| is
+// no more than at one of the ends, 6 |P2 - 2 P1 + P0| or 6 |P3 - 2 P2 + P1|. So n^2 >= 3/4 M / e
+// with the larger M of the two. No more than 65536 pieces are made, however small the tolerance: a
+// spline over 20 m is then followed to 3 10^-5 mm. A straight line that is run evenly is one piece,
+// so is what has a coordinate beyond 7 km; cusps and loops need no care.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/program/shape.hpp"
+
+namespace lamplock::program {
+
+/// All in machine coordinates; of the control points only the axes of the plane mean anything.
+struct SplineRequest {
+  Place start, first_control, second_control, end;
+  CurvePlane plane;
+  std::int64_t tolerance_e7;
+};
+
+inline constexpr std::uint32_t most_spline_pieces = 65536;
+
+/// The shape. A plain struct without initial values, because it lives in the union of Curve.
+class Spline {
+ public:
+  /// Pieces, and the length including `other_way_e7` of the axes outside the plane.
+  Division begin(const SplineRequest& request, std::int64_t other_way_e7);
+  /// End of the next piece, not for the last one.
+  PlanePoint next(std::uint32_t pieces);
+
+ private:
+  /// a + b t + c t^2 + d t^3.
+  struct Cubic {
+    std::int64_t a, b, c, d;
+  };
+  static Cubic cubic_of(const SplineRequest& request, std::uint8_t axis);
+  static std::int64_t at(const Cubic& cubic, std::int64_t t_q62);
+
+  EvenWalk t_q62_;
+  Cubic first_, second_;
+};
+
+}  // namespace lamplock::program
