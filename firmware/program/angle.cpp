@@ -29,63 +29,66 @@ constexpr std::int64_t series_q62(std::int64_t x_q62, bool sine) {
   return sum;
 }
 
+constexpr std::int64_t rounded_to_q48(std::int64_t v_q62) { return (v_q62 + (1 << 13)) >> 14; }
+
 /// Sines of a quarter turn in 64 places; cosines are the same the other way round.
-constexpr std::array<std::int64_t, quarter + 1> sine_table = [] {
+constexpr std::array<std::int64_t, quarter + 1> sine_table_q48 = [] {
   std::array<std::int64_t, quarter + 1> table{};
   for (int i = 0; i <= quarter / 2; ++i) {
     const std::int64_t x_q62 = mul_div(radians_of_eighth_q62, i, quarter / 2);
-    table[static_cast<std::size_t>(i)] = series_q62(x_q62, true);
-    table[static_cast<std::size_t>(quarter - i)] = series_q62(x_q62, false);
+    table[static_cast<std::size_t>(i)] = rounded_to_q48(series_q62(x_q62, true));
+    table[static_cast<std::size_t>(quarter - i)] = rounded_to_q48(series_q62(x_q62, false));
   }
   return table;
 }();
 
 SineCosine at_place(std::uint32_t place) {
-  return {sine_table[place], sine_table[quarter - place]};
+  return {sine_table_q48[place], sine_table_q48[quarter - place]};
 }
 
 /// Sine, and 1 - cosine, of an angle of at most half a place.
 struct SmallAngle {
-  std::int64_t sine_q62;
-  std::uint64_t versine_q62;
+  std::int64_t sine_q60;
+  std::uint32_t versine_q45;
 };
 
 SmallAngle small_angle(std::int64_t angle_q48) {
-  // Radians: 2 pi = 8 (pi / 4), and 2^3 2^14 = 2^17.
-  const std::int64_t x_q62 = times_q62(angle_q48 * (1 << 17), radians_of_eighth_q62);
-  const bool negative = x_q62 < 0;
-  const auto size_q62 = static_cast<std::uint64_t>(negative ? -x_q62 : x_q62);  // below 2^-6.3
-  const auto x_q38 = static_cast<std::uint32_t>((size_q62 + (1u << 23)) >> 24);
+  // Radians: 2 pi = 8 (pi / 4), and 2^3 2^12 = 2^15. Below 2^-6.3.
+  constexpr std::int64_t radians_q48 = rounded_to_q48(radians_of_eighth_q62);
+  const bool negative = angle_q48 < 0;
+  const std::int64_t size_q48 = negative ? -angle_q48 : angle_q48;
+  const std::int64_t x_q60 = times_q48(size_q48 << 15, radians_q48);
+  const auto x_q38 = static_cast<std::uint32_t>((x_q60 + (1 << 21)) >> 22);
   const std::uint64_t square_q76 = wide_product(x_q38, x_q38);
   const auto square_q44 = static_cast<std::uint32_t>(square_q76 >> 32);
   const auto fourth_q56 = static_cast<std::uint32_t>(wide_product(square_q44, square_q44) >> 32);
-  // x^2 / 2 - x^4 / 24; the next term is below 2^-47. 8/3 in Q29.
-  const std::uint64_t versine_q62 =
-      (square_q76 >> 15) - (wide_product(fourth_q56, 0x55555555u) >> 29);
+  // x^2 / 2 - x^4 / 24; the next term is below 2^-47. 2^-11 / 24 is 2^32 / 24 in Q43.
+  const std::uint32_t versine_q45 =
+      static_cast<std::uint32_t>((square_q76 + (1u << 31)) >> 32) -
+      static_cast<std::uint32_t>(wide_product(fourth_q56, (1u << 31) / 12) >> 43);
   // x - x (x^2 / 6 - x^4 / 120); 2/3 in Q32, 2^15 / 120 = 273.
   const std::uint32_t less_q46 =
       static_cast<std::uint32_t>(wide_product(square_q44, 0xaaaaaaabu) >> 32) -
       ((fourth_q56 >> 15) * 273 >> 10);
-  const std::uint64_t sine_q62 = size_q62 - (wide_product(x_q38, less_q46) >> 22);
-  const auto sine = static_cast<std::int64_t>(sine_q62);
-  return {negative ? -sine : sine, versine_q62};
+  const auto less_q60 = static_cast<std::int64_t>(wide_product(x_q38, less_q46) >> 24);
+  const std::int64_t sine_q60 = x_q60 - less_q60;
+  return {negative ? -sine_q60 : sine_q60, versine_q45};
 }
 
-/// a (1 - versine), the versine below 2^-13.
-std::int64_t shortened(std::int64_t a_q62, std::uint64_t versine_q62) {
-  const auto a_q31 = static_cast<std::uint32_t>((a_q62 + (1 << 30)) >> 31);
-  const auto versine_q45 = static_cast<std::uint32_t>((versine_q62 + (1u << 16)) >> 17);
-  return a_q62 - static_cast<std::int64_t>(wide_product(a_q31, versine_q45) >> 14);
+/// a (1 - versine) + b sine.
+std::int64_t combined_q48(std::int64_t a_q48, std::int64_t b_q48, const SmallAngle& small) {
+  const auto a_q31 = static_cast<std::uint32_t>((a_q48 + (1 << 16)) >> 17);
+  const auto less_q60 = static_cast<std::int64_t>(wide_product(a_q31, small.versine_q45) >> 16);
+  const std::int64_t beside_q60 = times_q48(small.sine_q60, b_q48) - less_q60;
+  return a_q48 + ((beside_q60 + (1 << 11)) >> 12);
 }
 
 /// Sine and cosine in the first quarter, and a little outside.
 SineCosine in_quarter(std::uint32_t place, std::int64_t beside_q48) {
   const SineCosine at = at_place(place);
   const SmallAngle small = small_angle(beside_q48);
-  return {
-      shortened(at.sine_q62, small.versine_q62) + times_q62(at.cosine_q62, small.sine_q62),
-      shortened(at.cosine_q62, small.versine_q62) - times_q62(at.sine_q62, small.sine_q62),
-  };
+  return {combined_q48(at.sine_q48, at.cosine_q48, small),
+          combined_q48(at.cosine_q48, -at.sine_q48, small)};
 }
 
 /// Both at once so far to the left or right that the larger is from 2^60 to 2^61.
@@ -131,8 +134,9 @@ std::int64_t small_arc_tangent_q48(Pair v) {
 std::int64_t angle_in_eighth_q48(Pair v) {
   const std::uint32_t place = near_place(v);
   const SineCosine at = at_place(place);
-  const Pair back = {times_q62(v.x, at.cosine_q62) + times_q62(v.y, at.sine_q62),
-                     times_q62(v.y, at.cosine_q62) - times_q62(v.x, at.sine_q62)};
+  const std::int64_t sine_q62 = at.sine_q48 << 14, cosine_q62 = at.cosine_q48 << 14;
+  const Pair back = {times_q62(v.x, cosine_q62) + times_q62(v.y, sine_q62),
+                     times_q62(v.y, cosine_q62) - times_q62(v.x, sine_q62)};
   return (std::int64_t{place} << place_bits) + small_arc_tangent_q48(back);
 }
 
@@ -149,11 +153,11 @@ SineCosine sine_cosine(std::int64_t angle_q48) {
     case 0:
       return at;
     case 1:
-      return {at.cosine_q62, -at.sine_q62};
+      return {at.cosine_q48, -at.sine_q48};
     case 2:
-      return {-at.sine_q62, -at.cosine_q62};
+      return {-at.sine_q48, -at.cosine_q48};
     default:
-      return {-at.cosine_q62, at.sine_q62};
+      return {-at.cosine_q48, at.sine_q48};
   }
 }
 

@@ -5,8 +5,8 @@
 //
 // Sine and cosine: a table of 65 sines of a quarter turn gives the nearest multiple of a 256th
 // turn; what is left is at most 2^-6.3 rad, where few terms of the series do. Terms that are small
-// are computed with few bits. The error is below 2^-44 (tests/program/angle_test.cpp measures it):
-// 2 10^-10 mm at 4 m radius. 21 products of 32 x 32 bits.
+// are computed with few bits. The error is below 2^-43.5 (tests/program/angle_test.cpp measures it):
+// 3 10^-10 mm at 4 m radius. 15 products of 32 x 32 bits.
 //
 // Angle of a vector: turned back by the nearest table place, and the series of the arc tangent for
 // the rest. Two 63-bit divisions; only when a curve begins.
@@ -25,7 +25,7 @@ inline constexpr std::int64_t radians_of_eighth_q62 = 3'622'009'729'038'561'421;
 inline constexpr std::int64_t turns_of_radian_q62 = 733'972'625'820'500'307;
 
 struct SineCosine {
-  std::int64_t sine_q62, cosine_q62;
+  std::int64_t sine_q48, cosine_q48;
 };
 
 /// Of any angle, also of several turns or negative.

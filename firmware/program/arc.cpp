@@ -14,8 +14,9 @@ constexpr std::int64_t least_tolerance_e7 = 50;
 constexpr std::int64_t largest_piece_q48 = turn_q48 / 4;
 constexpr int most_pieces_bits = 30;
 
-/// Vectors are turned with this many more bits, so that a point is rounded once.
-constexpr int fine_bits = 12;
+/// Vectors are turned with this many more bits, so that a point is rounded once; they have 2^47 on
+/// each axis at most, and 2^55 is what times_q48() takes.
+constexpr int fine_bits = 7;
 
 /// Two radii: what programs with rounded numbers have more between start and end.
 constexpr std::int64_t rounding_e7 = 20;
@@ -39,8 +40,8 @@ Int128 cross(Vector a, Vector b) { return Int128::product(a.x, b.y) - Int128::pr
 
 Vector turned(Vector v, std::int64_t angle_q48) {
   const SineCosine turn = sine_cosine(angle_q48);
-  return {times_q62(v.x, turn.cosine_q62) - times_q62(v.y, turn.sine_q62),
-          times_q62(v.x, turn.sine_q62) + times_q62(v.y, turn.cosine_q62)};
+  return {times_q48(v.x, turn.cosine_q48) - times_q48(v.y, turn.sine_q48),
+          times_q48(v.x, turn.sine_q48) + times_q48(v.y, turn.cosine_q48)};
 }
 
 Vector finely(Vector v) {

@@ -65,7 +65,7 @@ class Arc {
 
  private:
   EvenWalk angle_q48_;       ///< from the start; negative = clockwise
-  EvenWalk first_, second_;  ///< from the centre, not turned yet, 2^-12 e7
+  EvenWalk first_, second_;  ///< from the centre, not turned yet, 2^-7 e7
   PlanePoint centre_;
 };
 

@@ -13,6 +13,11 @@ bool is_spline(const SplineRequest& request) {
          sane(request.second_control, request.plane) && sane(request.end, request.plane);
 }
 
+/// Coefficients have so many more bits, so that a point is rounded once. None of them, nor of the
+/// sums on the way, is above 12 2^46 without, and 2^55 is what times_q48() takes.
+constexpr int fine_bits = 4;
+constexpr std::int64_t fine = 1 << fine_bits;
+
 /// Least n with n n >= x.
 std::uint32_t root_up(std::uint64_t x) {
   const std::uint32_t root = isqrt(x);
@@ -35,13 +40,14 @@ std::uint32_t pieces_for(std::int64_t second_difference, std::int64_t tolerance_
 Spline::Cubic Spline::cubic_of(const SplineRequest& request, std::uint8_t axis) {
   const std::int64_t p0 = request.start[axis], p1 = request.first_control[axis],
                      p2 = request.second_control[axis], p3 = request.end[axis];
-  return {p0, 3 * (p1 - p0), 3 * (p2 - 2 * p1 + p0), p3 - 3 * p2 + 3 * p1 - p0};
+  return {p0, fine * 3 * (p1 - p0), fine * 3 * (p2 - 2 * p1 + p0),
+          fine * (p3 - 3 * p2 + 3 * p1 - p0)};
 }
 
-std::int64_t Spline::at(const Cubic& cubic, std::int64_t t_q62) {
-  const std::int64_t cd = cubic.c + times_q62(cubic.d, t_q62);
-  const std::int64_t bcd = cubic.b + times_q62(cd, t_q62);
-  return cubic.a + times_q62(bcd, t_q62);
+std::int64_t Spline::at(const Cubic& cubic, std::int64_t t_q48) {
+  const std::int64_t cd = cubic.c + times_q48(cubic.d, t_q48);
+  const std::int64_t bcd = cubic.b + times_q48(cd, t_q48);
+  return cubic.a + ((times_q48(bcd, t_q48) + fine / 2) >> fine_bits);
 }
 
 Division Spline::begin(const SplineRequest& request, std::int64_t other_way_e7) {
@@ -52,15 +58,15 @@ Division Spline::begin(const SplineRequest& request, std::int64_t other_way_e7) 
   const std::int64_t bend =
       std::max(length_of(first_.c, second_.c),
                length_of(first_.c + 3 * first_.d, second_.c + 3 * second_.d)) /
-      3;
+      (3 * fine);
   const std::uint32_t pieces = pieces_for(bend, request.tolerance_e7);
-  t_q62_.begin(0, one_q62, pieces);
+  t_q48_.begin(0, std::int64_t{1} << 48, pieces);
   return {pieces, spline_length(request, other_way_e7)};
 }
 
 PlanePoint Spline::next(std::uint32_t pieces) {
-  const std::int64_t t_q62 = t_q62_.next(pieces);
-  return {at(first_, t_q62), at(second_, t_q62)};
+  const std::int64_t t_q48 = t_q48_.next(pieces);
+  return {at(first_, t_q48), at(second_, t_q48)};
 }
 
 }  // namespace lamplock::program

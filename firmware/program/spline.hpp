@@ -2,10 +2,10 @@
 //
 // In:  four control points of a Bezier curve in the plane.
 // Out: ends of the pieces in the plane; curve.hpp adds the other axes.
-// Called by curve.hpp when a spline begins and for each of its pieces: 24 products of 32 x 32 bits.
+// Called by curve.hpp when a spline begins and for each of its pieces: 18 products of 32 x 32 bits.
 //
 // B(t) = a + b t + c t^2 + d t^3 with integer coefficients, computed anew for each t = i/n, which
-// is an EvenWalk of 62 bits: a point is less than 2 e7 beside the true curve.
+// is an EvenWalk of 48 bits: a point is less than 1 e7 beside the true curve.
 //
 // Division: a chord over h of the parameter leaves the curve by h^2/8 |B''| at most, and |B''| is
 // no more than at one of the ends, 6 |P2 - 2 P1 + P0| or 6 |P3 - 2 P2 + P1|. So n^2 >= 3/4 M / e
@@ -40,12 +40,12 @@ class Spline {
  private:
   /// a + b t + c t^2 + d t^3.
   struct Cubic {
-    std::int64_t a, b, c, d;
+    std::int64_t a, b, c, d;  ///< but for a 2^-4 e7
   };
   static Cubic cubic_of(const SplineRequest& request, std::uint8_t axis);
-  static std::int64_t at(const Cubic& cubic, std::int64_t t_q62);
+  static std::int64_t at(const Cubic& cubic, std::int64_t t_q48);
 
-  EvenWalk t_q62_;
+  EvenWalk t_q48_;
   Cubic first_, second_;
 };
 

@@ -14,7 +14,7 @@
 namespace lamplock::program {
 namespace {
 
-constexpr long double point_error = 2;  // spline.hpp; 10^-5 mm is 100
+constexpr long double point_error = 1;  // spline.hpp; 10^-5 mm is 100
 
 struct TrueSpline {
   std::array<Point, 4> p;
@@ -192,7 +192,7 @@ TEST(Spline, AtTheEdgeOfTheNumbers) {
                             xy,
                             most / 1000};
       Curve curve;
-      ASSERT_LE(run(r, curve).point, point_error);
+      ASSERT_LE(run(r, curve).point, 2);
     }
   }
 }

@@ -33,6 +33,22 @@ TEST(WideNumber, ProductsAreRoundedToNearest) {
   }
 }
 
+TEST(WideNumber, ShortProductsAreRoundedTowardsZero) {
+  std::mt19937_64 random(4);
+  for (int i = 0; i < test::scaled(20000); ++i) {
+    const auto a = static_cast<std::int64_t>(of_any_size(random, 55));
+    const auto b =
+        i % 100 == 0 ? std::int64_t{1} << 48 : static_cast<std::int64_t>(of_any_size(random, 48));
+    const std::int64_t got = times_q48(a, b);
+    const Native less = Native{a} * b - Native{got} * (Native{1} << 48);
+    ASSERT_GE(less, 0) << a << " " << b;
+    ASSERT_LT(less, 2 * (Native{1} << 48)) << a << " " << b;
+    ASSERT_EQ(times_q48(-a, b), -got);
+    ASSERT_EQ(times_q48(a, -b), -got);
+    ASSERT_EQ(times_q48(-a, -b), got);
+  }
+}
+
 TEST(WideNumber, QuotientsAreRoundedDown) {
   std::mt19937_64 random(2);
   for (int i = 0; i < test::scaled(20000); ++i) {
