@@ -91,7 +91,7 @@ SineCosine in_quarter(std::uint32_t place, std::int64_t beside_q48) {
           combined_q48(at.cosine_q48, -at.sine_q48, small)};
 }
 
-/// Both at once so far to the left or right that the larger is from 2^60 to 2^61.
+/// Both at once so far to the left or right that the larger is from 2^53 to 2^54.
 struct Pair {
   std::int64_t x, y;
 };
@@ -99,7 +99,7 @@ Pair normalised(Int128 x, Int128 y) {
   const Int128 larger = x < y ? y : x;
   const int zeros = larger.hi() != 0 ? std::countl_zero(static_cast<std::uint64_t>(larger.hi()))
                                      : 64 + std::countl_zero(larger.lo());
-  const int right = 67 - zeros;  // 128 bits less zeros become 61
+  const int right = 74 - zeros;  // 128 bits less zeros become 54
   if (right >= 0) return {(x >> right).to_int64(), (y >> right).to_int64()};
   return {(x << -right).to_int64(), (y << -right).to_int64()};
 }
@@ -108,7 +108,7 @@ Pair normalised(Int128 x, Int128 y) {
 /// near: atan t = t (pi/4 + 0.273 (1 - t)) to within 0.004 rad.
 std::uint32_t near_place(Pair v) {
   const auto t_q15 =
-      static_cast<std::uint32_t>(v.y >> 31) / static_cast<std::uint32_t>(v.x >> 46);  // to 2^15
+      static_cast<std::uint32_t>(v.y >> 24) / static_cast<std::uint32_t>(v.x >> 39);  // to 2^15
   const std::uint32_t up_q15 = t_q15 > 0x8000u ? 0x8000u : t_q15;
   // 0.273 / (pi / 4) = 0.348 = 11390 / 2^15; 32 places.
   const std::uint32_t bend_q15 = 0x8000u + ((0x8000u - up_q15) * 11390u >> 15);
@@ -117,16 +117,19 @@ std::uint32_t near_place(Pair v) {
 
 /// The arc tangent of y / x in turns, for |y / x| < 2^-5.9.
 std::int64_t small_arc_tangent_q48(Pair v) {
+  constexpr std::int64_t turns_of_radian_q48 = rounded_to_q48(turns_of_radian_q62);
+  constexpr std::int64_t one_q48 = std::int64_t{1} << 48;
   const bool negative = v.y < 0;
   const auto y = static_cast<std::uint64_t>(negative ? -v.y : v.y);
-  const std::int64_t t = quotient_q62(y, static_cast<std::uint64_t>(v.x));
-  const std::int64_t square = times_q62(t, t);
+  // 32 t, so that no bits are lost.
+  const std::int64_t t_q53 = quotient_q48(y >> 2, static_cast<std::uint64_t>(v.x >> 7));
+  const std::int64_t t_q48 = t_q53 >> 5;
+  const std::int64_t square_q53 = times_q48(t_q53, t_q48), square_q48 = square_q53 >> 5;
   // t - t^3/3 + t^5/5 - t^7/7; the next term is below 2^-56.
-  std::int64_t sum = one_q62 / 5 - times_q62(square, one_q62 / 7);
-  sum = one_q62 / 3 - times_q62(square, sum);
-  sum = t - times_q62(t, times_q62(square, sum));
-  const std::int64_t turns_q62 = times_q62(sum, turns_of_radian_q62);
-  const std::int64_t turns = (turns_q62 + (1 << 13)) >> 14;
+  std::int64_t sum_q48 = one_q48 / 5 - times_q48(square_q48, one_q48 / 7);
+  sum_q48 = one_q48 / 3 - times_q48(square_q48, sum_q48);
+  const std::int64_t angle_q53 = t_q53 - times_q48(times_q48(square_q53, sum_q48), t_q48);
+  const std::int64_t turns = (times_q48(angle_q53, turns_of_radian_q48) + 16) >> 5;
   return negative ? -turns : turns;
 }
 
@@ -134,9 +137,8 @@ std::int64_t small_arc_tangent_q48(Pair v) {
 std::int64_t angle_in_eighth_q48(Pair v) {
   const std::uint32_t place = near_place(v);
   const SineCosine at = at_place(place);
-  const std::int64_t sine_q62 = at.sine_q48 << 14, cosine_q62 = at.cosine_q48 << 14;
-  const Pair back = {times_q62(v.x, cosine_q62) + times_q62(v.y, sine_q62),
-                     times_q62(v.y, cosine_q62) - times_q62(v.x, sine_q62)};
+  const Pair back = {times_q48(v.x, at.cosine_q48) + times_q48(v.y, at.sine_q48),
+                     times_q48(v.y, at.cosine_q48) - times_q48(v.x, at.sine_q48)};
   return (std::int64_t{place} << place_bits) + small_arc_tangent_q48(back);
 }
 

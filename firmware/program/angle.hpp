@@ -5,11 +5,11 @@
 //
 // Sine and cosine: a table of 65 sines of a quarter turn gives the nearest multiple of a 256th
 // turn; what is left is at most 2^-6.3 rad, where few terms of the series do. Terms that are small
-// are computed with few bits. The error is below 2^-43.5 (tests/program/angle_test.cpp measures it):
-// 3 10^-10 mm at 4 m radius. 15 products of 32 x 32 bits.
+// are computed with few bits. The error is below 2^-43.5 (tests/program/angle_test.cpp measures
+// it): 3 10^-10 mm at 4 m radius. 16 products of 32 x 32 bits.
 //
 // Angle of a vector: turned back by the nearest table place, and the series of the arc tangent for
-// the rest. Two 63-bit divisions; only when a curve begins.
+// the rest; only when a curve begins.
 #pragma once
 
 #include <cstdint>

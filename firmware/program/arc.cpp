@@ -107,9 +107,9 @@ std::int64_t largest_angle(std::int64_t radius, std::int64_t tolerance) {
 /// u = e/r, 1 - cos sqrt(2u) >= u - u^2/6.
 std::int64_t stricter(std::int64_t tolerance, std::int64_t radius) {
   if (tolerance >= radius) return tolerance;
-  const std::int64_t share =
-      quotient_q62(static_cast<std::uint64_t>(tolerance), static_cast<std::uint64_t>(radius));
-  return tolerance - times_q62(tolerance, share) / 6;
+  const std::int64_t share_q48 =
+      quotient_q48(static_cast<std::uint64_t>(tolerance), static_cast<std::uint64_t>(radius));
+  return tolerance - times_q48(tolerance, share_q48) / 6;
 }
 
 std::uint32_t pieces_of(const Ends& ends, std::int64_t sweep_q48, std::int64_t tolerance_e7) {
@@ -150,22 +150,23 @@ bool centre_of_radius(const Place& start, const Place& end, const CurvePlane& pl
   // Twice the distance of the centre from the middle between start and end, which is 0 where the
   // points are as far apart as they can be.
   const Int128 rest = Int128::product(two_radii, two_radii) - square;
-  const auto twice_aside = static_cast<std::int64_t>(rest.negative() ? 0 : wide_root(rest));
-  // The direction of the way by 62 bits, however short it is.
+  const std::int64_t twice_aside_q6 =
+      64 * static_cast<std::int64_t>(rest.negative() ? 0 : wide_root(rest));
+  // The direction of the way, however short it is.
   const auto longest = static_cast<std::uint64_t>(abs64(way.x) | abs64(way.y));
-  const int shift = 61 - static_cast<int>(std::bit_width(longest));
+  const int shift = std::max(0, 47 - static_cast<int>(std::bit_width(longest)));
   const Vector longer = {way.x * (std::int64_t{1} << shift), way.y * (std::int64_t{1} << shift)};
-  const std::uint64_t length = wide_root(dot(longer, longer));
-  const auto cosine = [length](std::int64_t v) {
-    const std::int64_t size = quotient_q62(static_cast<std::uint64_t>(abs64(v)), length);
-    return v < 0 ? -size : size;
+  const auto length = static_cast<std::uint64_t>(length_of(longer.x, longer.y));
+  const auto aside = [&](std::int64_t v) {  // the distance times v / length
+    const std::int64_t cosine_q48 = quotient_q48(static_cast<std::uint64_t>(abs64(v)), length);
+    return times_q48(v < 0 ? -twice_aside_q6 : twice_aside_q6, cosine_q48);
   };
   // To the left of the way: anticlockwise and less than half a turn, or neither.
-  const std::int64_t left = clockwise == (radius_e7 < 0) ? twice_aside : -twice_aside;
-  const auto halved = [](std::int64_t v) { return (v + 1) >> 1; };
+  const std::int64_t side = clockwise == (radius_e7 < 0) ? 1 : -1;
+  const auto halved = [](std::int64_t v_q6) { return (v_q6 + 64) >> 7; };
   centre = start;
-  centre[plane.first] += halved(way.x - times_q62(left, cosine(longer.y)));
-  centre[plane.second] += halved(way.y + times_q62(left, cosine(longer.x)));
+  centre[plane.first] += halved(way.x * 64 - side * aside(longer.y));
+  centre[plane.second] += halved(way.y * 64 + side * aside(longer.x));
   return true;
 }
 

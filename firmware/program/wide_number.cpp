@@ -13,17 +13,13 @@ std::int64_t times_q62(std::int64_t a, std::int64_t b_q62) {
                                    product.lo() >> 62);
 }
 
-std::int64_t quotient_q62(std::uint64_t a, std::uint64_t b) {
+std::int64_t quotient_q48(std::uint64_t a, std::uint64_t b) {
   if (b == 0) return 0;
   std::uint64_t rest = a, quotient = 0;
-  // The first bit is 1 for a = b only.
-  for (int bit = 0; bit <= 62; ++bit) {
-    quotient <<= 1;
-    if (rest >= b) {
-      rest -= b;
-      quotient |= 1;
-    }
-    rest <<= 1;  // below 2 b
+  for (int digit = 0; digit < 3; ++digit) {  // of 16 bits; the first is 2^16 for a = b
+    rest <<= 16;
+    quotient = (quotient << 16) + rest / b;
+    rest %= b;
   }
   return static_cast<std::int64_t>(quotient);
 }
@@ -45,6 +41,8 @@ std::uint64_t wide_root(Int128 x) {
 }
 
 std::int64_t length_of(std::int64_t x, std::int64_t y) {
+  if (x == 0) return abs64(y);
+  if (y == 0) return abs64(x);
   return static_cast<std::int64_t>(wide_root(Int128::product(x, x) + Int128::product(y, y)));
 }
 

@@ -28,8 +28,8 @@ constexpr std::int64_t times_q48(std::int64_t a, std::int64_t b_q48) {
   return (a < 0) != (b_q48 < 0) ? -size : size;
 }
 
-/// 2^62 a / b, rounded down, for a <= b < 2^63; 0 for b = 0.
-std::int64_t quotient_q62(std::uint64_t a, std::uint64_t b);
+/// 2^48 a / b, rounded down, for a <= b < 2^48; 0 for b = 0.
+std::int64_t quotient_q48(std::uint64_t a, std::uint64_t b);
 
 /// Largest r with r r <= x, for 0 <= x < 2^126.
 std::uint64_t wide_root(Int128 x);

@@ -30,7 +30,7 @@ double error_at(std::int64_t angle_q48) {
 TEST(Angle, SineAndCosineToFortyThreeBits) {
   std::mt19937_64 random(1);
   double worst = 0;
-  for (int i = 0; i < test::scaled(2000); ++i)
+  for (int i = 0; i < test::scaled(1000); ++i)
     worst = std::max(worst, error_at(static_cast<std::int64_t>(random() >> 16)));
   // The places of the table, and the borders between two of them, where the rest is largest.
   for (std::int64_t place = 0; place < 512; ++place)
@@ -87,12 +87,12 @@ test::Native any_number(std::mt19937_64& random, int most_bits) {
 TEST(Angle, OfAnyVector) {
   std::mt19937_64 random(3);
   double worst = 0;
-  for (int i = 0; i < test::scaled(2000); ++i) {
+  for (int i = 0; i < test::scaled(1000); ++i) {
     const auto x = any_number(random, 1 + static_cast<int>(random() % 126));
     const auto y = any_number(random, 1 + static_cast<int>(random() % 126));
     if (x != 0 || y != 0) worst = std::max(worst, angle_error(x, y));
   }
-  for (int i = 0; i < test::scaled(2000); ++i)  // of about the same size
+  for (int i = 0; i < test::scaled(1000); ++i)  // of about the same size
     worst = std::max(worst, angle_error(any_number(random, 96), any_number(random, 96)));
   RecordProperty("worst", std::to_string(worst));
   EXPECT_LT(worst, 2);
@@ -113,7 +113,7 @@ TEST(Angle, OfAxesAndDiagonals) {
 
 TEST(Angle, UndoesSineAndCosine) {
   std::mt19937_64 random(4);
-  for (int i = 0; i < test::scaled(2000); ++i) {
+  for (int i = 0; i < test::scaled(1000); ++i) {
     const auto angle = static_cast<std::int64_t>(random() >> 16);
     const SineCosine at = sine_cosine(angle);
     // 2^-43.5 rad is 3.6 units.

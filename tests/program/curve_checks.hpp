@@ -75,7 +75,7 @@ Errors errors_of(const std::vector<Place>& places, const CurvePlane& plane, True
     const Point a = in_plane(places[i - 1], plane), b = in_plane(places[i], plane);
     const long double t = static_cast<long double>(i) / n;
     errors.point = std::max(errors.point, length(curve_at(t) - b));
-    for (const long double part : {0.1L, 0.3L, 0.5L, 0.7L, 0.9L})
+    for (const long double part : {0.25L, 0.5L, 0.75L})
       errors.chord = std::max(errors.chord, distance(curve_at(t - part / n), a, b));
     for (const std::size_t axis : {std::size_t{plane.normal}, std::size_t{3}}) {
       const auto from = static_cast<long double>(start[axis]);
