@@ -107,8 +107,9 @@ Pair normalised(Int128 x, Int128 y) {
 /// The table place nearest to a vector with 0 <= y <= x, or its neighbour when both are about as
 /// near: atan t = t (pi/4 + 0.273 (1 - t)) to within 0.004 rad.
 std::uint32_t near_place(Pair v) {
-  const auto t_q15 =
-      static_cast<std::uint32_t>(v.y >> 24) / static_cast<std::uint32_t>(v.x >> 39);  // to 2^15
+  constexpr std::uint32_t highest_bit = 1u << 14;  // it is set; a reader sees no division by 0
+  const std::uint32_t x = static_cast<std::uint32_t>(v.x >> 39) | highest_bit;
+  const std::uint32_t t_q15 = static_cast<std::uint32_t>(v.y >> 24) / x;  // to 2^15
   const std::uint32_t up_q15 = t_q15 > 0x8000u ? 0x8000u : t_q15;
   // 0.273 / (pi / 4) = 0.348 = 11390 / 2^15; 32 places.
   const std::uint32_t bend_q15 = 0x8000u + ((0x8000u - up_q15) * 11390u >> 15);

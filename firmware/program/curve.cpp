@@ -25,17 +25,17 @@ void Curve::begin(Kind kind, Shape& shape, const Request& request) {
   rotary_.begin(request.start[rotary_axis], end_[rotary_axis], pieces_);
 }
 
-void Curve::begin_arc(const ArcRequest& request) { begin(Kind::arc, arc_, request); }
-void Curve::begin_spline(const SplineRequest& request) { begin(Kind::spline, spline_, request); }
+void Curve::begin_arc(const ArcRequest& request) { begin(Kind::arc, arc, request); }
+void Curve::begin_spline(const SplineRequest& request) { begin(Kind::spline, spline, request); }
 
 PlanePoint Curve::next_in_plane() {
   switch (kind_) {
     case Kind::spline:
-      return spline_.next(pieces_);
+      return spline.next(pieces_);
     case Kind::arc:
       break;
   }
-  return arc_.next(pieces_);
+  return arc.next(pieces_);
 }
 
 bool Curve::next(Place& end) {

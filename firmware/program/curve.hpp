@@ -31,7 +31,7 @@ namespace lamplock::program {
 /// must be within 7 km (shape.hpp); in the plane, what is beyond becomes a straight line.
 class Curve {
  public:
-  Curve() : arc_{} {}
+  Curve() : arc{} {}
 
   void begin_arc(const ArcRequest& request);
   void begin_spline(const SplineRequest& request);
@@ -55,8 +55,8 @@ class Curve {
   PlanePoint next_in_plane();
 
   union {
-    Arc arc_;
-    Spline spline_;
+    Arc arc;
+    Spline spline;
   };
   EvenWalk normal_{}, rotary_{};
   Place end_{};
