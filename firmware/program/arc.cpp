@@ -103,24 +103,14 @@ std::int64_t largest_angle(std::int64_t radius, std::int64_t tolerance) {
   return std::min(angle, largest_piece_q48);
 }
 
-/// A part of the tolerance for which the rule of the circle is no looser than a^2/8 r: with
-/// u = e/r, 1 - cos sqrt(2u) >= u - u^2/6.
-std::int64_t stricter(std::int64_t tolerance, std::int64_t radius) {
-  if (tolerance >= radius) return tolerance;
-  const std::int64_t share_q48 =
-      quotient_q48(static_cast<std::uint64_t>(tolerance), static_cast<std::uint64_t>(radius));
-  return tolerance - times_q48(tolerance, share_q48) / 6;
-}
-
 std::uint32_t pieces_of(const Ends& ends, std::int64_t sweep_q48, std::int64_t tolerance_e7) {
   std::int64_t radius = std::max(ends.start_radius, ends.end_radius);
-  std::int64_t tolerance = std::clamp(tolerance_e7, least_tolerance_e7, most_coordinate_e7);
+  const std::int64_t tolerance = std::clamp(tolerance_e7, least_tolerance_e7, most_coordinate_e7);
   const std::int64_t change = abs64(ends.end_radius - ends.start_radius);
   if (change > round_e7) {
     radius = length_of(radius, twice_slope(change, sweep_q48));
     // The product of a tolerance and this radius must have 96 bits.
     radius = std::min(radius, 2 * most_coordinate_e7);
-    tolerance = stricter(tolerance, radius);
   }
   const std::int64_t piece =
       std::max(largest_angle(radius, tolerance), (sweep_q48 >> most_pieces_bits) + 1);

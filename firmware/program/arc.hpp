@@ -13,7 +13,9 @@
 //
 // Division. A chord over the angle a leaves a circle by r (1 - cos(a/2)); the largest a that keeps
 // the tolerance e is 2 atan2(sqrt(e (2r - e)), r - e), and as few equal pieces are made as are no
-// larger. On a spiral a chord leaves the curve by a^2/8 |P''| at most, |P''|^2 <= r^2 + 4 r'^2.
+// larger. On a spiral a chord leaves the curve by a^2/8 |P''| at most, |P''|^2 <= r^2 + 4 r'^2, so
+// that is taken for the radius. (The rule of the circle is looser than a^2/8 by a share of e/12r;
+// tried on 400 000 narrow spirals, none used it up.)
 //   * A tolerance below 5 10^-6 mm counts as that: 62832 pieces a turn at 4 m.
 //   * A piece is never more than a quarter of a turn, however large the tolerance.
 //   * Of more than `most_turns` further turns so many are made.

@@ -43,6 +43,8 @@ ArcRequest any_arc(Random& random, long double change = 0) {
   for (std::int64_t& axis : r.centre) axis = rounded(between(random, -5e10L, 5e10L));
   for (std::int64_t& axis : r.start) axis = rounded(between(random, -1e11L, 1e11L));
   for (std::int64_t& axis : r.end) axis = rounded(between(random, -1e11L, 1e11L));
+  if (random() % 2 != 0) r.end[r.plane.normal] = r.start[r.plane.normal];
+  if (random() % 2 != 0) r.end[3] = r.start[3];
   const auto put = [&](Place& place, long double angle, long double at) {
     place[r.plane.first] = r.centre[r.plane.first] + rounded(at * std::cos(angle));
     place[r.plane.second] = r.centre[r.plane.second] + rounded(at * std::sin(angle));
@@ -113,11 +115,13 @@ TEST(Arc, MakesAsFewPiecesAsTheToleranceAllows) {
 TEST(Arc, SpiralsBlendFromOneRadiusToTheOther) {
   Random random(3);
   for (int i = 0; i < test::scaled(400); ++i) {
+    const long double part = between(random, -1, 1);
     Random again = random;
-    const ArcRequest plain = any_arc(again);
-    const long double radius = TrueArc(plain).start_radius;
-    const long double most = std::max(5e4L, std::min(5e6L, radius / 1000)) * 0.999L;
-    const ArcRequest r = any_arc(random, std::max(-radius / 2, between(random, -most, most)));
+    const long double radius = TrueArc(any_arc(again)).start_radius;
+    // As far as arc_fits() allows.
+    const long double most = std::max(4.9e4L, std::min(4.9e6L, radius / 1001));
+    const ArcRequest r = any_arc(random, part * most);
+    ASSERT_TRUE(arc_fits(r));
     SCOPED_TRACE(i);
     Curve curve;
     const Errors errors = run(r, curve);
@@ -221,6 +225,23 @@ TEST(Arc, RadiiBeyondTheMachine) {
     EXPECT_LE(errors.point, 10);
     EXPECT_LE(errors.chord, mm(0.002) + 10);
     EXPECT_GE(curve.pieces(), 4u);
+  }
+}
+
+TEST(Arc, SweepsThatRoundToNothingAreNeitherNothingNorATurn) {
+  // 0.3 units of an angle.
+  const std::int64_t far = most_coordinate_e7;
+  for (const bool clockwise : {false, true}) {
+    const ArcRequest r{{0, -far, 0, 0}, {1, -far, 0, 0}, {0, far, 0, 0}, xy, clockwise, 0, far};
+    Curve curve;
+    curve.begin_arc(r);
+    const std::vector<Place> places = trace(curve, r.start);
+    EXPECT_EQ(places.back(), r.end);
+    const double turn = 2 * std::numbers::pi * 2 * static_cast<double>(far);
+    if (clockwise) {
+      EXPECT_NEAR(static_cast<double>(curve.length_e7()) / turn, 1, 1e-6);
+    }
+    EXPECT_EQ(curve.pieces(), clockwise ? 4u : 1u);
   }
 }
 
@@ -405,14 +426,18 @@ TEST(Arc, AtTheEdgeOfTheNumbers) {
       ArcRequest turns = r;
       turns.turns = 4'000'000'000;
       turns.tolerance_e7 = 0;
-      curve.begin_arc(turns);
-      ASSERT_LE(curve.pieces(), 1u << 30);
-      ASSERT_GT(curve.length_e7(), 0);
+      Curve far;
+      far.begin_arc(turns);
+      ASSERT_LE(far.pieces(), 1u << 30);
       Place centre{};
       for (const std::int64_t radius : {most, -most, 2 * most})
         (void)centre_of_radius(r.start, r.end, xy, radius, at(6) > 0, centre);
       const TrueArc arc(r);
       if (arc.start_radius == 0 || arc.end_radius == 0) continue;
+      // Ten thousand turns, as far as they can be counted.
+      const long double turned = 1e4L * two_pi_l * (arc.start_radius + arc.end_radius) / 2;
+      ASSERT_GE(static_cast<long double>(far.length_e7()), std::min(0.99L * turned, 0x1p61L))
+          << bits;
       // 2^-44 of the radius, and rounding.
       ASSERT_LE(errors_of(places, xy, arc).point, 2 + arc.start_radius * 0x1p-43L) << bits;
     }
