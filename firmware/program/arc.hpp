@@ -2,8 +2,8 @@
 //
 // In:  start, end and centre, or a radius from which centre_of_radius() finds the centre.
 // Out: ends of the pieces in the plane; curve.hpp adds the other axes.
-// Called by curve.hpp when an arc begins, 16 000 to 22 000 cycles of the RP2040, and for each of
-// its pieces, 2110 cycles with 28 products of 32 x 32 bits (2690 where code is compiled for size).
+// Called by curve.hpp when an arc begins, 18 000 to 23 000 cycles of the RP2040, and for each of
+// its pieces, 2500 cycles with 28 products of 32 x 32 bits (2700 where code is compiled for size).
 //
 // Point i of n is the centre plus the vector to the start, turned by i/n of the angle between
 // start and end, with its sine and cosine computed anew for each (angle.hpp). Nothing is carried

@@ -15,18 +15,7 @@ namespace lamplock::program {
 std::int64_t times_q62(std::int64_t a, std::int64_t b_q62);
 
 /// a b 2^-48, towards zero and up to 2 nearer to it; |a| < 2^55, |b| <= 2^48.
-constexpr std::int64_t times_q48(std::int64_t a, std::int64_t b_q48) {
-  // Both in parts of 24 bits. The product of the lower ones is left out: less than 1.
-  const auto u = static_cast<std::uint64_t>(a < 0 ? -a : a);
-  const auto v = static_cast<std::uint64_t>(b_q48 < 0 ? -b_q48 : b_q48);
-  constexpr std::uint32_t mask = (1u << 24) - 1;
-  const auto u1 = static_cast<std::uint32_t>(u >> 24), v1 = static_cast<std::uint32_t>(v >> 24);
-  const auto u0 = static_cast<std::uint32_t>(u) & mask, v0 = static_cast<std::uint32_t>(v) & mask;
-  const std::uint64_t sum =
-      wide_product(u1, v1) + ((wide_product(u1, v0) + wide_product(u0, v1)) >> 24);
-  const auto size = static_cast<std::int64_t>(sum);
-  return (a < 0) != (b_q48 < 0) ? -size : size;
-}
+std::int64_t times_q48(std::int64_t a, std::int64_t b_q48);
 
 /// 2^48 a / b, rounded down, for a <= b < 2^48; 0 for b = 0.
 std::int64_t quotient_q48(std::uint64_t a, std::uint64_t b);
