@@ -18,7 +18,8 @@ enum class ActionKind : std::uint8_t {
   coolant,      ///< as `flood`, `mist` say
   pause,        ///< M0 and M1: until the user says go on
   program_end,  ///< M2 and M30
-  beat_lock     ///< M130, M131: from here on as `beat_lock` says
+  beat_lock,    ///< M130, M131: from here on as `beat_lock` says
+  probe         ///< G38.2 to G38.5: a move that the probe ends; then the machine tells where it is
 };
 
 /// Direction of the spindle; of a laser: constant power, or in proportion to the actual speed.
@@ -37,6 +38,8 @@ struct Action {
   bool exact_stop = false;
   /// An end point that was programmed, not one of those that a curve was divided into.
   bool programmed_end = true;
+  /// Of a probe: it ends when contact is lost; it is an error if it ends by itself.
+  bool probe_away = false, probe_must = false;
   bool flood = false, mist = false;
   Spindle spindle = Spindle::off;      ///< in force for this move
   BeatLock beat_lock = BeatLock::off;  ///< in force for this move

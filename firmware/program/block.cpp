@@ -1,0 +1,212 @@
+#include "firmware/program/block.hpp"
+
+namespace lamplock::program {
+namespace {
+
+struct Code {
+  std::uint16_t code;
+  Group group;
+  AxisUse use = AxisUse::nobody;
+};
+
+/// G codes times ten, in order.
+constexpr std::array g_codes{
+    Code{0, Group::motion, AxisUse::motion},
+    Code{10, Group::motion, AxisUse::motion},
+    Code{20, Group::motion, AxisUse::motion},
+    Code{30, Group::motion, AxisUse::motion},
+    Code{40, Group::once},
+    Code{50, Group::motion, AxisUse::motion},
+    Code{51, Group::motion, AxisUse::motion},
+    Code{90, Group::exact_stop},
+    Code{100, Group::once, AxisUse::data},
+    Code{170, Group::plane},
+    Code{180, Group::plane},
+    Code{190, Group::plane},
+    Code{200, Group::units},
+    Code{210, Group::units},
+    Code{280, Group::once, AxisUse::data},
+    Code{281, Group::once},
+    Code{300, Group::once, AxisUse::data},
+    Code{301, Group::once},
+    Code{382, Group::motion, AxisUse::motion},
+    Code{383, Group::motion, AxisUse::motion},
+    Code{384, Group::motion, AxisUse::motion},
+    Code{385, Group::motion, AxisUse::motion},
+    Code{400, Group::cutter},
+    Code{431, Group::tool_length, AxisUse::tool_length},
+    Code{490, Group::tool_length, AxisUse::tool_length},
+    Code{530, Group::once},
+    Code{540, Group::system},
+    Code{550, Group::system},
+    Code{560, Group::system},
+    Code{570, Group::system},
+    Code{580, Group::system},
+    Code{590, Group::system},
+    Code{591, Group::system},
+    Code{592, Group::system},
+    Code{593, Group::system},
+    Code{610, Group::path},
+    Code{611, Group::path},
+    Code{640, Group::path},
+    Code{680, Group::rotation, AxisUse::rotation},
+    Code{690, Group::rotation},
+    Code{730, Group::motion, AxisUse::motion},
+    Code{800, Group::motion},
+    Code{810, Group::motion, AxisUse::motion},
+    Code{820, Group::motion, AxisUse::motion},
+    Code{830, Group::motion, AxisUse::motion},
+    Code{900, Group::distance},
+    Code{901, Group::arc_distance},
+    Code{910, Group::distance},
+    Code{911, Group::arc_distance},
+    Code{920, Group::once, AxisUse::data},
+    Code{921, Group::once},
+    Code{922, Group::once},
+    Code{923, Group::once},
+    Code{930, Group::feed_mode},
+    Code{940, Group::feed_mode},
+    Code{950, Group::feed_mode},
+    Code{980, Group::retract},
+    Code{990, Group::retract},
+};
+
+constexpr std::array m_codes{
+    Code{0, Group::stopping},    Code{1, Group::stopping}, Code{2, Group::stopping},
+    Code{3, Group::spindle},     Code{4, Group::spindle},  Code{5, Group::spindle},
+    Code{7, Group::coolant},     Code{8, Group::coolant},  Code{9, Group::coolant},
+    Code{30, Group::stopping},   Code{70, Group::saving},  Code{71, Group::saving},
+    Code{72, Group::saving},     Code{73, Group::saving},  Code{130, Group::beat_lock},
+    Code{131, Group::beat_lock},
+};
+
+constexpr std::uint32_t largest_code = 999;
+constexpr std::int64_t one_million = 1'000'000;
+
+template <std::size_t size>
+const Code* find(const std::array<Code, size>& table, std::uint32_t code) {
+  std::size_t low = 0, high = size;
+  while (low < high) {
+    const std::size_t middle = (low + high) / 2;
+    if (table[middle].code < code)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < size && table[low].code == code ? &table[low] : nullptr;
+}
+
+/// G code times ten; more than largest_code if it is none.
+std::uint32_t tenfold(const Word& word) {
+  constexpr std::uint32_t none = largest_code + 1;
+  if (word.mantissa < 0 || word.mantissa > std::int64_t{largest_code} * one_million) return none;
+  auto mantissa = static_cast<std::uint32_t>(word.mantissa);
+  if (word.decimals == 0) return mantissa <= largest_code ? mantissa * 10 : none;
+  for (int i = word.decimals; i > 1; --i) {
+    if (mantissa % 10 != 0) return none;
+    mantissa /= 10;
+  }
+  return mantissa;
+}
+
+/// Axis of a letter; -1 if it names none.
+constexpr int axis_of(char letter) {
+  if (letter == 'A') return 3;
+  return letter >= 'X' ? letter - 'X' : -1;
+}
+static_assert(axis_letters[index(axis_of('A'))] == 'A' && axis_letters[index(axis_of('Z'))] == 'Z');
+
+/// Groups that a jog may set, besides G53.
+constexpr bool may_jog(const Code& code) {
+  return code.group == Group::units || code.group == Group::distance || code.code == 530;
+}
+
+}  // namespace
+
+Fault Block::read(std::string_view line, int axes, bool jog) {
+  WordReader reader(line);
+  Word word;
+  for (;;) {
+    if (const Fault fault = reader.next(word)) return fault;
+    if (word.letter == 0) return {};
+    if (const Fault fault = add(word, axes, jog)) return fault;
+  }
+}
+
+Fault Block::add(const Word& word, int axes, bool jog) {
+  if (word.letter == 'G') return add_g(word, jog);
+  if (word.letter != 'M') return add_value(word, axes, jog);
+  return jog ? Fault{GcodeError::bad_jog_word, word.column} : add_m(word);
+}
+
+Fault Block::add_g(const Word& word, bool jog) {
+  const Code* const code = find(g_codes, tenfold(word));
+  if (code == nullptr) return {GcodeError::unsupported, word.column};
+  if (jog && !may_jog(*code)) return {GcodeError::bad_jog_word, word.column};
+  return add_code(code->group, code->code, code->use, word.column);
+}
+
+Fault Block::add_m(const Word& word) {
+  std::uint32_t number = 0;
+  const GcodeError error = whole(word, number);
+  if (error == GcodeError::not_integer) return {error, word.column};
+  const Code* const code = error == GcodeError::none ? find(m_codes, number) : nullptr;
+  if (code == nullptr) return {GcodeError::unsupported, word.column};
+  return add_code(code->group, code->code, code->use, word.column);
+}
+
+Fault Block::add_code(Group group, std::uint16_t code, AxisUse use, std::uint16_t column) {
+  if (has(group)) return {GcodeError::modal_conflict, column};
+  if (use != AxisUse::nobody) {
+    if (axis_use_ != AxisUse::nobody) return {GcodeError::axis_conflict, column};
+    axis_use_ = use;
+  }
+  groups_ |= 1u << static_cast<int>(group);
+  codes_[static_cast<std::size_t>(group)] = code;
+  columns_[static_cast<std::size_t>(group)] = column;
+  return {};
+}
+
+Fault Block::add_value(const Word& word, int axes, bool jog) {
+  const char letter = word.letter;
+  if (slot(letter) == no_slot) return {GcodeError::unsupported, word.column};
+  const int axis = axis_of(letter);
+  const bool is_axis = axis >= 0;
+  if (axis >= axes) return {GcodeError::unsupported, word.column};
+  if (jog && !is_axis && letter != 'F' && letter != 'N')
+    return {GcodeError::bad_jog_word, word.column};
+  if (has(letter)) return {GcodeError::word_repeated, word.column};
+  const bool never_negative = letter == 'F' || letter == 'N' || letter == 'S' || letter == 'T';
+  if (never_negative && word.mantissa < 0) return {GcodeError::negative_value, word.column};
+  words_ |= bit(letter);
+  unused_ |= bit(letter);
+  if (is_axis) axes_ |= 1u << axis;
+  values_[slot(letter)] = word;
+  return {};
+}
+
+std::uint16_t Block::axis_column(std::uint32_t axes) const {
+  std::uint16_t first = no_code;
+  for (int i = 0; i < max_axes; ++i)
+    if ((axes_ & axes & 1u << i) != 0 && axis(i).column < first) first = axis(i).column;
+  return first;
+}
+
+void Block::take_axes() {
+  for (const char letter : axis_letters) unused_ &= ~bit(letter);
+}
+
+bool Block::take(char letter) {
+  const bool fresh = (unused_ & bit(letter)) != 0;
+  unused_ &= ~bit(letter);
+  return fresh;
+}
+
+std::uint16_t Block::first_unused() const {
+  std::uint16_t first = no_code;
+  for (std::size_t i = 0; i < values_.size(); ++i)
+    if ((unused_ >> i & 1u) != 0 && values_[i].column < first) first = values_[i].column;
+  return first == no_code ? std::uint16_t{0} : first;
+}
+
+}  // namespace lamplock::program

@@ -1,0 +1,111 @@
+// A block: the words of one line, sorted into commands and values.
+//
+// In:  a line.
+// Out: the code of each modal group that the line has, the value words by letter, and who wants the
+//      axis words. What a word is wrong by itself, or beside another, is found here (unknown codes,
+//      groups, repeated words, signs); what commands make of the values is not.
+//
+// Whoever uses a value word takes it; what nobody has taken at the end is an error, and what two
+// commands want as well.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "firmware/program/words.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::program {
+
+/// Modal groups (NIST, section 3.4, table 4), and ours.
+enum class Group : std::uint8_t {
+  once,  ///< group 0: G4 G10 G28 G30 G53 G92
+  motion,
+  plane,
+  distance,
+  arc_distance,
+  feed_mode,
+  units,
+  cutter,
+  tool_length,
+  retract,
+  system,
+  path,
+  rotation,
+  exact_stop,  ///< G9
+  stopping,    ///< M0 M1 M2 M30
+  spindle,
+  coolant,
+  saving,  ///< M70 .. M73
+  beat_lock,
+  count
+};
+
+/// Which command of the line gets its axis words.
+enum class AxisUse : std::uint8_t { nobody, motion, data, tool_length, rotation };
+
+inline constexpr std::string_view axis_letters = "XYZA";
+
+class Block {
+ public:
+  /// Sorts the words of a line for a machine of so many axes. A jog has fewer commands and words.
+  Fault read(std::string_view line, int axes, bool jog = false);
+
+  bool has(Group group) const { return (groups_ >> static_cast<int>(group) & 1u) != 0; }
+  /// G code times ten, or M code; 0xffff if the line has none of the group.
+  std::uint16_t code(Group group) const {
+    return has(group) ? codes_[static_cast<std::size_t>(group)] : no_code;
+  }
+  std::uint16_t column(Group group) const { return columns_[static_cast<std::size_t>(group)]; }
+
+  AxisUse axis_use() const { return axis_use_; }
+  /// Bit i: the line has a word for axis i.
+  std::uint32_t axes() const { return axes_; }
+  const Word& axis(int i) const { return word(axis_letters[index(i)]); }
+  /// Column of the first word of these axes.
+  std::uint16_t axis_column(std::uint32_t axes) const;
+  void take_axes();
+
+  bool has(char letter) const { return (words_ & bit(letter)) != 0; }
+  const Word& word(char letter) const { return values_[slot(letter)]; }
+  /// Marks a word as used; false if somebody has used it already.
+  bool take(char letter);
+  /// Column of the first word that nobody has taken; 0 if there is none.
+  std::uint16_t first_unused() const;
+
+  static constexpr std::uint16_t no_code = 0xffff;
+
+ private:
+  static constexpr std::string_view value_letters = "AFIJKLNPQRSTXYZ";
+  static constexpr std::uint8_t no_slot = 0xff;
+  /// Place of each letter in values_.
+  static constexpr std::array<std::uint8_t, 26> slots = [] {
+    std::array<std::uint8_t, 26> table{};
+    table.fill(no_slot);
+    for (std::size_t i = 0; i < value_letters.size(); ++i)
+      table[static_cast<std::size_t>(value_letters[i] - 'A')] = static_cast<std::uint8_t>(i);
+    return table;
+  }();
+  static constexpr std::uint8_t slot(char letter) {
+    return slots[static_cast<std::size_t>(letter - 'A')];
+  }
+  static constexpr std::uint32_t bit(char letter) { return 1u << slot(letter); }
+
+  Fault add(const Word& word, int axes, bool jog);
+  Fault add_g(const Word& word, bool jog);
+  Fault add_m(const Word& word);
+  Fault add_code(Group group, std::uint16_t code, AxisUse use, std::uint16_t column);
+  Fault add_value(const Word& word, int axes, bool jog);
+
+  static constexpr std::size_t groups = static_cast<std::size_t>(Group::count);
+  std::uint32_t groups_ = 0;
+  std::uint32_t words_ = 0, unused_ = 0;  ///< a bit for each slot
+  std::uint32_t axes_ = 0;
+  AxisUse axis_use_ = AxisUse::nobody;
+  std::array<std::uint16_t, groups> codes_;
+  std::array<std::uint16_t, groups> columns_;
+  std::array<Word, value_letters.size()> values_;  ///< where words_ has a bit
+};
+
+}  // namespace lamplock::program

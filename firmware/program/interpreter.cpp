@@ -1,0 +1,246 @@
+#include "firmware/program/interpreter.hpp"
+
+#include <bit>
+
+namespace lamplock::program {
+
+Fault Interpreter::run(std::string_view line) {
+  Statement statement(options_, parameters_, saved_, state_);
+  const Fault fault = statement.check(line);
+  if (!fault) take_over(statement);
+  return fault;
+}
+
+Fault Interpreter::jog(std::string_view line) {
+  Statement statement(options_, parameters_, saved_, state_);
+  const Fault fault = statement.check_jog(line);
+  if (!fault) take_over(statement);
+  return fault;
+}
+
+void Interpreter::take_over(const Statement& statement) {
+  switch (statement.saving()) {
+    case 70:
+    case 73:
+      saved_ = {state_.modal, true, statement.saving() == 73};
+      break;
+    case 71:
+      saved_ = {};
+      break;
+    default:
+      break;
+  }
+  state_ = statement.after();
+  plan_ = statement.plan();
+  change_parameters(statement.changes());
+  if (plan_.has(Stage::curve)) begin_curve(statement);
+  if (plan_.has(Stage::cycle)) cycle_.begin(statement.cycle());
+}
+
+void Interpreter::begin_curve(const Statement& statement) {
+  const PlaneAxes axes = axes_of(statement.after().modal.plane);
+  const CurvePlane plane{axes.first, axes.second, axes.normal};
+  if (is_arc(plan_.motion))
+    curve_.begin_arc({plan_.start, plan_.end, plan_.points[0], plane,
+                      plan_.motion == Motion::arc_clockwise, plan_.turns,
+                      options_.arc_tolerance_e7});
+  else
+    curve_.begin_spline({plan_.start, plan_.points[0], plan_.points[1], plan_.end, plane,
+                         options_.arc_tolerance_e7});
+  if (plan_.time_us != 0)
+    share_.begin(plan_.start, curve_.length_e7(), curve_.pieces(), plan_.time_us);
+}
+
+void Interpreter::change_parameters(const Changes& changes) {
+  if (changes.rows == 0) return;
+  if (changes.has(ParameterRow::tool_length)) parameters_.tool_length_e7 = changes.tool_length_e7;
+  if (changes.has(ParameterRow::home_g28)) parameters_.home_g28_e7 = changes.place;
+  if (changes.has(ParameterRow::home_g30)) parameters_.home_g30_e7 = changes.place;
+  if (changes.has(ParameterRow::shift)) parameters_.shift_e7 = changes.place;
+  for (std::size_t i = 0; i < parameters_.systems_e7.size(); ++i)
+    if ((changes.rows >> i & 1u) != 0) parameters_.systems_e7[i] = changes.place;
+  parameters_.changed |= changes.rows;
+}
+
+// --- actions ----------------------------------------------------------------------------------
+
+bool Interpreter::next(Action& action) {
+  while (plan_.stages != 0)
+    if (give(static_cast<Stage>(std::countr_zero(plan_.stages)), action)) return true;
+  return false;
+}
+
+Action Interpreter::plain_action(ActionKind kind) const {
+  Action action;
+  action.kind = kind;
+  action.line = plan_.line;
+  action.flood = state_.modal.flood;
+  action.mist = state_.modal.mist;
+  action.speed_milli = state_.modal.speed_milli;
+  if (!plan_.jog) {
+    action.spindle = state_.modal.spindle;
+    action.beat_lock = state_.modal.beat_lock;
+  }
+  return action;
+}
+
+void Interpreter::fill_move(Action& action, bool rapid) const {
+  action = plain_action(ActionKind::move);
+  action.rapid = rapid;
+  if (!rapid) {
+    action.feed_um_min = plan_.feed_um_min;
+    action.timed = plan_.time_us != 0;
+    action.time_us = plan_.time_us;
+  }
+  if (plan_.jog) return;
+  action.exact_stop = plan_.exact_stop || state_.modal.path == PathMode::stop;
+  action.blend_um = state_.modal.blend_um;
+}
+
+bool Interpreter::give(Stage stage, Action& action) {
+  switch (stage) {
+    case Stage::spindle:
+      action = plain_action(ActionKind::spindle);
+      break;
+    case Stage::coolant:
+      action = plain_action(ActionKind::coolant);
+      break;
+    case Stage::beat_lock:
+      action = plain_action(ActionKind::beat_lock);
+      break;
+    case Stage::dwell:
+      return give_dwell(action);
+    case Stage::via:
+    case Stage::home:
+    case Stage::move:
+      return give_move(stage, action);
+    case Stage::curve:
+      return give_curve(action);
+    case Stage::cycle:
+      return give_cycle(action);
+    case Stage::stop:
+      return give_stop(action);
+  }
+  done(stage);
+  return true;
+}
+
+bool Interpreter::give_dwell(Action& action) {
+  action = plain_action(ActionKind::dwell);
+  action.time_us = plan_.dwell_us;
+  done(Stage::dwell);
+  return true;
+}
+
+bool Interpreter::give_move(Stage stage, Action& action) {
+  fill_move(action, stage != Stage::move || plan_.motion == Motion::rapid);
+  if (stage == Stage::via)
+    action.target_e7 = state_.modal.rotation.turned(plan_.points[0]);
+  else
+    action.target_e7 = state_.machine_e7;
+  action.programmed_end = stage != Stage::via;
+  if (stage == Stage::move && is_probe(plan_.motion)) {
+    action.kind = ActionKind::probe;
+    action.probe_away = plan_.motion >= Motion::probe_away;
+    action.probe_must = plan_.motion == Motion::probe_toward || plan_.motion == Motion::probe_away;
+  }
+  done(stage);
+  return true;
+}
+
+bool Interpreter::give_curve(Action& action) {
+  Place end;
+  if (!curve_.next(end)) {
+    done(Stage::curve);
+    return false;
+  }
+  fill_move(action, false);
+  if (action.timed) action.time_us = share_.next(end);
+  if (!curve_.active()) done(Stage::curve);
+  action.programmed_end = !plan_.has(Stage::curve);
+  action.target_e7 = action.programmed_end ? state_.machine_e7 : state_.modal.rotation.turned(end);
+  return true;
+}
+
+bool Interpreter::give_cycle(Action& action) {
+  CycleMove move;
+  if (!cycle_.next(move)) {
+    done(Stage::cycle);
+    return false;
+  }
+  if (move.kind == CycleMove::Kind::dwell) {
+    action = plain_action(ActionKind::dwell);
+    action.time_us = plan_.dwell_us;
+    return true;
+  }
+  fill_move(action, move.kind == CycleMove::Kind::rapid);
+  action.target_e7 = state_.modal.rotation.turned(move.to);
+  action.programmed_end = move.bottom || action.rapid;
+  return true;
+}
+
+bool Interpreter::give_stop(Action& action) {
+  const bool end = plan_.stop == 2 || plan_.stop == 30;
+  done(Stage::stop);
+  if (end) end_program();
+  action = plain_action(end ? ActionKind::program_end : ActionKind::pause);
+  return true;
+}
+
+// --- state ------------------------------------------------------------------------------------
+
+/// As grbl: groups 1 to 5, 7 and 12 and spindle and coolant are set back; units, distance of
+/// centres, tool length, retract level, path mode and the words F S T are not.
+void Interpreter::end_program() {
+  Modal& modal = state_.modal;
+  modal.motion = Motion::line;
+  modal.plane = Plane::xy;
+  modal.relative = false;
+  if (modal.feed_mode != FeedMode::per_minute) modal.feed = 0;
+  modal.feed_mode = FeedMode::per_minute;
+  modal.system = 0;
+  modal.rotation = {};
+  modal.spindle = Spindle::off;
+  modal.flood = modal.mist = false;
+  modal.beat_lock = BeatLock::off;
+  if (saved_.valid && saved_.restore_at_end) restore_saved();
+  state_.programmed_e7 = modal.rotation.turned_back(state_.machine_e7);
+  state_.cycle = {};
+  state_.spline = {};
+}
+
+void Interpreter::restore_saved() {
+  const Modal ended = state_.modal;
+  Modal& modal = state_.modal;
+  modal = saved_.modal;
+  modal.motion = ended.motion;
+  modal.tool = ended.tool;
+  modal.spindle = Spindle::off;
+  modal.flood = modal.mist = false;
+  modal.beat_lock = BeatLock::off;
+  saved_ = {};
+}
+
+void Interpreter::reset() {
+  state_.modal = {};
+  saved_ = {};
+  set_position(state_.machine_e7);
+}
+
+void Interpreter::set_position(const Place& machine_e7) {
+  state_.machine_e7 = machine_e7;
+  state_.programmed_e7 = state_.modal.rotation.turned_back(machine_e7);
+  state_.cycle.series = false;
+  state_.spline.known = false;
+  plan_.stages = 0;
+}
+
+Place Interpreter::work_offset_e7() const {
+  Place offset = parameters_.systems_e7[state_.modal.system];
+  for (std::size_t i = 0; i < offset.size(); ++i)
+    if (state_.modal.shifted) offset[i] += parameters_.shift_e7[i];
+  if (state_.modal.tool_length) offset[2] += parameters_.tool_length_e7;
+  return offset;
+}
+
+}  // namespace lamplock::program

@@ -1,0 +1,102 @@
+// What stays in force from line to line, and what a line may change.
+//
+// Values of enumerations are the numbers of their G codes times ten, so that a report of the state
+// ($G) can print them; 10 is G1, 385 is G38.5.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/program/action.hpp"
+#include "firmware/program/rotation.hpp"
+#include "firmware/program/value.hpp"
+
+namespace lamplock::program {
+
+enum class Motion : std::uint16_t {
+  rapid = 0,
+  line = 10,
+  arc_clockwise = 20,
+  arc_counterclockwise = 30,
+  spline = 50,
+  parabola = 51,
+  probe_toward = 382,  ///< an error if nothing is met
+  probe_toward_quiet = 383,
+  probe_away = 384,
+  probe_away_quiet = 385,
+  drill_chip_break = 730,
+  none = 800,
+  drill = 810,
+  drill_dwell = 820,
+  drill_peck = 830,
+};
+constexpr bool is_arc(Motion motion) {
+  return motion == Motion::arc_clockwise || motion == Motion::arc_counterclockwise;
+}
+constexpr bool is_cycle(Motion motion) {
+  return motion == Motion::drill_chip_break || motion >= Motion::drill;
+}
+constexpr bool is_probe(Motion motion) {
+  return motion >= Motion::probe_toward && motion <= Motion::probe_away_quiet;
+}
+
+enum class Plane : std::uint8_t { xy = 170, zx = 180, yz = 190 };
+enum class FeedMode : std::uint16_t { inverse_time = 930, per_minute = 940, per_turn = 950 };
+enum class PathMode : std::uint16_t { exact = 610, stop = 611, blend = 640 };
+
+/// Coordinate systems G54 .. G59, G59.1 .. G59.3.
+inline constexpr int coordinate_systems = 9;
+
+/// The modal state. What it says by default is what it is after power-up and reset.
+struct Modal {
+  Motion motion = Motion::rapid;
+  FeedMode feed_mode = FeedMode::per_minute;
+  PathMode path = PathMode::exact;
+  Plane plane = Plane::xy;
+  bool inches = false;            ///< G20
+  bool relative = false;          ///< G91
+  bool centres_absolute = false;  ///< G90.1
+  bool retract_to_r = false;      ///< G99
+  bool shifted = false;           ///< the offset of G92 is in force
+  bool tool_length = false;       ///< the offset of G43.1 is in force
+  bool mist = false;              ///< M7
+  bool flood = false;             ///< M8
+  std::uint8_t system = 0;        ///< 0 is G54
+  Spindle spindle = Spindle::off;
+  BeatLock beat_lock = BeatLock::off;
+  std::uint32_t blend_um = 0;     ///< P of G64
+  std::uint32_t feed = 0;         ///< um/min; in G95 nm per turn; not used in G93
+  std::uint32_t speed_milli = 0;  ///< S, thousandths
+  std::uint32_t tool = 0;         ///< T
+  Rotation rotation;              ///< G68
+  friend bool operator==(const Modal&, const Modal&) = default;
+};
+
+/// What canned cycles keep while the same one goes on ("sticky" numbers, NIST, section 3.5.16), in
+/// 10^-7 mm as programmed: places or distances, as G90 and G91 say.
+struct CycleWords {
+  std::int64_t retract_e7 = 0, depth_e7 = 0, peck_e7 = 0;
+  std::int64_t initial_e7 = 0;  ///< where the series of cycles began, for G98
+  std::uint32_t dwell_us = 0;
+  bool has_retract = false, has_depth = false, has_peck = false, has_dwell = false;
+  bool series = false;  ///< the move before was a cycle as well
+  friend bool operator==(const CycleWords&, const CycleWords&) = default;
+};
+
+/// The end of a spline, which the next one goes on from if it does not say otherwise.
+struct SplineEnd {
+  std::int64_t first_e7 = 0, second_e7 = 0;  ///< from its end to its second control point
+  bool known = false;
+  friend bool operator==(const SplineEnd&, const SplineEnd&) = default;
+};
+
+/// Everything that a line can change, but for the parameters.
+struct State {
+  Modal modal;
+  Place programmed_e7{};  ///< where the program is: machine coordinates before rotation
+  Place machine_e7{};     ///< the same place, rotated: where the machine goes
+  CycleWords cycle;
+  SplineEnd spline;
+  friend bool operator==(const State&, const State&) = default;
+};
+
+}  // namespace lamplock::program

@@ -1,0 +1,26 @@
+// Offsets and places that outlive a program: the owner of the interpreter stores them.
+//
+// All in machine coordinates or differences of them, 10^-7 mm. Whoever changes them from outside
+// does so while the interpreter is not busy; it reads them anew in every line.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/program/modal.hpp"
+#include "firmware/program/value.hpp"
+
+namespace lamplock::program {
+
+/// Bits of Parameters::changed: 0..8 are the coordinate systems.
+enum class ParameterRow : std::uint8_t { home_g28 = 9, home_g30, shift, tool_length };
+
+struct Parameters {
+  std::array<Place, coordinate_systems> systems_e7{};  ///< origins of G54 .. G59.3
+  Place home_g28_e7{}, home_g30_e7{};
+  Place shift_e7{};                 ///< G92; in force where Modal::shifted says so
+  std::int64_t tool_length_e7 = 0;  ///< G43.1, along Z; in force where Modal::tool_length says so
+  std::uint16_t changed = 0;  ///< a bit for each row that a line has changed; the owner clears
+};
+
+}  // namespace lamplock::program

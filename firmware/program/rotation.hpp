@@ -1,0 +1,44 @@
+// Rotation of a program in a plane (G68): exact at right angles, far below a step elsewhere.
+//
+// Programs are interpreted as if there were no rotation; places are rotated when they leave. So
+// what was programmed stays exact, and only an end is rounded, to 10^-7 mm. Sine and cosine have 62
+// fractional bits: 4 m from the centre their error moves nothing by 10^-14 m.
+//
+// The centre is kept in machine coordinates: it stays where it was when offsets change later.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/program/value.hpp"
+
+namespace lamplock::program {
+
+class Rotation {
+ public:
+  /// No rotation.
+  Rotation() = default;
+  /// Turns the plane of two axes, from the first towards the second, by `angle_e7` (10^-7 degrees)
+  /// round the centre.
+  Rotation(int first, int second, const Place& centre_e7, std::int64_t angle_e7);
+
+  bool active() const { return active_; }
+  /// 10^-7 degrees, as programmed.
+  std::int64_t angle_e7() const { return angle_e7_; }
+  /// Where a programmed place is on the machine.
+  Place turned(const Place& place) const { return active_ ? turn(place, sine_q62_) : place; }
+  /// The programmed place of a place on the machine; turned() of it is off by 10^-7 mm at most.
+  Place turned_back(const Place& place) const { return active_ ? turn(place, -sine_q62_) : place; }
+
+  friend bool operator==(const Rotation&, const Rotation&) = default;
+
+ private:
+  Place turn(const Place& place, std::int64_t sine_q62) const;
+
+  std::int64_t angle_e7_ = 0;
+  std::int64_t first_centre_e7_ = 0, second_centre_e7_ = 0;
+  std::int64_t sine_q62_ = 0, cosine_q62_ = 0;
+  std::uint8_t first_ = 0, second_ = 1;
+  bool active_ = false;
+};
+
+}  // namespace lamplock::program

@@ -1,0 +1,421 @@
+#include "firmware/program/statement.hpp"
+
+#include "shared/fixed_point.hpp"
+
+namespace lamplock::program {
+namespace {
+
+constexpr std::int64_t most_word = 0xffffffff;
+constexpr std::uint32_t us_per_minute = 60'000'000;
+
+}  // namespace
+
+bool Statement::fail(GcodeError error, std::uint16_t column) {
+  fault_ = {error, column};
+  return false;
+}
+
+Fault Statement::check(std::string_view line) {
+  fault_ = block_.read(line, options_.axes);
+  if (!fault_) everything();
+  return fault_;
+}
+
+bool Statement::everything() {
+  plan_.start = after_.programmed_e7;
+  return before_motion() && data() && motion() && stop() && rest();
+}
+
+bool Statement::before_motion() {
+  return saved_state() && codes() && line_number() && feed() && speed() && tool() && spindle() &&
+         coolant() && beat_lock() && dwell() && path() && tool_length() && system() && rotation();
+}
+
+// --- values -----------------------------------------------------------------------------------
+
+/// Takes a word that the line has.
+bool Statement::take(char letter) {
+  return block_.take(letter) || fail(GcodeError::axis_conflict, block_.word(letter).column);
+}
+
+bool Statement::needed(char letter, std::uint16_t column) {
+  return block_.has(letter) ? take(letter) : fail(GcodeError::value_missing, column);
+}
+
+bool Statement::length(char letter, std::int64_t& e7) {
+  e7 = length_e7(block_.word(letter), after_.modal.inches);
+  return inside({e7, 0, 0, 0}, most_centre_e7, GcodeError::out_of_range,
+                block_.word(letter).column);
+}
+
+bool Statement::integer(char letter, std::uint32_t& number) {
+  const GcodeError error = whole(block_.word(letter), number);
+  return error == GcodeError::none || fail(error, block_.word(letter).column);
+}
+
+bool Statement::seconds(char letter, std::uint32_t& us) {
+  const Word& word = block_.word(letter);
+  if (word.mantissa < 0) return fail(GcodeError::negative_value, word.column);
+  const std::int64_t value = scaled(word, 1, 6);
+  if (value > most_word) return fail(GcodeError::out_of_range, word.column);
+  us = static_cast<std::uint32_t>(value);
+  return true;
+}
+
+std::int64_t Statement::axis_e7(int axis) const {
+  return length_e7(block_.axis(axis), after_.modal.inches);
+}
+
+std::int64_t Statement::offset_e7(int axis) const {
+  const std::size_t i = index(axis);
+  std::int64_t offset = parameters_.systems_e7[after_.modal.system][i];
+  if (after_.modal.shifted)
+    offset += changes_.has(ParameterRow::shift) ? changes_.place[i] : parameters_.shift_e7[i];
+  if (axis == 2 && after_.modal.tool_length)
+    offset += changes_.has(ParameterRow::tool_length) ? changes_.tool_length_e7
+                                                      : parameters_.tool_length_e7;
+  return offset;
+}
+
+bool Statement::inside(const Place& place, std::int64_t most, GcodeError error,
+                       std::uint16_t column) {
+  for (const std::int64_t e7 : place)
+    if (e7 > most || e7 < -most) return fail(error, column);
+  return true;
+}
+
+// --- modal state ------------------------------------------------------------------------------
+
+void Statement::turn(const Rotation& rotation) {
+  after_.modal.rotation = rotation;
+  after_.programmed_e7 = rotation.turned_back(after_.machine_e7);
+  plan_.start = after_.programmed_e7;
+}
+
+bool Statement::saved_state() {
+  if (block_.code(Group::saving) != 72) return true;
+  if (!saved_.valid) return fail(GcodeError::unsupported, block_.column(Group::saving));
+  const Modal before = after_.modal;
+  after_.modal = saved_.modal;
+  after_.modal.motion = before.motion;
+  after_.modal.tool = before.tool;
+  if (saved_.modal.spindle != before.spindle || saved_.modal.speed_milli != before.speed_milli)
+    plan_.add(Stage::spindle);
+  if (saved_.modal.flood != before.flood || saved_.modal.mist != before.mist)
+    plan_.add(Stage::coolant);
+  if (saved_.modal.beat_lock != before.beat_lock) plan_.add(Stage::beat_lock);
+  if (!(saved_.modal.rotation == before.rotation)) turn(saved_.modal.rotation);
+  return true;
+}
+
+/// Codes that only set something.
+bool Statement::codes() {
+  Modal& modal = after_.modal;
+  if (block_.has(Group::units)) modal.inches = block_.code(Group::units) == 200;
+  if (block_.has(Group::plane)) modal.plane = static_cast<Plane>(block_.code(Group::plane));
+  if (block_.has(Group::distance)) modal.relative = block_.code(Group::distance) == 910;
+  if (block_.has(Group::arc_distance))
+    modal.centres_absolute = block_.code(Group::arc_distance) == 901;
+  if (block_.has(Group::retract)) modal.retract_to_r = block_.code(Group::retract) == 990;
+  if (block_.has(Group::feed_mode)) {
+    const auto mode = static_cast<FeedMode>(block_.code(Group::feed_mode));
+    if (mode != modal.feed_mode) modal.feed = 0;
+    modal.feed_mode = mode;
+  }
+  if (block_.has(Group::motion)) {
+    const auto motion = static_cast<Motion>(block_.code(Group::motion));
+    if (is_probe(motion) && !options_.probe)
+      return fail(GcodeError::unsupported, block_.column(Group::motion));
+    if (motion != modal.motion)
+      after_.cycle = {.initial_e7 = after_.cycle.initial_e7, .series = after_.cycle.series};
+    modal.motion = motion;
+  }
+  return true;
+}
+
+bool Statement::feed() {
+  if (!block_.has('F')) return true;
+  if (!take('F')) return false;
+  if (after_.modal.feed_mode == FeedMode::inverse_time) return inverse_time();
+  const bool per_turn = after_.modal.feed_mode == FeedMode::per_turn;
+  const int digits = per_turn ? 6 : 3;  // nm or um
+  const Word& word = block_.word('F');
+  const std::int64_t value =
+      after_.modal.inches ? scaled(word, 254, digits - 1) : scaled(word, 1, digits);
+  if (value > most_word) return fail(GcodeError::feed_too_high, word.column);
+  after_.modal.feed = static_cast<std::uint32_t>(value);
+  return true;
+}
+
+/// F is one over the minutes that the motion takes.
+bool Statement::inverse_time() {
+  const Word& word = block_.word('F');
+  const std::int64_t per_minute_e7 = scaled(word, 1, 7);
+  if (per_minute_e7 == 0) return true;  // as if it were missing
+  const std::int64_t time = (us_per_minute * one_e7 + per_minute_e7 / 2) / per_minute_e7;
+  if (time > most_word) return fail(GcodeError::out_of_range, word.column);
+  plan_.time_us = time == 0 ? 1 : static_cast<std::uint32_t>(time);
+  return true;
+}
+
+bool Statement::speed() {
+  if (!block_.has('S')) return true;
+  if (!take('S')) return false;
+  const std::int64_t value = scaled(block_.word('S'), 1, 3);
+  if (value > most_word) return fail(GcodeError::speed_out_of_range, block_.word('S').column);
+  after_.modal.speed_milli = static_cast<std::uint32_t>(value);
+  return true;
+}
+
+bool Statement::tool() {
+  if (!block_.has('T')) return true;
+  std::uint32_t number = 0;
+  if (!take('T') || !integer('T', number)) return false;
+  if (number > most_tool) return fail(GcodeError::tool_too_large, block_.word('T').column);
+  after_.modal.tool = number;
+  return true;
+}
+
+bool Statement::line_number() {
+  if (!block_.has('N')) return true;
+  if (!take('N') || !integer('N', plan_.line)) return false;
+  return plan_.line <= most_line_number ||
+         fail(GcodeError::bad_line_number, block_.word('N').column);
+}
+
+bool Statement::spindle() {
+  if (block_.has(Group::spindle)) {
+    const std::uint16_t code = block_.code(Group::spindle);
+    after_.modal.spindle = code == 3   ? Spindle::constant
+                           : code == 4 ? Spindle::proportional
+                                       : Spindle::off;
+    plan_.add(Stage::spindle);
+  } else if (block_.has('S') && after_.modal.spindle != Spindle::off &&
+             !(options_.laser && move_is_asked())) {
+    plan_.add(Stage::spindle);
+  }
+  return true;
+}
+
+/// Whether the line moves and its moves carry the S word.
+bool Statement::move_is_asked() const {
+  const AxisUse use = block_.axis_use();
+  return block_.axes() != 0 && (use == AxisUse::motion || use == AxisUse::nobody);
+}
+
+bool Statement::coolant() {
+  if (!block_.has(Group::coolant)) return true;
+  const std::uint16_t code = block_.code(Group::coolant);
+  if (code == 7) after_.modal.mist = true;
+  if (code == 8) after_.modal.flood = true;
+  if (code == 9) after_.modal.mist = after_.modal.flood = false;
+  plan_.add(Stage::coolant);
+  return true;
+}
+
+bool Statement::beat_lock() {
+  if (!block_.has(Group::beat_lock)) return true;
+  plan_.add(Stage::beat_lock);
+  after_.modal.beat_lock = BeatLock::off;
+  if (block_.code(Group::beat_lock) == 131) return true;
+  std::uint32_t free = 0;
+  if (!needed('P', block_.column(Group::beat_lock)) || !integer('P', free)) return false;
+  if (free > 1) return fail(GcodeError::out_of_range, block_.word('P').column);
+  after_.modal.beat_lock = free == 1 ? BeatLock::free : BeatLock::path;
+  return true;
+}
+
+bool Statement::dwell() {
+  if (block_.code(Group::once) != 40) return true;
+  plan_.add(Stage::dwell);
+  return needed('P', block_.column(Group::once)) && seconds('P', plan_.dwell_us);
+}
+
+bool Statement::path() {
+  plan_.exact_stop = block_.has(Group::exact_stop);
+  if (!block_.has(Group::path)) return true;
+  Modal& modal = after_.modal;
+  modal.path = static_cast<PathMode>(block_.code(Group::path));
+  modal.blend_um = 0;
+  if (modal.path != PathMode::blend) return true;
+  modal.blend_um = options_.blend_um;
+  if (!block_.has('P')) return true;
+  if (!take('P')) return false;
+  const Word& word = block_.word('P');
+  if (word.mantissa < 0) return fail(GcodeError::negative_value, word.column);
+  const std::int64_t value = modal.inches ? scaled(word, 254, 2) : scaled(word, 1, 3);
+  if (value > most_word) return fail(GcodeError::out_of_range, word.column);
+  modal.blend_um = static_cast<std::uint32_t>(value);
+  return true;
+}
+
+// --- offsets ----------------------------------------------------------------------------------
+
+bool Statement::tool_length() {
+  if (!block_.has(Group::tool_length)) return true;
+  const std::uint16_t column = block_.column(Group::tool_length);
+  constexpr std::uint32_t z = 1u << 2;
+  if (block_.code(Group::tool_length) == 490) {
+    after_.modal.tool_length = false;
+    return block_.axes() == 0 ||
+           fail(GcodeError::axis_words_unused, block_.axis_column(block_.axes()));
+  }
+  if (block_.axes() == 0) return fail(GcodeError::tool_length_axis, column);
+  if (block_.axes() != z)
+    return fail(GcodeError::tool_length_axis, block_.axis_column(block_.axes() & ~z));
+  block_.take_axes();
+  changes_.tool_length_e7 = axis_e7(2);
+  changes_.add(static_cast<int>(ParameterRow::tool_length));
+  after_.modal.tool_length = true;
+  return inside({changes_.tool_length_e7, 0, 0, 0}, most_position_e7, GcodeError::out_of_range,
+                block_.axis(2).column);
+}
+
+bool Statement::system() {
+  if (!block_.has(Group::system)) return true;
+  const std::uint32_t code = block_.code(Group::system);
+  const std::uint32_t number = code <= 590 ? (code - 540) / 10 : code - 590 + 5;
+  after_.modal.system = static_cast<std::uint8_t>(number);
+  return true;
+}
+
+bool Statement::rotation() {
+  if (!block_.has(Group::rotation)) return true;
+  if (block_.code(Group::rotation) == 690) {
+    turn({});
+    return true;
+  }
+  if (!needed('R', block_.column(Group::rotation))) return false;
+  const PlaneAxes plane = axes_of(after_.modal.plane);
+  const std::uint32_t others = block_.axes() & ~(1u << plane.first | 1u << plane.second);
+  if (others != 0) return fail(GcodeError::axis_words_unused, block_.axis_column(others));
+  Place centre = after_.machine_e7;
+  for (const int axis : {int{plane.first}, int{plane.second}}) {
+    if ((block_.axes() >> axis & 1u) == 0) continue;
+    centre[index(axis)] =
+        axis_e7(axis) + (after_.modal.relative ? after_.machine_e7[index(axis)] : offset_e7(axis));
+    if (!inside({centre[index(axis)], 0, 0, 0}, most_position_e7, GcodeError::bad_target,
+                block_.axis(axis).column))
+      return false;
+  }
+  block_.take_axes();
+  turn(Rotation(plane.first, plane.second, centre, scaled(block_.word('R'), 1, 7)));
+  return true;
+}
+
+/// What is done once and belongs to no mode: table 8, line 19.
+bool Statement::data() {
+  switch (block_.code(Group::once)) {
+    case 100:
+      return set_system();
+    case 280:
+    case 300:
+      return at_home();
+    case 281:
+    case 301: {
+      const bool g28 = block_.code(Group::once) == 281;
+      changes_.add(static_cast<int>(g28 ? ParameterRow::home_g28 : ParameterRow::home_g30));
+      changes_.place = after_.machine_e7;
+      return true;
+    }
+    case 920:
+      return shift();
+    case 921:
+      changes_.add(static_cast<int>(ParameterRow::shift));
+      changes_.place = {};
+      after_.modal.shifted = false;
+      return true;
+    case 922:
+      after_.modal.shifted = false;
+      return true;
+    case 923:
+      after_.modal.shifted = true;
+      return true;
+    default:
+      return true;
+  }
+}
+
+bool Statement::set_system() {
+  const std::uint16_t column = block_.column(Group::once);
+  if (block_.axes() == 0) return fail(GcodeError::no_axis_words, column);
+  std::uint32_t kind = 0, number = 0;
+  if (!needed('L', column) || !needed('P', column)) return false;
+  if (!integer('L', kind) || !integer('P', number)) return false;
+  if (kind != 2 && kind != 20) return fail(GcodeError::unsupported, block_.word('L').column);
+  if (number > coordinate_systems) return fail(GcodeError::no_such_system, block_.word('P').column);
+  // Rotation of a coordinate system, which LinuxCNC has.
+  if (block_.has('R')) return fail(GcodeError::unsupported, block_.word('R').column);
+  const std::uint32_t row = number == 0 ? after_.modal.system : number - 1;
+  changes_.place = parameters_.systems_e7[row];
+  for (int i = 0; i < options_.axes; ++i) {
+    if ((block_.axes() >> i & 1u) == 0) continue;
+    std::int64_t& value = changes_.place[index(i)];
+    const std::int64_t others =
+        offset_e7(i) - parameters_.systems_e7[after_.modal.system][index(i)];
+    value = kind == 2 ? axis_e7(i) : after_.programmed_e7[index(i)] - others - axis_e7(i);
+    if (!inside({value, 0, 0, 0}, 2 * most_position_e7, GcodeError::out_of_range,
+                block_.axis(i).column))
+      return false;
+  }
+  changes_.add(static_cast<int>(row));
+  block_.take_axes();
+  return true;
+}
+
+bool Statement::shift() {
+  if (block_.axes() == 0) return fail(GcodeError::no_axis_words, block_.column(Group::once));
+  // What is not named keeps the shift in force.
+  Place place = after_.modal.shifted ? parameters_.shift_e7 : Place{};
+  for (int i = 0; i < options_.axes; ++i) {
+    if ((block_.axes() >> i & 1u) == 0) continue;
+    std::int64_t& value = place[index(i)];
+    const std::int64_t others = offset_e7(i) - value;
+    value = after_.programmed_e7[index(i)] - others - axis_e7(i);
+    if (!inside({value, 0, 0, 0}, 2 * most_position_e7, GcodeError::out_of_range,
+                block_.axis(i).column))
+      return false;
+  }
+  changes_.place = place;
+  changes_.add(static_cast<int>(ParameterRow::shift));
+  after_.modal.shifted = true;
+  block_.take_axes();
+  return true;
+}
+
+// --- the end of the line ----------------------------------------------------------------------
+
+bool Statement::stop() {
+  if (!block_.has(Group::stopping)) return true;
+  plan_.add(Stage::stop);
+  plan_.stop = block_.code(Group::stopping);
+  return true;
+}
+
+bool Statement::rest() {
+  const std::uint16_t column = block_.first_unused();
+  return column == 0 || fail(GcodeError::words_unused, column);
+}
+
+// --- jog --------------------------------------------------------------------------------------
+
+Fault Statement::check_jog(std::string_view line) {
+  const Modal modal = after_.modal;
+  fault_ = block_.read(line, options_.axes, true);
+  if (!fault_) jog();
+  after_.modal = modal;
+  return fault_;
+}
+
+bool Statement::jog() {
+  plan_.start = after_.programmed_e7;
+  after_.modal.feed_mode = FeedMode::per_minute;
+  after_.modal.motion = Motion::line;
+  after_.modal.feed = 0;
+  plan_.jog = true;
+  if (!codes() || !line_number()) return false;
+  if (block_.axes() == 0) return fail(GcodeError::no_axis_words, 1);
+  return feed() && cut_move() && rest();
+}
+
+}  // namespace lamplock::program

@@ -1,0 +1,203 @@
+// A statement: what one line means, checked to its end, with nothing done yet.
+//
+// In:  a line, the state of the interpreter, parameters and options.
+// Out: the state behind the line, changes of parameters, and the plan: what has to be done for it.
+//      Or what is wrong, and nothing has changed: the interpreter takes over a statement as a whole
+//      or not at all.
+//
+// Things are looked at in the order in which RS274/NGC executes them ("The NIST RS274/NGC
+// Interpreter
+// - Version 3", table 8), so that of several errors the same one is told whatever the order of the
+// words. Units, plane and distance mode count for the whole line, as in grbl. Saving and restoring
+// the modal state (M70 to M73) come before everything else.
+//
+// Which error, where LinuxCNC, grbl and NIST differ: as grbl 1.1 (../shared has the list of
+// numbers), but two commands of one group are always error 21. Every error names a word of the
+// line; what is missing is told of the command that misses it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "firmware/program/block.hpp"
+#include "firmware/program/cycles.hpp"
+#include "firmware/program/modal.hpp"
+#include "firmware/program/parameters.hpp"
+#include "firmware/program/words.hpp"
+
+namespace lamplock::program {
+
+/// What the machine and its settings say.
+struct Options {
+  int axes = 3;                            ///< X Y Z A from the front; words of others are error 20
+  std::int64_t arc_tolerance_e7 = 20'000;  ///< 10^-7 mm, above 0 ($12; 0.002 mm as in grbl)
+  std::int64_t clearance_e7 = 2'540'000;   ///< of G73 and G83; LinuxCNC's 0.01 in
+  std::uint32_t blend_um = 0;              ///< of a G64 without P
+  bool laser = false;                      ///< $32: speed words travel with the moves
+  bool probe = false;                      ///< there is one: G38.2 to G38.5 are known
+};
+
+/// Largest values of words, as grbl 1.1 has them.
+inline constexpr std::uint32_t most_line_number = 10'000'000;
+inline constexpr std::uint32_t most_tool = 255;
+/// Repetitions of a cycle.
+inline constexpr std::uint32_t most_repeats = 9999;
+/// Centres of arcs and control points lie within +-1 km of the machine's zero.
+inline constexpr std::int64_t most_centre_e7 = 100 * most_position_e7;
+
+/// Modal state saved by M70 or M73.
+struct Saved {
+  Modal modal;
+  bool valid = false;
+  bool restore_at_end = false;  ///< M73
+  friend bool operator==(const Saved&, const Saved&) = default;
+};
+
+/// What a line asks for, in the order of doing it.
+enum class Stage : std::uint8_t {
+  spindle,
+  coolant,
+  beat_lock,
+  dwell,
+  via,   ///< G28, G30: the place on the way
+  home,  ///< and the end, in machine coordinates
+  move,  ///< one straight move, a probe too
+  curve,
+  cycle,
+  stop
+};
+
+struct Plan {
+  std::uint32_t stages = 0;  ///< a bit for each
+  std::uint32_t line = 0;
+  std::uint32_t feed_um_min = 0;
+  std::uint32_t time_us = 0;  ///< of the motion, in G93
+  std::uint32_t dwell_us = 0;
+  std::uint32_t turns = 0;  ///< P of an arc
+  Motion motion = Motion::rapid;
+  std::uint16_t stop = 0;   ///< M code
+  bool in_machine = false;  ///< the end of the move is in machine coordinates
+  bool exact_stop = false;
+  bool jog = false;
+  Place start{};  ///< programmed
+  Place end{};    ///< programmed, or in machine coordinates (in_machine, home)
+  /// On the way of G28; the centre of an arc; both control points of a spline. Programmed.
+  std::array<Place, 2> points{};
+
+  void add(Stage stage) { stages |= 1u << static_cast<int>(stage); }
+  bool has(Stage stage) const { return (stages >> static_cast<int>(stage) & 1u) != 0; }
+};
+
+/// What a line changes in the parameters.
+struct Changes {
+  std::uint16_t rows = 0;  ///< as Parameters::changed
+  Place place{};           ///< of the one row that is no tool length
+  std::int64_t tool_length_e7 = 0;
+
+  bool has(ParameterRow row) const { return (rows >> static_cast<int>(row) & 1u) != 0; }
+  void add(int row) { rows = static_cast<std::uint16_t>(rows | 1u << row); }
+};
+
+/// Axes of a plane; the same order as in CurvePlane.
+struct PlaneAxes {
+  std::uint8_t first, second, normal;
+};
+constexpr PlaneAxes axes_of(Plane plane) {
+  if (plane == Plane::zx) return {2, 0, 1};
+  return plane == Plane::yz ? PlaneAxes{1, 2, 0} : PlaneAxes{0, 1, 2};
+}
+
+class Statement {
+ public:
+  Statement(const Options& options, const Parameters& parameters, const Saved& saved,
+            const State& before)
+      : after_(before), options_(options), parameters_(parameters), saved_(saved) {}
+
+  /// Reads a line and finds out what it means.
+  Fault check(std::string_view line);
+  /// The same with what stands behind "$J=". Modal state stays as it is.
+  Fault check_jog(std::string_view line);
+
+  const State& after() const { return after_; }
+  const Plan& plan() const { return plan_; }
+  const Changes& changes() const { return changes_; }
+  /// If the plan has a cycle.
+  const CycleRequest& cycle() const { return cycle_; }
+  /// M code of group `saving`, or Block::no_code.
+  std::uint16_t saving() const { return block_.code(Group::saving); }
+
+ private:
+  // Every step is false after an error, which is then in fault_.
+  bool fail(GcodeError error, std::uint16_t column);
+
+  bool everything();
+  bool before_motion();
+  bool saved_state();
+  bool codes();
+  bool feed();
+  bool inverse_time();
+  bool speed();
+  bool tool();
+  bool line_number();
+  bool spindle();
+  bool coolant();
+  bool beat_lock();
+  bool dwell();
+  bool path();
+  bool tool_length();
+  bool system();
+  bool rotation();
+  bool data();
+  bool set_system();
+  bool shift();
+  bool at_home();
+  bool motion();
+  bool move();
+  bool cut_move();
+  bool stop();
+  bool rest();
+  bool jog();
+
+  bool feed_in_force();
+  bool straight();
+  bool arc();
+  bool arc_of_radius(const Place& end);
+  bool arc_of_centre(const Place& end);
+  bool arc_turns();
+  bool spline();
+  bool spline_start(Place& control);
+  bool parabola();
+  bool drill();
+  bool drill_levels();
+  bool drill_values();
+  bool drill_holes(const Place& first);
+
+  bool target(Place& place, bool in_machine);
+  bool inside(const Place& place, std::int64_t most, GcodeError error, std::uint16_t column);
+  bool end_at(const Place& programmed);
+  bool end_at_machine(const Place& machine);
+  void turn(const Rotation& rotation);
+
+  bool length(char letter, std::int64_t& e7);
+  bool take(char letter);
+  bool seconds(char letter, std::uint32_t& us);
+  bool needed(char letter, std::uint16_t column);
+  bool integer(char letter, std::uint32_t& number);
+  bool move_is_asked() const;
+  std::uint16_t motion_column() const;
+  std::int64_t axis_e7(int axis) const;
+  std::int64_t offset_e7(int axis) const;
+
+  Block block_;
+  State after_;
+  Plan plan_;
+  Changes changes_;
+  CycleRequest cycle_;
+  Fault fault_;
+  const Options& options_;
+  const Parameters& parameters_;
+  const Saved& saved_;
+};
+
+}  // namespace lamplock::program

@@ -1,0 +1,356 @@
+// Motion of a statement: targets, arcs, splines, cycles, homes.
+#include "firmware/program/curve.hpp"
+#include "firmware/program/statement.hpp"
+#include "shared/fixed_point.hpp"
+
+namespace lamplock::program {
+namespace {
+
+CurvePlane curve_plane(Plane plane) {
+  const PlaneAxes axes = axes_of(plane);
+  return {axes.first, axes.second, axes.normal};
+}
+
+/// Letters of distances to a centre, by axis.
+constexpr std::string_view centre_letters = "IJK";
+
+/// 2/3 of a distance, to the nearest.
+constexpr std::int64_t two_thirds(std::int64_t e7) { return (2 * e7 + (e7 < 0 ? -1 : 1)) / 3; }
+
+}  // namespace
+
+// --- ends -------------------------------------------------------------------------------------
+
+/// Column for what is wrong with the motion as such.
+std::uint16_t Statement::motion_column() const {
+  return block_.has(Group::motion) ? block_.column(Group::motion)
+                                   : block_.axis_column(block_.axes());
+}
+
+/// Where the axis words lead.
+bool Statement::target(Place& place, bool in_machine) {
+  place = in_machine ? after_.machine_e7 : after_.programmed_e7;
+  for (int i = 0; i < options_.axes; ++i) {
+    if ((block_.axes() >> i & 1u) == 0) continue;
+    std::int64_t& value = place[index(i)];
+    const std::int64_t word = axis_e7(i);
+    value = in_machine ? word : word + (after_.modal.relative ? value : offset_e7(i));
+    if (!inside({value, 0, 0, 0}, most_position_e7, GcodeError::bad_target, block_.axis(i).column))
+      return false;
+  }
+  block_.take_axes();
+  return true;
+}
+
+/// The line ends at a programmed place.
+bool Statement::end_at(const Place& programmed) {
+  plan_.end = programmed;
+  after_.programmed_e7 = programmed;
+  after_.machine_e7 = after_.modal.rotation.turned(programmed);
+  after_.cycle.series = false;
+  after_.spline.known = false;
+  return inside(after_.machine_e7, most_position_e7, GcodeError::bad_target, motion_column());
+}
+
+/// The line ends at a place in machine coordinates, inside the range.
+bool Statement::end_at_machine(const Place& machine) {
+  end_at(after_.modal.rotation.turned_back(machine));
+  fault_ = {};  // a home at the edge may be rounded out of the range
+  plan_.end = machine;
+  after_.machine_e7 = machine;
+  return true;
+}
+
+bool Statement::at_home() {
+  const bool g28 = block_.code(Group::once) == 280;
+  const Place& home = g28 ? parameters_.home_g28_e7 : parameters_.home_g30_e7;
+  const std::uint32_t axes = block_.axes();
+  Place end = after_.machine_e7;
+  if (axes != 0) {
+    if (!target(plan_.points[0], false)) return false;
+    plan_.add(Stage::via);
+    end = after_.modal.rotation.turned(plan_.points[0]);
+    if (!inside(end, most_position_e7, GcodeError::bad_target, block_.axis_column(axes)))
+      return false;
+  }
+  for (int i = 0; i < options_.axes; ++i)
+    if (axes == 0 || (axes >> i & 1u) != 0) end[index(i)] = home[index(i)];
+  plan_.add(Stage::home);
+  return end_at_machine(end);
+}
+
+// --- which motion -----------------------------------------------------------------------------
+
+bool Statement::motion() {
+  const Motion motion = after_.modal.motion;
+  const bool machine_move = block_.code(Group::once) == 530;
+  if (machine_move && motion != Motion::rapid && motion != Motion::line)
+    return fail(GcodeError::machine_move_needs_line, block_.column(Group::once));
+  const AxisUse use = block_.axis_use();
+  if (use != AxisUse::motion && (use != AxisUse::nobody || block_.axes() == 0)) return true;
+  if (motion == Motion::none)
+    return block_.axes() == 0 ||
+           fail(GcodeError::axis_words_unused, block_.axis_column(block_.axes()));
+  return motion == Motion::rapid ? move() : cut_move();
+}
+
+/// A straight move, if there are axis words.
+bool Statement::move() { return block_.axes() == 0 || straight(); }
+
+/// A move that needs a feed.
+bool Statement::cut_move() {
+  const Motion motion = after_.modal.motion;
+  if (!feed_in_force()) return false;
+  if (motion == Motion::line) return move();
+  if (block_.axes() == 0) return fail(GcodeError::no_axis_words, motion_column());
+  if (is_arc(motion)) return arc();
+  if (motion == Motion::spline) return spline();
+  if (motion == Motion::parabola) return parabola();
+  return is_cycle(motion) ? drill() : straight();
+}
+
+bool Statement::feed_in_force() {
+  const Modal& modal = after_.modal;
+  std::uint64_t feed = modal.feed;
+  if (modal.feed_mode == FeedMode::inverse_time) {
+    feed = plan_.time_us;
+  } else if (modal.feed_mode == FeedMode::per_turn) {
+    feed = wide_product(modal.feed, modal.speed_milli) / 1'000'000;  // nm and thousandths of a turn
+    if (feed >> 32 != 0) return fail(GcodeError::feed_too_high, motion_column());
+  }
+  if (feed == 0) return fail(GcodeError::no_feed, motion_column());
+  if (modal.feed_mode != FeedMode::inverse_time)
+    plan_.feed_um_min = static_cast<std::uint32_t>(feed);
+  return true;
+}
+
+bool Statement::straight() {
+  plan_.motion = after_.modal.motion;
+  plan_.in_machine = block_.code(Group::once) == 530;
+  plan_.add(Stage::move);
+  Place place;
+  if (!target(place, plan_.in_machine)) return false;
+  if (is_probe(plan_.motion) && same_place(place, plan_.start))
+    return fail(GcodeError::bad_target, motion_column());
+  return plan_.in_machine ? end_at_machine(place) : end_at(place);
+}
+
+// --- arcs -------------------------------------------------------------------------------------
+
+bool Statement::arc() {
+  const PlaneAxes plane = axes_of(after_.modal.plane);
+  const std::uint32_t in_plane = 1u << plane.first | 1u << plane.second;
+  if ((block_.axes() & in_plane) == 0)
+    return fail(GcodeError::no_axis_in_plane, block_.axis_column(block_.axes()));
+  plan_.motion = after_.modal.motion;
+  plan_.add(Stage::curve);
+  Place end;
+  if (!target(end, false) || !arc_turns()) return false;
+  return (block_.has('R') ? arc_of_radius(end) : arc_of_centre(end)) && end_at(end);
+}
+
+bool Statement::arc_turns() {
+  plan_.turns = 1;
+  if (!block_.has('P')) return true;
+  if (!take('P') || !integer('P', plan_.turns)) return false;
+  if (plan_.turns == 0) return fail(GcodeError::not_positive, block_.word('P').column);
+  return plan_.turns <= most_repeats || fail(GcodeError::out_of_range, block_.word('P').column);
+}
+
+bool Statement::arc_of_radius(const Place& end) {
+  const CurvePlane plane = curve_plane(after_.modal.plane);
+  const std::uint16_t column = block_.word('R').column;
+  std::int64_t radius = 0;
+  if (!take('R') || !length('R', radius)) return false;
+  if (plan_.start[plane.first] == end[plane.first] &&
+      plan_.start[plane.second] == end[plane.second])
+    return fail(GcodeError::bad_target, column);
+  const bool clockwise = plan_.motion == Motion::arc_clockwise;
+  return centre_of_radius(plan_.start, end, plane, radius, clockwise, plan_.points[0]) ||
+         fail(GcodeError::bad_radius, column);
+}
+
+bool Statement::arc_of_centre(const Place& end) {
+  const CurvePlane plane = curve_plane(after_.modal.plane);
+  Place& centre = plan_.points[0];
+  centre = plan_.start;
+  std::uint16_t column = 0;
+  bool complete = true;
+  for (const std::uint8_t axis : {plane.first, plane.second}) {
+    const char letter = centre_letters[axis];
+    if (!block_.has(letter)) {
+      complete = false;
+      continue;
+    }
+    std::int64_t e7 = 0;
+    if (!take(letter) || !length(letter, e7)) return false;
+    if (column == 0 || block_.word(letter).column < column) column = block_.word(letter).column;
+    centre[axis] = e7 + (after_.modal.centres_absolute ? offset_e7(axis) : plan_.start[axis]);
+  }
+  if (column == 0 || (after_.modal.centres_absolute && !complete))
+    return fail(GcodeError::no_offset_in_plane, motion_column());
+  block_.take(centre_letters[plane.normal]);  // as grbl: means nothing, is no error
+  const ArcRequest request{plan_.start,
+                           end,
+                           centre,
+                           plane,
+                           plan_.motion == Motion::arc_clockwise,
+                           plan_.turns,
+                           options_.arc_tolerance_e7};
+  return arc_fits(request) || fail(GcodeError::bad_target, column);
+}
+
+// --- splines ----------------------------------------------------------------------------------
+
+bool Statement::spline() {
+  const std::uint32_t others = block_.axes() & ~3u;
+  if (others != 0) return fail(GcodeError::axis_words_unused, block_.axis_column(others));
+  if (after_.modal.plane != Plane::xy) return fail(GcodeError::unsupported, motion_column());
+  plan_.motion = Motion::spline;
+  plan_.add(Stage::curve);
+  Place end;
+  SplineEnd& last = after_.spline;
+  if (!spline_start(plan_.points[0]) || !target(end, false)) return false;
+  if (!needed('P', motion_column()) || !needed('Q', motion_column())) return false;
+  if (!length('P', last.first_e7) || !length('Q', last.second_e7)) return false;
+  plan_.points[1] = end;
+  plan_.points[1][0] += last.first_e7;
+  plan_.points[1][1] += last.second_e7;
+  if (!end_at(end)) return false;
+  last.known = true;
+  return true;
+}
+
+/// The first control point; without I and J the spline goes on as the one before ended.
+bool Statement::spline_start(Place& control) {
+  control = plan_.start;
+  std::int64_t first = -after_.spline.first_e7, second = -after_.spline.second_e7;
+  if (block_.has('I') || block_.has('J')) {
+    if (!needed('I', motion_column()) || !needed('J', motion_column())) return false;
+    if (!length('I', first) || !length('J', second)) return false;
+  } else if (!after_.spline.known) {
+    return fail(GcodeError::no_offset_in_plane, motion_column());
+  }
+  control[0] += first;
+  control[1] += second;
+  return true;
+}
+
+bool Statement::parabola() {
+  const std::uint32_t others = block_.axes() & ~3u;
+  if (others != 0) return fail(GcodeError::axis_words_unused, block_.axis_column(others));
+  if (after_.modal.plane != Plane::xy) return fail(GcodeError::unsupported, motion_column());
+  plan_.motion = Motion::parabola;
+  plan_.add(Stage::curve);
+  std::array<std::int64_t, 2> control{};
+  for (const std::size_t axis : {0u, 1u}) {
+    const char letter = centre_letters[axis];
+    if (block_.has(letter) && (!take(letter) || !length(letter, control[axis]))) return false;
+  }
+  if (control[0] == 0 && control[1] == 0)
+    return fail(GcodeError::no_offset_in_plane, motion_column());
+  Place end;
+  if (!target(end, false)) return false;
+  // The same curve as a cubic: its control points are two thirds of the way to the one of this.
+  plan_.points[0] = plan_.start;
+  plan_.points[1] = end;
+  for (const std::size_t axis : {0u, 1u}) {
+    const std::int64_t point = plan_.start[axis] + control[axis];
+    plan_.points[0][axis] += two_thirds(control[axis]);
+    plan_.points[1][axis] += two_thirds(point - end[axis]);
+  }
+  return end_at(end);
+}
+
+// --- cycles -----------------------------------------------------------------------------------
+
+bool Statement::drill() {
+  if (after_.modal.feed_mode == FeedMode::inverse_time)
+    return fail(GcodeError::unsupported, motion_column());
+  plan_.motion = after_.modal.motion;
+  plan_.add(Stage::cycle);
+  cycle_.normal = axes_of(after_.modal.plane).normal;
+  cycle_.kind = plan_.motion;
+  cycle_.start = plan_.start;
+  cycle_.clearance_e7 = options_.clearance_e7;
+  Place first;
+  return drill_values() && drill_levels() && target(first, false) && drill_holes(first);
+}
+
+/// Numbers that stay until the cycle is another one.
+bool Statement::drill_values() {
+  CycleWords& words = after_.cycle;
+  const Motion kind = plan_.motion;
+  if (block_.has('R')) {
+    if (!take('R') || !length('R', words.retract_e7)) return false;
+    words.has_retract = true;
+  }
+  if (kind == Motion::drill_dwell && block_.has('P')) {
+    if (!take('P') || !seconds('P', words.dwell_us)) return false;
+    words.has_dwell = true;
+  }
+  const bool pecks = kind == Motion::drill_peck || kind == Motion::drill_chip_break;
+  if (pecks && block_.has('Q')) {
+    if (!take('Q') || !length('Q', words.peck_e7)) return false;
+    if (words.peck_e7 < 0) return fail(GcodeError::negative_value, block_.word('Q').column);
+    if (words.peck_e7 == 0) return fail(GcodeError::not_positive, block_.word('Q').column);
+    words.has_peck = true;
+  }
+  const bool complete = words.has_retract && (kind != Motion::drill_dwell || words.has_dwell) &&
+                        (!pecks || words.has_peck);
+  if (!complete) return fail(GcodeError::value_missing, motion_column());
+  plan_.dwell_us = words.dwell_us;
+  cycle_.peck_e7 = words.peck_e7;
+  return true;
+}
+
+/// Retract level, depth, and the level at the end.
+bool Statement::drill_levels() {
+  CycleWords& words = after_.cycle;
+  const int normal = cycle_.normal;
+  const bool named = (block_.axes() >> normal & 1u) != 0;
+  if (named) {
+    words.depth_e7 = axis_e7(normal);
+    words.has_depth = true;
+  }
+  if (!words.has_depth) return fail(GcodeError::value_missing, motion_column());
+  const std::int64_t now = plan_.start[index(normal)];
+  const bool relative = after_.modal.relative;
+  const std::int64_t offset = offset_e7(normal);
+  cycle_.retract_e7 = words.retract_e7 + (relative ? now : offset);
+  cycle_.depth_e7 = words.depth_e7 + (relative ? cycle_.retract_e7 : offset);
+  const std::uint16_t column = named             ? block_.axis(normal).column
+                               : block_.has('R') ? block_.word('R').column
+                                                 : motion_column();
+  if (cycle_.depth_e7 > cycle_.retract_e7) return fail(GcodeError::bad_target, column);
+  if (!inside({cycle_.depth_e7, cycle_.retract_e7, 0, 0}, most_position_e7, GcodeError::bad_target,
+              column))
+    return false;
+  if (!words.series) words.initial_e7 = now;
+  const bool to_initial = !after_.modal.retract_to_r && words.initial_e7 > cycle_.retract_e7;
+  cycle_.end_e7 = to_initial ? words.initial_e7 : cycle_.retract_e7;
+  return true;
+}
+
+bool Statement::drill_holes(const Place& first) {
+  cycle_.holes = 1;
+  if (block_.has('L')) {
+    if (!take('L') || !integer('L', cycle_.holes)) return false;
+    if (cycle_.holes == 0) return fail(GcodeError::not_positive, block_.word('L').column);
+    if (cycle_.holes > most_repeats) return fail(GcodeError::out_of_range, block_.word('L').column);
+  }
+  cycle_.first = first;
+  Place last = first;
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    const bool moves = after_.modal.relative && i != cycle_.normal;
+    cycle_.step[i] = moves ? first[i] - plan_.start[i] : 0;
+    last[i] += cycle_.step[i] * std::int64_t{cycle_.holes - 1};
+  }
+  last[cycle_.normal] = cycle_.end_e7;
+  if (!inside(last, most_position_e7, GcodeError::bad_target, motion_column()) || !end_at(last))
+    return false;
+  after_.cycle.series = true;
+  return true;
+}
+
+}  // namespace lamplock::program

@@ -1,0 +1,120 @@
+#include "firmware/program/words.hpp"
+
+#include <array>
+
+namespace lamplock::program {
+namespace {
+
+constexpr std::array<std::uint32_t, 8> power_of_ten{1,      10,      100,       1'000,
+                                                    10'000, 100'000, 1'000'000, 10'000'000};
+
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Nearest whole number to value / divisor, half away from zero.
+std::int64_t nearest_quotient(std::int64_t value, std::uint32_t divisor) {
+  const std::int64_t half = divisor / 2;
+  return (value < 0 ? value - half : value + half) / std::int64_t{divisor};
+}
+
+/// The digits of a number as they come.
+struct Digits {
+  std::uint64_t value = 0;
+  int before = 0;  ///< in front of the point, leading zeros left out
+  int behind = 0;
+  bool any = false;
+
+  void add(char c, bool point) {
+    any = true;
+    const auto digit = static_cast<std::uint32_t>(c - '0');
+    if (!point) {
+      if (value != 0 || digit != 0) ++before;
+      if (before > most_digits) return;
+    } else if (behind++ >= most_decimals) {
+      // The first digit that is dropped decides.
+      if (behind == most_decimals + 1 && digit >= 5) ++value;
+      return;
+    }
+    value = (value << 3) + (value << 1) + digit;
+  }
+};
+
+}  // namespace
+
+std::int64_t scaled(const Word& word, std::uint32_t factor, int digits) {
+  const int shift = digits - word.decimals;
+  if (shift >= 0)
+    return word.mantissa * std::int64_t{factor * power_of_ten[static_cast<std::size_t>(shift)]};
+  return nearest_quotient(word.mantissa * std::int64_t{factor},
+                          power_of_ten[static_cast<std::size_t>(-shift)]);
+}
+
+GcodeError whole(const Word& word, std::uint32_t& number) {
+  std::int64_t value = word.mantissa;
+  if (word.decimals != 0) {
+    const std::uint32_t power = power_of_ten[word.decimals];
+    value = word.mantissa / std::int64_t{power};
+    if (value * std::int64_t{power} != word.mantissa) return GcodeError::not_integer;
+  }
+  if (value < 0) return GcodeError::negative_value;
+  number = static_cast<std::uint32_t>(value);  // below 10^9
+  return GcodeError::none;
+}
+
+void WordReader::skip_comment() {
+  while (place_ < line_.size() && line_[place_] != ')') ++place_;
+}
+
+char WordReader::peek() {
+  for (; place_ < line_.size(); ++place_) {
+    const char c = line_[place_];
+    if (c == '(') {
+      skip_comment();
+      if (place_ == line_.size()) return 0;
+    } else if (c == ';') {
+      place_ = static_cast<std::uint16_t>(line_.size());
+      return 0;
+    } else if (static_cast<unsigned char>(c) > ' ' && c != '/' && c != '%') {
+      return c;
+    }
+  }
+  return 0;
+}
+
+bool WordReader::read_number(Word& word) {
+  Digits digits;
+  char c = peek();
+  const bool negative = c == '-';
+  if (c == '-' || c == '+') {
+    ++place_;
+    c = peek();
+  }
+  for (bool point = false;; c = peek()) {
+    if (is_digit(c))
+      digits.add(c, point);
+    else if (c == '.' && !point)
+      point = true;
+    else
+      break;
+    ++place_;
+  }
+  const auto magnitude = static_cast<std::int64_t>(digits.value);
+  word.mantissa = negative ? -magnitude : magnitude;
+  word.decimals =
+      static_cast<std::uint8_t>(digits.behind < most_decimals ? digits.behind : most_decimals);
+  return digits.any && digits.before <= most_digits;
+}
+
+Fault WordReader::next(Word& word) {
+  char c = peek();
+  word.letter = 0;
+  word.column = static_cast<std::uint16_t>(place_ + 1);
+  if (c == 0) return {};
+  if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  if (c < 'A' || c > 'Z') return {GcodeError::letter_expected, word.column};
+  word.letter = c;
+  ++place_;
+  if (!read_number(word)) return {GcodeError::bad_number, word.column};
+  return {};
+}
+
+}  // namespace lamplock::program

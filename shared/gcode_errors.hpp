@@ -1,0 +1,151 @@
+// Error numbers of the text side: number, short name, text. One definition for firmware and host.
+//
+// The numbers are those of grbl 1.1 ("error:N"), and of grblHAL where grbl has none, because
+// senders show their own texts for them. The firmware sends numbers alone; the texts are for the
+// host and for documentation, and cost the image nothing while it does not name the table.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace lamplock {
+
+/// What is wrong with a line. The values go over the wire: never renumber.
+enum class GcodeError : std::uint8_t {
+  none = 0,
+  letter_expected = 1,
+  bad_number = 2,
+  unknown_command = 3,
+  negative_value = 4,
+  homing_disabled = 5,
+  pulse_too_short = 6,
+  storage_read = 7,
+  not_idle = 8,
+  locked = 9,
+  homing_needed = 10,
+  line_too_long = 11,
+  step_rate_too_high = 12,
+  door_open = 13,
+  text_too_long = 14,
+  jog_out_of_travel = 15,
+  bad_jog_word = 16,
+  laser_needs_pwm = 17,
+  was_reset = 18,
+  not_positive = 19,
+  unsupported = 20,
+  modal_conflict = 21,
+  no_feed = 22,
+  not_integer = 23,
+  axis_conflict = 24,
+  word_repeated = 25,
+  no_axis_words = 26,
+  bad_line_number = 27,
+  value_missing = 28,
+  no_such_system = 29,
+  machine_move_needs_line = 30,
+  axis_words_unused = 31,
+  no_axis_in_plane = 32,
+  bad_target = 33,
+  bad_radius = 34,
+  no_offset_in_plane = 35,
+  words_unused = 36,
+  tool_length_axis = 37,
+  tool_too_large = 38,
+  out_of_range = 39,
+  tool_change_pending = 40,
+  feed_too_high = 43,
+  speed_out_of_range = 44,
+  homing_only = 45,
+  home_first = 46,
+  emergency_stop = 50,
+  setting_out_of_range = 52,
+  setting_unavailable = 53,
+};
+
+struct GcodeErrorRow {
+  GcodeError error;
+  std::string_view name;
+  std::string_view text;
+};
+
+/// In order of their numbers.
+inline constexpr std::array gcode_errors{
+    GcodeErrorRow{GcodeError::letter_expected, "letter_expected",
+                  "a word begins with a letter, and this is none"},
+    GcodeErrorRow{GcodeError::bad_number, "bad_number",
+                  "the number behind the letter is missing, malformed or too large"},
+    GcodeErrorRow{GcodeError::unknown_command, "unknown_command", "no such $ command"},
+    GcodeErrorRow{GcodeError::negative_value, "negative_value", "the value must not be negative"},
+    GcodeErrorRow{GcodeError::homing_disabled, "homing_disabled", "homing is switched off ($22)"},
+    GcodeErrorRow{GcodeError::pulse_too_short, "pulse_too_short", "the step pulse is too short"},
+    GcodeErrorRow{GcodeError::storage_read, "storage_read",
+                  "stored values could not be read and have been set to defaults"},
+    GcodeErrorRow{GcodeError::not_idle, "not_idle", "only possible while the machine is idle"},
+    GcodeErrorRow{GcodeError::locked, "locked", "locked by an alarm or a jog"},
+    GcodeErrorRow{GcodeError::homing_needed, "homing_needed", "soft limits need homing ($22)"},
+    GcodeErrorRow{GcodeError::line_too_long, "line_too_long", "the line is too long"},
+    GcodeErrorRow{GcodeError::step_rate_too_high, "step_rate_too_high",
+                  "the setting asks for more steps a second than the board can make"},
+    GcodeErrorRow{GcodeError::door_open, "door_open", "the safety door is open"},
+    GcodeErrorRow{GcodeError::text_too_long, "text_too_long",
+                  "the start-up line or the build text is too long"},
+    GcodeErrorRow{GcodeError::jog_out_of_travel, "jog_out_of_travel",
+                  "the jog would leave the travel of the machine"},
+    GcodeErrorRow{GcodeError::bad_jog_word, "bad_jog_word", "a jog cannot have this word"},
+    GcodeErrorRow{GcodeError::laser_needs_pwm, "laser_needs_pwm", "laser mode needs a PWM output"},
+    GcodeErrorRow{GcodeError::was_reset, "was_reset", "a reset came before the line was executed"},
+    GcodeErrorRow{GcodeError::not_positive, "not_positive", "the value must be above zero"},
+    GcodeErrorRow{GcodeError::unsupported, "unsupported", "this command or word is not supported"},
+    GcodeErrorRow{GcodeError::modal_conflict, "modal_conflict",
+                  "two commands of one modal group in a line"},
+    GcodeErrorRow{GcodeError::no_feed, "no_feed", "the feed is zero or has not been set"},
+    GcodeErrorRow{GcodeError::not_integer, "not_integer", "the value must be a whole number"},
+    GcodeErrorRow{GcodeError::axis_conflict, "axis_conflict",
+                  "two commands of the line want the same words"},
+    GcodeErrorRow{GcodeError::word_repeated, "word_repeated", "the word occurs twice"},
+    GcodeErrorRow{GcodeError::no_axis_words, "no_axis_words", "the command needs axis words"},
+    GcodeErrorRow{GcodeError::bad_line_number, "bad_line_number", "the line number is too large"},
+    GcodeErrorRow{GcodeError::value_missing, "value_missing",
+                  "the command needs a word that is missing"},
+    GcodeErrorRow{GcodeError::no_such_system, "no_such_system",
+                  "there is no coordinate system of this number"},
+    GcodeErrorRow{GcodeError::machine_move_needs_line, "machine_move_needs_line",
+                  "G53 needs G0 or G1 in force"},
+    GcodeErrorRow{GcodeError::axis_words_unused, "axis_words_unused",
+                  "no command of the line uses this axis word"},
+    GcodeErrorRow{GcodeError::no_axis_in_plane, "no_axis_in_plane",
+                  "the arc has no axis word of its plane"},
+    GcodeErrorRow{GcodeError::bad_target, "bad_target",
+                  "the target cannot be reached this way, or lies too far away"},
+    GcodeErrorRow{GcodeError::bad_radius, "bad_radius", "no arc has this radius and these ends"},
+    GcodeErrorRow{GcodeError::no_offset_in_plane, "no_offset_in_plane",
+                  "the curve has no offset words of its plane"},
+    GcodeErrorRow{GcodeError::words_unused, "words_unused",
+                  "no command of the line uses this word"},
+    GcodeErrorRow{GcodeError::tool_length_axis, "tool_length_axis",
+                  "G43.1 takes an axis word of the tool axis and no other"},
+    GcodeErrorRow{GcodeError::tool_too_large, "tool_too_large", "the tool number is too large"},
+    GcodeErrorRow{GcodeError::out_of_range, "out_of_range", "the value is outside its range"},
+    GcodeErrorRow{GcodeError::tool_change_pending, "tool_change_pending",
+                  "a tool change is not finished"},
+    GcodeErrorRow{GcodeError::feed_too_high, "feed_too_high", "the feed is too high"},
+    GcodeErrorRow{GcodeError::speed_out_of_range, "speed_out_of_range",
+                  "the spindle speed is outside its range"},
+    GcodeErrorRow{GcodeError::homing_only, "homing_only", "only allowed while homing"},
+    GcodeErrorRow{GcodeError::home_first, "home_first", "the machine must be homed first"},
+    GcodeErrorRow{GcodeError::emergency_stop, "emergency_stop", "the emergency stop is active"},
+    GcodeErrorRow{GcodeError::setting_out_of_range, "setting_out_of_range",
+                  "the setting is outside its range"},
+    GcodeErrorRow{GcodeError::setting_unavailable, "setting_unavailable",
+                  "this board does not have the setting"},
+};
+
+/// The row of an error; null for none and for numbers that no row has.
+constexpr const GcodeErrorRow* find_gcode_error(std::uint8_t number) {
+  for (const GcodeErrorRow& row : gcode_errors)
+    if (static_cast<std::uint8_t>(row.error) == number) return &row;
+  return nullptr;
+}
+
+}  // namespace lamplock
