@@ -203,10 +203,11 @@ bool Block::take(char letter) {
 }
 
 std::uint16_t Block::first_unused() const {
+  if (unused_ == 0) return 0;
   std::uint16_t first = no_code;
   for (std::size_t i = 0; i < values_.size(); ++i)
     if ((unused_ >> i & 1u) != 0 && values_[i].column < first) first = values_[i].column;
-  return first == no_code ? std::uint16_t{0} : first;
+  return first;
 }
 
 }  // namespace lamplock::program

@@ -5,14 +5,14 @@
 namespace lamplock::program {
 
 Fault Interpreter::run(std::string_view line) {
-  Statement statement(options_, parameters_, saved_, state_);
+  Statement statement(options_, parameters_, saved_, state_, plan_);
   const Fault fault = statement.check(line);
   if (!fault) take_over(statement);
   return fault;
 }
 
 Fault Interpreter::jog(std::string_view line) {
-  Statement statement(options_, parameters_, saved_, state_);
+  Statement statement(options_, parameters_, saved_, state_, plan_);
   const Fault fault = statement.check_jog(line);
   if (!fault) take_over(statement);
   return fault;
@@ -31,7 +31,6 @@ void Interpreter::take_over(const Statement& statement) {
       break;
   }
   state_ = statement.after();
-  plan_ = statement.plan();
   change_parameters(statement.changes());
   if (plan_.has(Stage::curve)) begin_curve(statement);
   if (plan_.has(Stage::cycle)) cycle_.begin(statement.cycle());
@@ -41,11 +40,11 @@ void Interpreter::begin_curve(const Statement& statement) {
   const PlaneAxes axes = axes_of(statement.after().modal.plane);
   const CurvePlane plane{axes.first, axes.second, axes.normal};
   if (is_arc(plan_.motion))
-    curve_.begin_arc({plan_.start, plan_.end, plan_.points[0], plane,
+    curve_.begin_arc({plan_.start, state_.programmed_e7, plan_.points[0], plane,
                       plan_.motion == Motion::arc_clockwise, plan_.turns,
                       options_.arc_tolerance_e7});
   else
-    curve_.begin_spline({plan_.start, plan_.points[0], plan_.points[1], plan_.end, plane,
+    curve_.begin_spline({plan_.start, plan_.points[0], plan_.points[1], state_.programmed_e7, plane,
                          options_.arc_tolerance_e7});
   if (plan_.time_us != 0)
     share_.begin(plan_.start, curve_.length_e7(), curve_.pieces(), plan_.time_us);

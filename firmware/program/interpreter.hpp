@@ -94,7 +94,7 @@ class Interpreter {
 
   State state_;
   Saved saved_;
-  Plan plan_;
+  Plan plan_{};
   Curve curve_;
   TimeShare share_;
   DrillCycle cycle_;

@@ -15,16 +15,19 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
   return false;
 }
 
+void Statement::read(std::string_view line, bool jog) {
+  plan_.clear();
+  fault_ = block_.read(line, options_.axes, jog);
+}
+
 Fault Statement::check(std::string_view line) {
-  fault_ = block_.read(line, options_.axes);
+  read(line, false);
   if (!fault_) everything();
+  if (fault_) plan_.stages = 0;
   return fault_;
 }
 
-bool Statement::everything() {
-  plan_.start = after_.programmed_e7;
-  return before_motion() && data() && motion() && stop() && rest();
-}
+bool Statement::everything() { return before_motion() && data() && motion() && stop() && rest(); }
 
 bool Statement::before_motion() {
   return saved_state() && codes() && line_number() && feed() && speed() && tool() && spindle() &&
@@ -44,8 +47,7 @@ bool Statement::needed(char letter, std::uint16_t column) {
 
 bool Statement::length(char letter, std::int64_t& e7) {
   e7 = length_e7(block_.word(letter), after_.modal.inches);
-  return inside({e7, 0, 0, 0}, most_centre_e7, GcodeError::out_of_range,
-                block_.word(letter).column);
+  return inside(e7, most_centre_e7, GcodeError::out_of_range, block_.word(letter).column);
 }
 
 bool Statement::integer(char letter, std::uint32_t& number) {
@@ -77,11 +79,8 @@ std::int64_t Statement::offset_e7(int axis) const {
   return offset;
 }
 
-bool Statement::inside(const Place& place, std::int64_t most, GcodeError error,
-                       std::uint16_t column) {
-  for (const std::int64_t e7 : place)
-    if (e7 > most || e7 < -most) return fail(error, column);
-  return true;
+bool Statement::inside(std::int64_t e7, std::int64_t most, GcodeError error, std::uint16_t column) {
+  return (e7 <= most && e7 >= -most) || fail(error, column);
 }
 
 // --- modal state ------------------------------------------------------------------------------
@@ -89,7 +88,6 @@ bool Statement::inside(const Place& place, std::int64_t most, GcodeError error,
 void Statement::turn(const Rotation& rotation) {
   after_.modal.rotation = rotation;
   after_.programmed_e7 = rotation.turned_back(after_.machine_e7);
-  plan_.start = after_.programmed_e7;
 }
 
 bool Statement::saved_state() {
@@ -267,7 +265,7 @@ bool Statement::tool_length() {
   changes_.tool_length_e7 = axis_e7(2);
   changes_.add(static_cast<int>(ParameterRow::tool_length));
   after_.modal.tool_length = true;
-  return inside({changes_.tool_length_e7, 0, 0, 0}, most_position_e7, GcodeError::out_of_range,
+  return inside(changes_.tool_length_e7, most_position_e7, GcodeError::out_of_range,
                 block_.axis(2).column);
 }
 
@@ -294,7 +292,7 @@ bool Statement::rotation() {
     if ((block_.axes() >> axis & 1u) == 0) continue;
     centre[index(axis)] =
         axis_e7(axis) + (after_.modal.relative ? after_.machine_e7[index(axis)] : offset_e7(axis));
-    if (!inside({centre[index(axis)], 0, 0, 0}, most_position_e7, GcodeError::bad_target,
+    if (!inside(centre[index(axis)], most_position_e7, GcodeError::bad_target,
                 block_.axis(axis).column))
       return false;
   }
@@ -354,8 +352,7 @@ bool Statement::set_system() {
     const std::int64_t others =
         offset_e7(i) - parameters_.systems_e7[after_.modal.system][index(i)];
     value = kind == 2 ? axis_e7(i) : after_.programmed_e7[index(i)] - others - axis_e7(i);
-    if (!inside({value, 0, 0, 0}, 2 * most_position_e7, GcodeError::out_of_range,
-                block_.axis(i).column))
+    if (!inside(value, 2 * most_position_e7, GcodeError::out_of_range, block_.axis(i).column))
       return false;
   }
   changes_.add(static_cast<int>(row));
@@ -372,8 +369,7 @@ bool Statement::shift() {
     std::int64_t& value = place[index(i)];
     const std::int64_t others = offset_e7(i) - value;
     value = after_.programmed_e7[index(i)] - others - axis_e7(i);
-    if (!inside({value, 0, 0, 0}, 2 * most_position_e7, GcodeError::out_of_range,
-                block_.axis(i).column))
+    if (!inside(value, 2 * most_position_e7, GcodeError::out_of_range, block_.axis(i).column))
       return false;
   }
   changes_.place = place;
@@ -401,14 +397,14 @@ bool Statement::rest() {
 
 Fault Statement::check_jog(std::string_view line) {
   const Modal modal = after_.modal;
-  fault_ = block_.read(line, options_.axes, true);
+  read(line, true);
   if (!fault_) jog();
+  if (fault_) plan_.stages = 0;
   after_.modal = modal;
   return fault_;
 }
 
 bool Statement::jog() {
-  plan_.start = after_.programmed_e7;
   after_.modal.feed_mode = FeedMode::per_minute;
   after_.modal.motion = Motion::line;
   after_.modal.feed = 0;

@@ -80,19 +80,26 @@ struct Plan {
   bool in_machine = false;  ///< the end of the move is in machine coordinates
   bool exact_stop = false;
   bool jog = false;
-  Place start{};  ///< programmed
-  Place end{};    ///< programmed, or in machine coordinates (in_machine, home)
+  // Places are not set where no stage needs them.
+  Place start;  ///< of a curve, programmed
   /// On the way of G28; the centre of an arc; both control points of a spline. Programmed.
-  std::array<Place, 2> points{};
+  std::array<Place, 2> points;
 
   void add(Stage stage) { stages |= 1u << static_cast<int>(stage); }
+  /// Forgets everything but places.
+  void clear() {
+    stages = line = feed_um_min = time_us = dwell_us = turns = 0;
+    motion = Motion::rapid;
+    stop = 0;
+    in_machine = exact_stop = jog = false;
+  }
   bool has(Stage stage) const { return (stages >> static_cast<int>(stage) & 1u) != 0; }
 };
 
 /// What a line changes in the parameters.
 struct Changes {
   std::uint16_t rows = 0;  ///< as Parameters::changed
-  Place place{};           ///< of the one row that is no tool length
+  Place place;             ///< of the one row that is no tool length
   std::int64_t tool_length_e7 = 0;
 
   bool has(ParameterRow row) const { return (rows >> static_cast<int>(row) & 1u) != 0; }
@@ -110,9 +117,10 @@ constexpr PlaneAxes axes_of(Plane plane) {
 
 class Statement {
  public:
+  /// The plan is made in place and has no stage behind an error.
   Statement(const Options& options, const Parameters& parameters, const Saved& saved,
-            const State& before)
-      : after_(before), options_(options), parameters_(parameters), saved_(saved) {}
+            const State& before, Plan& plan)
+      : after_(before), plan_(plan), options_(options), parameters_(parameters), saved_(saved) {}
 
   /// Reads a line and finds out what it means.
   Fault check(std::string_view line);
@@ -120,7 +128,6 @@ class Statement {
   Fault check_jog(std::string_view line);
 
   const State& after() const { return after_; }
-  const Plan& plan() const { return plan_; }
   const Changes& changes() const { return changes_; }
   /// If the plan has a cycle.
   const CycleRequest& cycle() const { return cycle_; }
@@ -128,6 +135,8 @@ class Statement {
   std::uint16_t saving() const { return block_.code(Group::saving); }
 
  private:
+  void read(std::string_view line, bool jog);
+
   // Every step is false after an error, which is then in fault_.
   bool fail(GcodeError error, std::uint16_t column);
 
@@ -174,7 +183,8 @@ class Statement {
   bool drill_holes(const Place& first);
 
   bool target(Place& place, bool in_machine);
-  bool inside(const Place& place, std::int64_t most, GcodeError error, std::uint16_t column);
+  bool inside(std::int64_t e7, std::int64_t most, GcodeError error, std::uint16_t column);
+  bool all_inside(const Place& place, std::uint16_t column);
   bool end_at(const Place& programmed);
   bool end_at_machine(const Place& machine);
   void turn(const Rotation& rotation);
@@ -191,7 +201,7 @@ class Statement {
 
   Block block_;
   State after_;
-  Plan plan_;
+  Plan& plan_;
   Changes changes_;
   CycleRequest cycle_;
   Fault fault_;

@@ -35,28 +35,36 @@ bool Statement::target(Place& place, bool in_machine) {
     std::int64_t& value = place[index(i)];
     const std::int64_t word = axis_e7(i);
     value = in_machine ? word : word + (after_.modal.relative ? value : offset_e7(i));
-    if (!inside({value, 0, 0, 0}, most_position_e7, GcodeError::bad_target, block_.axis(i).column))
+    if (!inside(value, most_position_e7, GcodeError::bad_target, block_.axis(i).column))
       return false;
   }
   block_.take_axes();
   return true;
 }
 
-/// The line ends at a programmed place.
+/// The line ends at a programmed place, each axis of which is inside the range.
 bool Statement::end_at(const Place& programmed) {
-  plan_.end = programmed;
   after_.programmed_e7 = programmed;
-  after_.machine_e7 = after_.modal.rotation.turned(programmed);
   after_.cycle.series = false;
   after_.spline.known = false;
-  return inside(after_.machine_e7, most_position_e7, GcodeError::bad_target, motion_column());
+  if (!after_.modal.rotation.active()) {
+    after_.machine_e7 = programmed;
+    return true;
+  }
+  after_.machine_e7 = after_.modal.rotation.turned(programmed);
+  return all_inside(after_.machine_e7, motion_column());
+}
+
+bool Statement::all_inside(const Place& place, std::uint16_t column) {
+  for (const std::int64_t e7 : place)
+    if (!inside(e7, most_position_e7, GcodeError::bad_target, column)) return false;
+  return true;
 }
 
 /// The line ends at a place in machine coordinates, inside the range.
 bool Statement::end_at_machine(const Place& machine) {
   end_at(after_.modal.rotation.turned_back(machine));
   fault_ = {};  // a home at the edge may be rounded out of the range
-  plan_.end = machine;
   after_.machine_e7 = machine;
   return true;
 }
@@ -70,8 +78,7 @@ bool Statement::at_home() {
     if (!target(plan_.points[0], false)) return false;
     plan_.add(Stage::via);
     end = after_.modal.rotation.turned(plan_.points[0]);
-    if (!inside(end, most_position_e7, GcodeError::bad_target, block_.axis_column(axes)))
-      return false;
+    if (!all_inside(end, block_.axis_column(axes))) return false;
   }
   for (int i = 0; i < options_.axes; ++i)
     if (axes == 0 || (axes >> i & 1u) != 0) end[index(i)] = home[index(i)];
@@ -130,7 +137,7 @@ bool Statement::straight() {
   plan_.add(Stage::move);
   Place place;
   if (!target(place, plan_.in_machine)) return false;
-  if (is_probe(plan_.motion) && same_place(place, plan_.start))
+  if (is_probe(plan_.motion) && same_place(place, after_.programmed_e7))
     return fail(GcodeError::bad_target, motion_column());
   return plan_.in_machine ? end_at_machine(place) : end_at(place);
 }
@@ -138,6 +145,7 @@ bool Statement::straight() {
 // --- arcs -------------------------------------------------------------------------------------
 
 bool Statement::arc() {
+  plan_.start = after_.programmed_e7;
   const PlaneAxes plane = axes_of(after_.modal.plane);
   const std::uint32_t in_plane = 1u << plane.first | 1u << plane.second;
   if ((block_.axes() & in_plane) == 0)
@@ -203,6 +211,7 @@ bool Statement::arc_of_centre(const Place& end) {
 // --- splines ----------------------------------------------------------------------------------
 
 bool Statement::spline() {
+  plan_.start = after_.programmed_e7;
   const std::uint32_t others = block_.axes() & ~3u;
   if (others != 0) return fail(GcodeError::axis_words_unused, block_.axis_column(others));
   if (after_.modal.plane != Plane::xy) return fail(GcodeError::unsupported, motion_column());
@@ -237,6 +246,7 @@ bool Statement::spline_start(Place& control) {
 }
 
 bool Statement::parabola() {
+  plan_.start = after_.programmed_e7;
   const std::uint32_t others = block_.axes() & ~3u;
   if (others != 0) return fail(GcodeError::axis_words_unused, block_.axis_column(others));
   if (after_.modal.plane != Plane::xy) return fail(GcodeError::unsupported, motion_column());
@@ -265,6 +275,7 @@ bool Statement::parabola() {
 // --- cycles -----------------------------------------------------------------------------------
 
 bool Statement::drill() {
+  plan_.start = after_.programmed_e7;
   if (after_.modal.feed_mode == FeedMode::inverse_time)
     return fail(GcodeError::unsupported, motion_column());
   plan_.motion = after_.modal.motion;
@@ -323,9 +334,7 @@ bool Statement::drill_levels() {
                                : block_.has('R') ? block_.word('R').column
                                                  : motion_column();
   if (cycle_.depth_e7 > cycle_.retract_e7) return fail(GcodeError::bad_target, column);
-  if (!inside({cycle_.depth_e7, cycle_.retract_e7, 0, 0}, most_position_e7, GcodeError::bad_target,
-              column))
-    return false;
+  if (!all_inside({cycle_.depth_e7, cycle_.retract_e7, 0, 0}, column)) return false;
   if (!words.series) words.initial_e7 = now;
   const bool to_initial = !after_.modal.retract_to_r && words.initial_e7 > cycle_.retract_e7;
   cycle_.end_e7 = to_initial ? words.initial_e7 : cycle_.retract_e7;
@@ -347,8 +356,7 @@ bool Statement::drill_holes(const Place& first) {
     last[i] += cycle_.step[i] * std::int64_t{cycle_.holes - 1};
   }
   last[cycle_.normal] = cycle_.end_e7;
-  if (!inside(last, most_position_e7, GcodeError::bad_target, motion_column()) || !end_at(last))
-    return false;
+  if (!all_inside(last, motion_column()) || !end_at(last)) return false;
   after_.cycle.series = true;
   return true;
 }

@@ -21,7 +21,7 @@ inline constexpr std::int64_t most_position_e7 = 10'000 * one_e7;
 /// A position or a distance of all axes, X Y Z A, 10^-7 mm.
 using Place = PerAxis<std::int64_t>;
 
-/// Whether two places are the same. (Comparing arrays would call memcmp, which the image lacks.)
+/// Whether two places are the same, without a call of memcmp.
 constexpr bool same_place(const Place& a, const Place& b) {
   return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] && a[3] == b[3];
 }

@@ -16,26 +16,51 @@ std::int64_t nearest_quotient(std::int64_t value, std::uint32_t divisor) {
   return (value < 0 ? value - half : value + half) / std::int64_t{divisor};
 }
 
-/// The digits of a number as they come.
-struct Digits {
-  std::uint64_t value = 0;
-  int before = 0;  ///< in front of the point, leading zeros left out
-  int behind = 0;
-  bool any = false;
-
-  void add(char c, bool point) {
-    any = true;
-    const auto digit = static_cast<std::uint32_t>(c - '0');
-    if (!point) {
-      if (value != 0 || digit != 0) ++before;
-      if (before > most_digits) return;
-    } else if (behind++ >= most_decimals) {
-      // The first digit that is dropped decides.
-      if (behind == most_decimals + 1 && digit >= 5) ++value;
+/// The digits of a number as they come, in groups that fit into 32 bits.
+class Digits {
+ public:
+  void add(std::uint32_t digit, bool point) {
+    any_ = true;
+    if (point) {
+      if (behind_++ >= most_decimals) return round(digit);
+    } else if ((digit != 0 || before_ != 0) && ++before_ > most_digits) {
       return;
     }
-    value = (value << 3) + (value << 1) + digit;
+    if (grouped_ == group_digits) close_group();
+    group_ = group_ * 10 + digit;
+    ++grouped_;
   }
+
+  std::int64_t value() const {
+    if (all_ == 0) return std::int64_t{group_} + carry_;
+    return all_ * std::int64_t{power_of_ten_of(grouped_)} + group_ + carry_;
+  }
+  int decimals() const { return behind_ < most_decimals ? behind_ : most_decimals; }
+  bool good() const { return any_ && before_ <= most_digits; }
+
+ private:
+  static constexpr int group_digits = 9;
+  static std::uint32_t power_of_ten_of(int digits) {
+    std::uint32_t power = 1;
+    for (; digits > 0; --digits) power *= 10;
+    return power;
+  }
+  void close_group() {
+    all_ = value();
+    group_ = 0;
+    grouped_ = 0;
+  }
+  /// The first digit that is dropped decides.
+  void round(std::uint32_t digit) {
+    if (behind_ == most_decimals + 1 && digit >= 5) carry_ = 1;
+  }
+
+  std::int64_t all_ = 0;
+  std::uint32_t group_ = 0, carry_ = 0;
+  int grouped_ = 0;
+  int before_ = 0;  ///< digits in front of the point, leading zeros left out
+  int behind_ = 0;
+  bool any_ = false;
 };
 
 }  // namespace
@@ -84,24 +109,21 @@ bool WordReader::read_number(Word& word) {
   Digits digits;
   char c = peek();
   const bool negative = c == '-';
-  if (c == '-' || c == '+') {
-    ++place_;
-    c = peek();
-  }
-  for (bool point = false;; c = peek()) {
+  if (c == '-' || c == '+') ++place_;
+  for (bool point = false;; ++place_) {
+    c = place_ < line_.size() ? line_[place_] : '\0';
+    if (!is_digit(c)) c = peek();
     if (is_digit(c))
-      digits.add(c, point);
+      digits.add(static_cast<std::uint32_t>(c - '0'), point);
     else if (c == '.' && !point)
       point = true;
     else
       break;
-    ++place_;
   }
-  const auto magnitude = static_cast<std::int64_t>(digits.value);
-  word.mantissa = negative ? -magnitude : magnitude;
-  word.decimals =
-      static_cast<std::uint8_t>(digits.behind < most_decimals ? digits.behind : most_decimals);
-  return digits.any && digits.before <= most_digits;
+  const std::int64_t value = digits.value();
+  word.mantissa = negative ? -value : value;
+  word.decimals = static_cast<std::uint8_t>(digits.decimals());
+  return digits.good();
 }
 
 Fault WordReader::next(Word& word) {
