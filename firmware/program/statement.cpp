@@ -36,31 +36,47 @@ bool Statement::before_motion() {
 
 // --- values -----------------------------------------------------------------------------------
 
+bool Statement::fail_at(char letter, GcodeError error) {
+  return fail(error, block_.word(letter).column);
+}
+
+bool Statement::fail_axes(GcodeError error, std::uint32_t axes) {
+  return fail(error, block_.axis_column(axes));
+}
+
 /// Takes a word that the line has.
 bool Statement::take(char letter) {
-  return block_.take(letter) || fail(GcodeError::axis_conflict, block_.word(letter).column);
+  return block_.take(letter) || fail_at(letter, GcodeError::axis_conflict);
 }
 
 bool Statement::needed(char letter, std::uint16_t column) {
-  return block_.has(letter) ? take(letter) : fail(GcodeError::value_missing, column);
+  return block_.has(letter) || fail(GcodeError::value_missing, column);
 }
 
 bool Statement::length(char letter, std::int64_t& e7) {
-  e7 = length_e7(block_.word(letter), after_.modal.inches);
-  return inside(e7, most_centre_e7, GcodeError::out_of_range, block_.word(letter).column);
+  if (!take(letter)) return false;
+  const Word& word = block_.word(letter);
+  e7 = length_e7(word, after_.modal.inches);
+  return inside(e7, most_centre_e7, GcodeError::out_of_range, word.column);
 }
 
 bool Statement::integer(char letter, std::uint32_t& number) {
+  if (!take(letter)) return false;
   const GcodeError error = whole(block_.word(letter), number);
-  return error == GcodeError::none || fail(error, block_.word(letter).column);
+  return error == GcodeError::none || fail_at(letter, error);
 }
 
 bool Statement::seconds(char letter, std::uint32_t& us) {
-  const Word& word = block_.word(letter);
-  if (word.mantissa < 0) return fail(GcodeError::negative_value, word.column);
-  const std::int64_t value = scaled(word, 1, 6);
-  if (value > most_word) return fail(GcodeError::out_of_range, word.column);
-  us = static_cast<std::uint32_t>(value);
+  return unsigned_value(letter, scaled(block_.word(letter), 1, 6), GcodeError::out_of_range, us);
+}
+
+/// Takes a word whose value must fit into 32 bits.
+bool Statement::unsigned_value(char letter, std::int64_t value, GcodeError too_large,
+                               std::uint32_t& number) {
+  if (!take(letter)) return false;
+  if (value < 0) return fail_at(letter, GcodeError::negative_value);
+  if (value > most_word) return fail_at(letter, too_large);
+  number = static_cast<std::uint32_t>(value);
   return true;
 }
 
@@ -133,52 +149,45 @@ bool Statement::codes() {
 
 bool Statement::feed() {
   if (!block_.has('F')) return true;
-  if (!take('F')) return false;
   if (after_.modal.feed_mode == FeedMode::inverse_time) return inverse_time();
   const bool per_turn = after_.modal.feed_mode == FeedMode::per_turn;
-  const int digits = per_turn ? 6 : 3;  // nm or um
-  const Word& word = block_.word('F');
-  const std::int64_t value =
-      after_.modal.inches ? scaled(word, 254, digits - 1) : scaled(word, 1, digits);
-  if (value > most_word) return fail(GcodeError::feed_too_high, word.column);
-  after_.modal.feed = static_cast<std::uint32_t>(value);
-  return true;
+  const std::int64_t feed = fine_length('F', per_turn ? 6 : 3);  // nm or um
+  return unsigned_value('F', feed, GcodeError::feed_too_high, after_.modal.feed);
+}
+
+/// A length in 10^-digits mm.
+std::int64_t Statement::fine_length(char letter, int digits) const {
+  const Word& word = block_.word(letter);
+  return after_.modal.inches ? scaled(word, 254, digits - 1) : scaled(word, 1, digits);
 }
 
 /// F is one over the minutes that the motion takes.
 bool Statement::inverse_time() {
-  const Word& word = block_.word('F');
-  const std::int64_t per_minute_e7 = scaled(word, 1, 7);
-  if (per_minute_e7 == 0) return true;  // as if it were missing
+  const std::int64_t per_minute_e7 = scaled(block_.word('F'), 1, 7);
+  if (per_minute_e7 == 0) return take('F');  // as if it were missing
   const std::int64_t time = (us_per_minute * one_e7 + per_minute_e7 / 2) / per_minute_e7;
-  if (time > most_word) return fail(GcodeError::out_of_range, word.column);
-  plan_.time_us = time == 0 ? 1 : static_cast<std::uint32_t>(time);
-  return true;
+  return unsigned_value('F', time == 0 ? 1 : time, GcodeError::out_of_range, plan_.time_us);
 }
 
 bool Statement::speed() {
-  if (!block_.has('S')) return true;
-  if (!take('S')) return false;
-  const std::int64_t value = scaled(block_.word('S'), 1, 3);
-  if (value > most_word) return fail(GcodeError::speed_out_of_range, block_.word('S').column);
-  after_.modal.speed_milli = static_cast<std::uint32_t>(value);
-  return true;
+  return !block_.has('S') ||
+         unsigned_value('S', scaled(block_.word('S'), 1, 3), GcodeError::speed_out_of_range,
+                        after_.modal.speed_milli);
 }
 
 bool Statement::tool() {
   if (!block_.has('T')) return true;
   std::uint32_t number = 0;
-  if (!take('T') || !integer('T', number)) return false;
-  if (number > most_tool) return fail(GcodeError::tool_too_large, block_.word('T').column);
+  if (!integer('T', number)) return false;
+  if (number > most_tool) return fail_at('T', GcodeError::tool_too_large);
   after_.modal.tool = number;
   return true;
 }
 
 bool Statement::line_number() {
   if (!block_.has('N')) return true;
-  if (!take('N') || !integer('N', plan_.line)) return false;
-  return plan_.line <= most_line_number ||
-         fail(GcodeError::bad_line_number, block_.word('N').column);
+  if (!integer('N', plan_.line)) return false;
+  return plan_.line <= most_line_number || fail_at('N', GcodeError::bad_line_number);
 }
 
 bool Statement::spindle() {
@@ -218,7 +227,7 @@ bool Statement::beat_lock() {
   if (block_.code(Group::beat_lock) == 131) return true;
   std::uint32_t free = 0;
   if (!needed('P', block_.column(Group::beat_lock)) || !integer('P', free)) return false;
-  if (free > 1) return fail(GcodeError::out_of_range, block_.word('P').column);
+  if (free > 1) return fail_at('P', GcodeError::out_of_range);
   after_.modal.beat_lock = free == 1 ? BeatLock::free : BeatLock::path;
   return true;
 }
@@ -237,14 +246,8 @@ bool Statement::path() {
   modal.blend_um = 0;
   if (modal.path != PathMode::blend) return true;
   modal.blend_um = options_.blend_um;
-  if (!block_.has('P')) return true;
-  if (!take('P')) return false;
-  const Word& word = block_.word('P');
-  if (word.mantissa < 0) return fail(GcodeError::negative_value, word.column);
-  const std::int64_t value = modal.inches ? scaled(word, 254, 2) : scaled(word, 1, 3);
-  if (value > most_word) return fail(GcodeError::out_of_range, word.column);
-  modal.blend_um = static_cast<std::uint32_t>(value);
-  return true;
+  return !block_.has('P') ||
+         unsigned_value('P', fine_length('P', 3), GcodeError::out_of_range, modal.blend_um);
 }
 
 // --- offsets ----------------------------------------------------------------------------------
@@ -255,12 +258,10 @@ bool Statement::tool_length() {
   constexpr std::uint32_t z = 1u << 2;
   if (block_.code(Group::tool_length) == 490) {
     after_.modal.tool_length = false;
-    return block_.axes() == 0 ||
-           fail(GcodeError::axis_words_unused, block_.axis_column(block_.axes()));
+    return block_.axes() == 0 || fail_axes(GcodeError::axis_words_unused, block_.axes());
   }
   if (block_.axes() == 0) return fail(GcodeError::tool_length_axis, column);
-  if (block_.axes() != z)
-    return fail(GcodeError::tool_length_axis, block_.axis_column(block_.axes() & ~z));
+  if (block_.axes() != z) return fail_axes(GcodeError::tool_length_axis, block_.axes() & ~z);
   block_.take_axes();
   changes_.tool_length_e7 = axis_e7(2);
   changes_.add(static_cast<int>(ParameterRow::tool_length));
@@ -283,10 +284,10 @@ bool Statement::rotation() {
     turn({});
     return true;
   }
-  if (!needed('R', block_.column(Group::rotation))) return false;
+  if (!needed('R', block_.column(Group::rotation)) || !take('R')) return false;
   const PlaneAxes plane = axes_of(after_.modal.plane);
   const std::uint32_t others = block_.axes() & ~(1u << plane.first | 1u << plane.second);
-  if (others != 0) return fail(GcodeError::axis_words_unused, block_.axis_column(others));
+  if (others != 0) return fail_axes(GcodeError::axis_words_unused, others);
   Place centre = after_.machine_e7;
   for (const int axis : {int{plane.first}, int{plane.second}}) {
     if ((block_.axes() >> axis & 1u) == 0) continue;
@@ -340,10 +341,10 @@ bool Statement::set_system() {
   std::uint32_t kind = 0, number = 0;
   if (!needed('L', column) || !needed('P', column)) return false;
   if (!integer('L', kind) || !integer('P', number)) return false;
-  if (kind != 2 && kind != 20) return fail(GcodeError::unsupported, block_.word('L').column);
-  if (number > coordinate_systems) return fail(GcodeError::no_such_system, block_.word('P').column);
+  if (kind != 2 && kind != 20) return fail_at('L', GcodeError::unsupported);
+  if (number > coordinate_systems) return fail_at('P', GcodeError::no_such_system);
   // Rotation of a coordinate system, which LinuxCNC has.
-  if (block_.has('R')) return fail(GcodeError::unsupported, block_.word('R').column);
+  if (block_.has('R')) return fail_at('R', GcodeError::unsupported);
   const std::uint32_t row = number == 0 ? after_.modal.system : number - 1;
   changes_.place = parameters_.systems_e7[row];
   for (int i = 0; i < options_.axes; ++i) {

@@ -120,7 +120,7 @@ class Statement {
   /// The plan is made in place and has no stage behind an error.
   Statement(const Options& options, const Parameters& parameters, const Saved& saved,
             const State& before, Plan& plan)
-      : after_(before), plan_(plan), options_(options), parameters_(parameters), saved_(saved) {}
+      : plan_(plan), options_(options), parameters_(parameters), saved_(saved), after_(before) {}
 
   /// Reads a line and finds out what it means.
   Fault check(std::string_view line);
@@ -139,6 +139,9 @@ class Statement {
 
   // Every step is false after an error, which is then in fault_.
   bool fail(GcodeError error, std::uint16_t column);
+  bool fail_at(char letter, GcodeError error);
+  bool fail_axes(GcodeError error, std::uint32_t axes);
+  bool fail_motion(GcodeError error);
 
   bool everything();
   bool before_motion();
@@ -192,22 +195,26 @@ class Statement {
   bool length(char letter, std::int64_t& e7);
   bool take(char letter);
   bool seconds(char letter, std::uint32_t& us);
+  bool unsigned_value(char letter, std::int64_t value, GcodeError too_large, std::uint32_t& number);
   bool needed(char letter, std::uint16_t column);
+  bool needed(char letter);
   bool integer(char letter, std::uint32_t& number);
   bool move_is_asked() const;
   std::uint16_t motion_column() const;
+  std::int64_t fine_length(char letter, int digits) const;
   std::int64_t axis_e7(int axis) const;
   std::int64_t offset_e7(int axis) const;
 
-  Block block_;
-  State after_;
-  Plan& plan_;
-  Changes changes_;
-  CycleRequest cycle_;
+  // What is used most is in front, within the reach of short instructions.
   Fault fault_;
+  Plan& plan_;
   const Options& options_;
   const Parameters& parameters_;
   const Saved& saved_;
+  State after_;
+  Block block_;
+  Changes changes_;
+  CycleRequest cycle_;
 };
 
 }  // namespace lamplock::program

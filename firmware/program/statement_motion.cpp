@@ -27,6 +27,10 @@ std::uint16_t Statement::motion_column() const {
                                    : block_.axis_column(block_.axes());
 }
 
+bool Statement::fail_motion(GcodeError error) { return fail(error, motion_column()); }
+
+bool Statement::needed(char letter) { return needed(letter, motion_column()); }
+
 /// Where the axis words lead.
 bool Statement::target(Place& place, bool in_machine) {
   place = in_machine ? after_.machine_e7 : after_.programmed_e7;
@@ -96,8 +100,7 @@ bool Statement::motion() {
   const AxisUse use = block_.axis_use();
   if (use != AxisUse::motion && (use != AxisUse::nobody || block_.axes() == 0)) return true;
   if (motion == Motion::none)
-    return block_.axes() == 0 ||
-           fail(GcodeError::axis_words_unused, block_.axis_column(block_.axes()));
+    return block_.axes() == 0 || fail_axes(GcodeError::axis_words_unused, block_.axes());
   return motion == Motion::rapid ? move() : cut_move();
 }
 
@@ -109,7 +112,7 @@ bool Statement::cut_move() {
   const Motion motion = after_.modal.motion;
   if (!feed_in_force()) return false;
   if (motion == Motion::line) return move();
-  if (block_.axes() == 0) return fail(GcodeError::no_axis_words, motion_column());
+  if (block_.axes() == 0) return fail_motion(GcodeError::no_axis_words);
   if (is_arc(motion)) return arc();
   if (motion == Motion::spline) return spline();
   if (motion == Motion::parabola) return parabola();
@@ -123,9 +126,9 @@ bool Statement::feed_in_force() {
     feed = plan_.time_us;
   } else if (modal.feed_mode == FeedMode::per_turn) {
     feed = wide_product(modal.feed, modal.speed_milli) / 1'000'000;  // nm and thousandths of a turn
-    if (feed >> 32 != 0) return fail(GcodeError::feed_too_high, motion_column());
+    if (feed >> 32 != 0) return fail_motion(GcodeError::feed_too_high);
   }
-  if (feed == 0) return fail(GcodeError::no_feed, motion_column());
+  if (feed == 0) return fail_motion(GcodeError::no_feed);
   if (modal.feed_mode != FeedMode::inverse_time)
     plan_.feed_um_min = static_cast<std::uint32_t>(feed);
   return true;
@@ -138,7 +141,7 @@ bool Statement::straight() {
   Place place;
   if (!target(place, plan_.in_machine)) return false;
   if (is_probe(plan_.motion) && same_place(place, after_.programmed_e7))
-    return fail(GcodeError::bad_target, motion_column());
+    return fail_motion(GcodeError::bad_target);
   return plan_.in_machine ? end_at_machine(place) : end_at(place);
 }
 
@@ -149,7 +152,7 @@ bool Statement::arc() {
   const PlaneAxes plane = axes_of(after_.modal.plane);
   const std::uint32_t in_plane = 1u << plane.first | 1u << plane.second;
   if ((block_.axes() & in_plane) == 0)
-    return fail(GcodeError::no_axis_in_plane, block_.axis_column(block_.axes()));
+    return fail_axes(GcodeError::no_axis_in_plane, block_.axes());
   plan_.motion = after_.modal.motion;
   plan_.add(Stage::curve);
   Place end;
@@ -160,16 +163,16 @@ bool Statement::arc() {
 bool Statement::arc_turns() {
   plan_.turns = 1;
   if (!block_.has('P')) return true;
-  if (!take('P') || !integer('P', plan_.turns)) return false;
-  if (plan_.turns == 0) return fail(GcodeError::not_positive, block_.word('P').column);
-  return plan_.turns <= most_repeats || fail(GcodeError::out_of_range, block_.word('P').column);
+  if (!integer('P', plan_.turns)) return false;
+  if (plan_.turns == 0) return fail_at('P', GcodeError::not_positive);
+  return plan_.turns <= most_repeats || fail_at('P', GcodeError::out_of_range);
 }
 
 bool Statement::arc_of_radius(const Place& end) {
   const CurvePlane plane = curve_plane(after_.modal.plane);
   const std::uint16_t column = block_.word('R').column;
   std::int64_t radius = 0;
-  if (!take('R') || !length('R', radius)) return false;
+  if (!length('R', radius)) return false;
   if (plan_.start[plane.first] == end[plane.first] &&
       plan_.start[plane.second] == end[plane.second])
     return fail(GcodeError::bad_target, column);
@@ -191,12 +194,12 @@ bool Statement::arc_of_centre(const Place& end) {
       continue;
     }
     std::int64_t e7 = 0;
-    if (!take(letter) || !length(letter, e7)) return false;
+    if (!length(letter, e7)) return false;
     if (column == 0 || block_.word(letter).column < column) column = block_.word(letter).column;
     centre[axis] = e7 + (after_.modal.centres_absolute ? offset_e7(axis) : plan_.start[axis]);
   }
   if (column == 0 || (after_.modal.centres_absolute && !complete))
-    return fail(GcodeError::no_offset_in_plane, motion_column());
+    return fail_motion(GcodeError::no_offset_in_plane);
   block_.take(centre_letters[plane.normal]);  // as grbl: means nothing, is no error
   const ArcRequest request{plan_.start,
                            end,
@@ -213,14 +216,14 @@ bool Statement::arc_of_centre(const Place& end) {
 bool Statement::spline() {
   plan_.start = after_.programmed_e7;
   const std::uint32_t others = block_.axes() & ~3u;
-  if (others != 0) return fail(GcodeError::axis_words_unused, block_.axis_column(others));
-  if (after_.modal.plane != Plane::xy) return fail(GcodeError::unsupported, motion_column());
+  if (others != 0) return fail_axes(GcodeError::axis_words_unused, others);
+  if (after_.modal.plane != Plane::xy) return fail_motion(GcodeError::unsupported);
   plan_.motion = Motion::spline;
   plan_.add(Stage::curve);
   Place end;
   SplineEnd& last = after_.spline;
   if (!spline_start(plan_.points[0]) || !target(end, false)) return false;
-  if (!needed('P', motion_column()) || !needed('Q', motion_column())) return false;
+  if (!needed('P') || !needed('Q')) return false;
   if (!length('P', last.first_e7) || !length('Q', last.second_e7)) return false;
   plan_.points[1] = end;
   plan_.points[1][0] += last.first_e7;
@@ -235,10 +238,10 @@ bool Statement::spline_start(Place& control) {
   control = plan_.start;
   std::int64_t first = -after_.spline.first_e7, second = -after_.spline.second_e7;
   if (block_.has('I') || block_.has('J')) {
-    if (!needed('I', motion_column()) || !needed('J', motion_column())) return false;
+    if (!needed('I') || !needed('J')) return false;
     if (!length('I', first) || !length('J', second)) return false;
   } else if (!after_.spline.known) {
-    return fail(GcodeError::no_offset_in_plane, motion_column());
+    return fail_motion(GcodeError::no_offset_in_plane);
   }
   control[0] += first;
   control[1] += second;
@@ -248,17 +251,16 @@ bool Statement::spline_start(Place& control) {
 bool Statement::parabola() {
   plan_.start = after_.programmed_e7;
   const std::uint32_t others = block_.axes() & ~3u;
-  if (others != 0) return fail(GcodeError::axis_words_unused, block_.axis_column(others));
-  if (after_.modal.plane != Plane::xy) return fail(GcodeError::unsupported, motion_column());
+  if (others != 0) return fail_axes(GcodeError::axis_words_unused, others);
+  if (after_.modal.plane != Plane::xy) return fail_motion(GcodeError::unsupported);
   plan_.motion = Motion::parabola;
   plan_.add(Stage::curve);
   std::array<std::int64_t, 2> control{};
   for (const std::size_t axis : {0u, 1u}) {
     const char letter = centre_letters[axis];
-    if (block_.has(letter) && (!take(letter) || !length(letter, control[axis]))) return false;
+    if (block_.has(letter) && (!length(letter, control[axis]))) return false;
   }
-  if (control[0] == 0 && control[1] == 0)
-    return fail(GcodeError::no_offset_in_plane, motion_column());
+  if (control[0] == 0 && control[1] == 0) return fail_motion(GcodeError::no_offset_in_plane);
   Place end;
   if (!target(end, false)) return false;
   // The same curve as a cubic: its control points are two thirds of the way to the one of this.
@@ -276,8 +278,7 @@ bool Statement::parabola() {
 
 bool Statement::drill() {
   plan_.start = after_.programmed_e7;
-  if (after_.modal.feed_mode == FeedMode::inverse_time)
-    return fail(GcodeError::unsupported, motion_column());
+  if (after_.modal.feed_mode == FeedMode::inverse_time) return fail_motion(GcodeError::unsupported);
   plan_.motion = after_.modal.motion;
   plan_.add(Stage::cycle);
   cycle_.normal = axes_of(after_.modal.plane).normal;
@@ -293,23 +294,23 @@ bool Statement::drill_values() {
   CycleWords& words = after_.cycle;
   const Motion kind = plan_.motion;
   if (block_.has('R')) {
-    if (!take('R') || !length('R', words.retract_e7)) return false;
+    if (!length('R', words.retract_e7)) return false;
     words.has_retract = true;
   }
   if (kind == Motion::drill_dwell && block_.has('P')) {
-    if (!take('P') || !seconds('P', words.dwell_us)) return false;
+    if (!seconds('P', words.dwell_us)) return false;
     words.has_dwell = true;
   }
   const bool pecks = kind == Motion::drill_peck || kind == Motion::drill_chip_break;
   if (pecks && block_.has('Q')) {
-    if (!take('Q') || !length('Q', words.peck_e7)) return false;
-    if (words.peck_e7 < 0) return fail(GcodeError::negative_value, block_.word('Q').column);
-    if (words.peck_e7 == 0) return fail(GcodeError::not_positive, block_.word('Q').column);
+    if (!length('Q', words.peck_e7)) return false;
+    if (words.peck_e7 < 0) return fail_at('Q', GcodeError::negative_value);
+    if (words.peck_e7 == 0) return fail_at('Q', GcodeError::not_positive);
     words.has_peck = true;
   }
   const bool complete = words.has_retract && (kind != Motion::drill_dwell || words.has_dwell) &&
                         (!pecks || words.has_peck);
-  if (!complete) return fail(GcodeError::value_missing, motion_column());
+  if (!complete) return fail_motion(GcodeError::value_missing);
   plan_.dwell_us = words.dwell_us;
   cycle_.peck_e7 = words.peck_e7;
   return true;
@@ -324,7 +325,7 @@ bool Statement::drill_levels() {
     words.depth_e7 = axis_e7(normal);
     words.has_depth = true;
   }
-  if (!words.has_depth) return fail(GcodeError::value_missing, motion_column());
+  if (!words.has_depth) return fail_motion(GcodeError::value_missing);
   const std::int64_t now = plan_.start[index(normal)];
   const bool relative = after_.modal.relative;
   const std::int64_t offset = offset_e7(normal);
@@ -344,9 +345,9 @@ bool Statement::drill_levels() {
 bool Statement::drill_holes(const Place& first) {
   cycle_.holes = 1;
   if (block_.has('L')) {
-    if (!take('L') || !integer('L', cycle_.holes)) return false;
-    if (cycle_.holes == 0) return fail(GcodeError::not_positive, block_.word('L').column);
-    if (cycle_.holes > most_repeats) return fail(GcodeError::out_of_range, block_.word('L').column);
+    if (!integer('L', cycle_.holes)) return false;
+    if (cycle_.holes == 0) return fail_at('L', GcodeError::not_positive);
+    if (cycle_.holes > most_repeats) return fail_at('L', GcodeError::out_of_range);
   }
   cycle_.first = first;
   Place last = first;
