@@ -5,7 +5,6 @@
 // host and for documentation, and cost the image nothing while it does not name the table.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -70,7 +69,7 @@ struct GcodeErrorRow {
 };
 
 /// In order of their numbers.
-inline constexpr std::array gcode_errors{
+inline constexpr GcodeErrorRow gcode_errors[] = {
     GcodeErrorRow{GcodeError::letter_expected, "letter_expected",
                   "a word begins with a letter, and this is none"},
     GcodeErrorRow{GcodeError::bad_number, "bad_number",

@@ -10,7 +10,7 @@ struct Code {
 };
 
 /// G codes times ten, in order.
-constexpr std::array g_codes{
+constexpr Code g_codes[] = {
     Code{0, Group::motion, AxisUse::motion},
     Code{10, Group::motion, AxisUse::motion},
     Code{20, Group::motion, AxisUse::motion},
@@ -71,7 +71,7 @@ constexpr std::array g_codes{
     Code{990, Group::retract},
 };
 
-constexpr std::array m_codes{
+constexpr Code m_codes[] = {
     Code{0, Group::stopping},    Code{1, Group::stopping}, Code{2, Group::stopping},
     Code{3, Group::spindle},     Code{4, Group::spindle},  Code{5, Group::spindle},
     Code{7, Group::coolant},     Code{8, Group::coolant},  Code{9, Group::coolant},
@@ -84,7 +84,7 @@ constexpr std::uint32_t largest_code = 999;
 constexpr std::int64_t one_million = 1'000'000;
 
 template <std::size_t size>
-const Code* find(const std::array<Code, size>& table, std::uint32_t code) {
+const Code* find(const Code (&table)[size], std::uint32_t code) {
   std::size_t low = 0, high = size;
   while (low < high) {
     const std::size_t middle = (low + high) / 2;
