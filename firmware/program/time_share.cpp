@@ -38,9 +38,9 @@ std::uint32_t TimeShare::next(const Place& end) {
   if (left_ > 1 && done_e7_ < length_e7_) {
     const int bits = 64 - std::countl_zero(static_cast<std::uint64_t>(length_e7_));
     const int shift = bits > 32 ? bits - 32 : 0;
-    until = static_cast<std::uint32_t>(
-        wide_product(time_us_, static_cast<std::uint32_t>(done_e7_ >> shift)) /
-        static_cast<std::uint32_t>(length_e7_ >> shift));
+    const auto length = static_cast<std::uint32_t>(length_e7_ >> shift);
+    const auto done = static_cast<std::uint32_t>(done_e7_ >> shift);
+    if (length != 0) until = static_cast<std::uint32_t>(wide_product(time_us_, done) / length);
   }
   if (left_ > 0) --left_;
   const std::uint32_t share = until - spent_us_;

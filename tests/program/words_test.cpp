@@ -15,7 +15,7 @@ namespace {
 
 using lamplock::test::scaled;
 using test::text_of;
-using Rational = boost::multiprecision::cpp_rational;
+using Integer = boost::multiprecision::cpp_int;
 
 /// "X12.5@1 Y-3@7" or ending with a fault.
 std::string words_of(std::string_view line) {
@@ -85,36 +85,36 @@ Word first_word(const std::string& line) {
   return word;
 }
 
-/// To the nearest whole number, half away from zero.
-boost::multiprecision::cpp_int nearest(const Rational& x) {
-  const Rational moved = abs(x) * 2 + 1;
-  const boost::multiprecision::cpp_int n = numerator(moved) / (denominator(moved) * 2);
-  return x < 0 ? -n : n;
+/// value / divisor to the nearest whole number, half away from zero.
+Integer nearest(const Integer& value, const Integer& divisor) {
+  const Integer n = (2 * abs(value) + divisor) / (2 * divisor);
+  return value < 0 ? Integer(-n) : n;
 }
 
 TEST(Words, NumbersAreRoundedOnceHalfAwayFromZero) {
   std::mt19937_64 random(1);
   for (int i = 0; i < scaled(3000); ++i) {
-    const auto decimals = static_cast<unsigned>(random() % 8);
     std::string digits = std::to_string(random() % 1'000'000'000 >> random() % 30);
-    std::string behind;
-    for (unsigned k = 0; k < decimals; ++k)
-      behind += static_cast<char>('0' + (random() % 2 == 0 ? 5 * (random() % 2) : random() % 10));
-    const bool negative = random() % 2 == 0;
-    const std::string text = (negative ? "X-" : "X") + digits + "." + behind;
-    Rational value{boost::multiprecision::cpp_int(digits)};
-    Rational unit(1);
-    for (const char c : behind) value += (c - '0') * (unit /= 10);
-    if (negative) value = -value;
-    const Word word = first_word(text);
-    for (int to = 0; to <= 7; ++to) {
-      Rational wanted = value;
-      for (int k = 0; k < to; ++k) wanted *= 10;
-      EXPECT_EQ(program::scaled(word, 1, to), nearest(wanted)) << text;
-      if (to > 6) continue;
-      EXPECT_EQ(program::scaled(word, 254, to), nearest(wanted * 254)) << text;
+    std::string text = digits + ".";
+    Integer mantissa(digits), unit = 1;
+    for (auto decimals = random() % 8; decimals > 0; --decimals) {
+      const auto digit = random() % 2 == 0 ? 5 * (random() % 2) : random() % 10;
+      text += static_cast<char>('0' + digit);
+      mantissa = mantissa * 10 + digit;
+      unit *= 10;
     }
-    EXPECT_EQ(length_e7(word, true), nearest(value * 254'000'000)) << text;
+    const bool negative = random() % 2 == 0;
+    if (negative) mantissa = -mantissa;
+    const Word word = first_word((negative ? "X-" : "X") + text);
+    Integer wanted = mantissa;
+    for (int to = 0; to <= 7; ++to) {
+      EXPECT_EQ(program::scaled(word, 1, to), nearest(wanted, unit)) << text;
+      if (to < 7) {
+        EXPECT_EQ(program::scaled(word, 254, to), nearest(wanted * 254, unit)) << text;
+      }
+      wanted *= 10;
+    }
+    EXPECT_EQ(length_e7(word, true), nearest(mantissa * 254'000'000, unit)) << text;
   }
 }
 
