@@ -2,7 +2,7 @@
 //
 // In:  one line as it came, without its end.
 // Out: its words one after another, each with the column of its letter.
-// Who: the interpreter, at main-loop level; about 20 cycles a character, no division.
+// Who: the interpreter, at main-loop level; about 80 cycles a character, no division.
 //
 // What separates words is dropped wherever it stands, inside a number too, as RS274/NGC has it
 // ("The NIST RS274/NGC Interpreter - Version 3", section 3.3): white space, comments in brackets,

@@ -85,8 +85,10 @@ class ExactInterpreter {
     }
     // A leading zero would make the number octal.
     text.erase(0, std::min(text.find_first_not_of('0'), text.size() - 1));
-    const Rational value(boost::multiprecision::cpp_int(text), unit);
-    return negative ? Rational(-value) : value;
+    Rational value{boost::multiprecision::cpp_int(text)};
+    value /= Rational{unit};
+    if (negative) value = -value;
+    return value;
   }
 
   bool has(const char* code) const { return codes_.count(code) != 0; }
@@ -95,7 +97,7 @@ class ExactInterpreter {
   Rational word(char letter) const { return words_.at(letter) * unit_; }
 
   void modes() {
-    if (has("G20")) unit_ = Rational(254, 10);
+    if (has("G20")) unit_ = Rational{127} / 5;
     if (has("G21")) unit_ = 1;
     if (has("G90")) relative_ = false;
     if (has("G91")) relative_ = true;

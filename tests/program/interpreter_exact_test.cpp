@@ -117,7 +117,7 @@ class Programs {
 /// Whether the interpreter is where the exact one is.
 ::testing::AssertionResult same(const Place& place, const ExactInterpreter& exact) {
   for (std::size_t i = 0; i < place.size(); ++i)
-    if (ExactInterpreter::Rational(place[i], one_e7) != exact.position()[i])
+    if (exact.position()[i] * one_e7 != place[i])
       return ::testing::AssertionFailure() << "axis " << i << ": " << test::decimal(place[i])
                                            << ", exactly " << exact.position()[i];
   return ::testing::AssertionSuccess();
