@@ -1,0 +1,37 @@
+#include "firmware/motion/line_chords.hpp"
+
+namespace lamplock::motion {
+
+PerAxis<std::int64_t> way_between(const StepPosition& from, const StepPosition& to) {
+  PerAxis<std::int64_t> way{};
+  for (std::size_t a = 0; a < way.size(); ++a) way[a] = std::int64_t{to[a]} - from[a];
+  return way;
+}
+
+void LineChords::reset(const StepPosition& at, std::uint32_t line) {
+  mark_ = at;
+  mark_line_ = line;
+  way_ = {};
+  before_ = {};
+}
+
+bool LineChords::add(std::uint32_t line, const StepPosition& end, const LineShape& shape,
+                     const LineLimits& limits, LineCap& cap) {
+  way_ = way_ + shape.length;
+  if (way_ < Real(window_)) return false;
+  const bool single = line == mark_line_;
+  const LineShape chord = single ? shape : make_shape(way_between(mark_, end), limits);
+  // Between two single lines the corner itself says all.
+  const bool compare =
+      !is_zero(before_.length) && !is_zero(chord.length) && !(single && before_single_);
+  if (compare) cap = {before_line_ + 1, line, curve_speed_2(before_, chord, limits)};
+  before_ = chord;
+  before_line_ = mark_line_;
+  before_single_ = single;
+  mark_ = end;
+  mark_line_ = line + 1;
+  way_ = {};
+  return compare;
+}
+
+}  // namespace lamplock::motion

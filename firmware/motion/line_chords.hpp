@@ -1,0 +1,49 @@
+// How a path of short lines bends, seen over a chord of many of them.
+//
+// In:  every line pushed. Out: now and then, a limit of speed for the joints of the last ones.
+// Called by the line planner, once per line pushed; a chord is measured once per window.
+//
+// Between two lines of a few steps a turn cannot be told from the rounding of their ends
+// (line_geometry.hpp), so a curve of a small radius, or a corner of tiny lines, would be passed at
+// any speed. Over a chord of `window` steps rounding is less than 2/window of a turn: the chord is
+// compared with the one before it, and all joints within both get the speed of the circle that
+// touches the two. The limit comes late, when a joint may be under way already; then the machine
+// brakes for it as well as it can. It concerns curves and not hard corners.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/motion/line_geometry.hpp"
+
+namespace lamplock::motion {
+
+/// A limit for the joints at the starts of the lines `first` to `last`.
+struct LineCap {
+  std::uint32_t first = 0, last = 0;
+  Real speed_2;
+};
+
+class LineChords {
+ public:
+  explicit LineChords(std::uint32_t window_steps) : window_(window_steps) {}
+
+  /// Starts anew at a position; the next line is `line`.
+  void reset(const StepPosition& at, std::uint32_t line);
+  /// Line number `line`, which ends at `end`. True if a limit follows.
+  bool add(std::uint32_t line, const StepPosition& end, const LineShape& shape,
+           const LineLimits& limits, LineCap& cap);
+
+ private:
+  std::uint32_t window_;
+  StepPosition mark_{};          ///< where the present chord starts
+  std::uint32_t mark_line_ = 0;  ///< its first line
+  Real way_;                     ///< along the path since then
+  LineShape before_;             ///< the chord before
+  std::uint32_t before_line_ = 0;
+  bool before_single_ = false;  ///< it is a single line
+};
+
+/// Displacement between two positions.
+PerAxis<std::int64_t> way_between(const StepPosition& from, const StepPosition& to);
+
+}  // namespace lamplock::motion

@@ -1,0 +1,71 @@
+// Lines of a program and the corners between them, for the line planner.
+//
+// In:  displacements in whole steps, the machine's limits, the junction deviation.
+// Out: per line its length, direction and what the axes allow along it; per corner the square of
+//      the highest speed through it.
+// Called by the line planner, once or a few times per line pushed.
+//
+// A corner is passed as if on a circle that touches both lines, at the speed at which the axes'
+// acceleration holds it on the circle. The circle passes the corner no further than the junction
+// deviation, and touches no later than in the middle of the shorter line. On a curve of short
+// lines the second makes it the circle of the curve itself, so dense points keep their speed; the
+// first is what counts between long lines. Where an axis may jump in speed (speed_jump), a corner
+// is passed as fast as that allows, if it is more.
+//
+// Points are rounded to whole steps, so that a straight line comes out bent: by up to
+// (1 step) (1/l + 1/l') on every axis, see path_geometry.hpp. Such a change of direction says
+// nothing and is taken off. A turn of more than a right angle is no rounding. What is lost between
+// short lines is seen by line_chords.hpp.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/motion/limits.hpp"
+#include "firmware/motion/line_real.hpp"
+
+namespace lamplock::motion {
+
+/// Limits of one axis along a line that only it moves, in lengths of the line planner and ticks.
+struct LineAxis {
+  Real unit;  ///< length of a step; 1 for the coarsest axis
+  Real speed;
+  Real accel;
+  Real jerk;  ///< 0 = not limited
+  Real jump;
+  std::uint32_t weight_q31 = 0;
+};
+
+struct LineLimits {
+  int axes = 0;
+  bool limit_jerk = false;
+  PerAxis<LineAxis> axis{};
+  Real um_min;     ///< speed of 1 um/min
+  Real deviation;  ///< junction deviation
+};
+
+/// `coarsest_milli`: thousandths of steps/mm of the axis with the fewest. The limits are those that
+/// hold at every tick; the beat they were made for does not matter.
+LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
+                            std::uint32_t deviation_nm);
+
+/// Length and direction of a displacement.
+struct LineShape {
+  Real length;  ///< 0 = no way at all
+  PerAxis<std::int32_t> cosine_q30{};
+};
+LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limits);
+
+/// What the axes allow along a direction.
+struct LineBounds {
+  Real speed;
+  Real accel;
+  Real jerk;
+};
+LineBounds make_bounds(const LineShape& shape, const LineLimits& limits);
+
+/// Square of the highest speed through a corner. Any speed is 2^40.
+Real corner_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits);
+/// The same of the circle that touches both in the middle alone: how a curve bends.
+Real curve_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits);
+
+}  // namespace lamplock::motion

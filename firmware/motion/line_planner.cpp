@@ -1,0 +1,217 @@
+#include "firmware/motion/line_planner.hpp"
+
+namespace lamplock::motion {
+namespace {
+
+/// Chords (line_chords.hpp), steps: where a corner of tiny lines ends to look like rounding, and
+/// where a curve does that is worth slowing for.
+constexpr std::uint32_t short_chord_steps = 12;
+constexpr std::uint32_t long_chord_steps = 128;
+
+constexpr std::uint32_t most_feed_percent = 200, least_feed_percent = 10;
+constexpr std::uint32_t full_percent = 100;
+constexpr std::uint32_t full_power = 65535;
+/// Half of a motion of half a step is no shorter, and no longer than half a minute.
+constexpr std::uint32_t least_settling_ticks = 32;
+constexpr std::uint32_t most_settling_ticks = 30 * ticks_per_second;
+
+Real part(std::uint32_t percent) { return Real(percent) / Real(full_percent); }
+
+std::uint32_t within(std::uint32_t value, std::uint32_t low, std::uint32_t high) {
+  return value < low ? low : value > high ? high : value;
+}
+
+bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) < 0; }
+
+}  // namespace
+
+LinePlanner::LinePlanner(LineRing& ring, const LineLimits& limits)
+    : ring_(ring),
+      limits_(limits),
+      short_chords_(short_chord_steps),
+      long_chords_(long_chord_steps) {
+  forget();
+}
+
+void LinePlanner::start(const stepper::MotionState& at) {
+  at_ = at;
+  held_ = cancelled_ = false;
+  forget();
+}
+
+/// All lines, at rest.
+void LinePlanner::forget() {
+  ring_.clear();
+  lookahead_.reset();
+  begun_ = stop_ = false;
+  speed_ = {};
+  last_ = {};
+  for (int a = 0; a < max_axes; ++a) end_[index(a)] = at_.axis[index(a)].step();
+  short_chords_.reset(end_, ring_.end());
+  long_chords_.reset(end_, ring_.end());
+}
+
+void LinePlanner::set_feed_percent(std::uint32_t percent) {
+  factor_.feed = part(within(percent, least_feed_percent, most_feed_percent));
+  lookahead_.reset();
+}
+
+void LinePlanner::set_rapid_percent(std::uint32_t percent) {
+  factor_.rapid = part(within(percent, 1, full_percent));
+  lookahead_.reset();
+}
+
+bool LinePlanner::push(const LineTarget& target) {
+  if (ring_.full()) return false;
+  const LineShape shape = make_shape(way_between(end_, target.steps), limits_);
+  if (is_zero(shape.length)) {
+    stop_ = stop_ || target.exact_stop;
+    return true;
+  }
+  const LineBounds bounds = make_bounds(shape, limits_);
+  Line line;
+  line.steps = target.steps;
+  line.set_length(shape.length);
+  line.accel = LinePacked(bounds.accel);
+  line.speed = LinePacked(bounds.speed);
+  line.line = target.line;
+  line.power = target.power;
+  line.laser = target.rapid ? LinePower::off : target.laser;
+  line.rapid = target.rapid;
+  line.timed = target.timed && target.time_us != 0;
+  Real feed = Real(target.feed_um_min) * limits_.um_min;
+  if (line.timed) feed = shape.length / (Real(target.time_us) * Real(ticks_per_second / 1'000'000));
+  line.feed = LinePacked(is_zero(feed) ? bounds.speed : feed);
+  line.corner_2 = LinePacked(corner_2(line, shape));
+  const std::uint32_t number = ring_.end();
+  ring_.push(line);
+  end_ = target.steps;
+  last_ = shape;
+  stop_ = target.exact_stop;
+  LineCap limit;
+  if (short_chords_.add(number, end_, shape, limits_, limit)) cap(limit);
+  if (long_chords_.add(number, end_, shape, limits_, limit)) cap(limit);
+  return true;
+}
+
+Real LinePlanner::corner_2(const Line& line, const LineShape& shape) const {
+  if (ring_.empty() || stop_ || is_zero(last_.length)) return {};
+  const Real slower = least(line.speed.real(), ring_.at(ring_.end() - 1).speed.real());
+  return least(slower * slower, corner_speed_2(last_, shape, limits_));
+}
+
+void LinePlanner::cap(const LineCap& cap) {
+  const std::uint32_t open = ring_.begin() + 1;
+  const LinePacked speed_2(cap.speed_2);
+  for (std::uint32_t i = is_before(cap.first, open) ? open : cap.first; !is_before(cap.last, i);
+       ++i) {
+    Line& line = ring_.at(i);
+    if (!(speed_2 < line.corner_2)) continue;
+    line.corner_2 = speed_2;
+    if (speed_2 < line.entry_2) lookahead_.reset();
+  }
+}
+
+void LinePlanner::begin_line() {
+  const Line& line = ring_.at(ring_.begin());
+  StepPosition from{};
+  for (int a = 0; a < max_axes; ++a) from[index(a)] = at_.axis[index(a)].step();
+  way_.steps = way_between(from, line.steps);
+  way_.target = line.steps;
+  longest_ = 0;
+  for (int a = 1; a < max_axes; ++a)
+    if (abs64(way_.steps[index(a)]) > abs64(way_.steps[index(longest_)])) longest_ = a;
+  length_ = line.length();
+  way_.per_length = Real(1u) / length_;
+  // What feed and length say, for the time itself is not kept.
+  time_left_ = line.timed ? length_ / line.feed.real() : Real();
+  begun_ = true;
+}
+
+Real LinePlanner::task_speed(const Line& line, const LineTask& task) const {
+  if (!line.timed) return nominal_speed(line, factor_);
+  LineTask fastest = task;
+  fastest.speed = line.speed.real();
+  return speed_for_time(fastest, time_left_ / factor_.feed);
+}
+
+LineTask LinePlanner::task() {
+  const Line& line = ring_.at(ring_.begin());
+  LineTask task;
+  task.length = length_left(way_, length_, longest_, at_);
+  task.start = speed_;
+  task.end = square_root(lookahead_.exit_speed_2(ring_, factor_));
+  task.accel = line.accel.real();
+  task.speed = task_speed(line, task);
+  task.stop = held_;
+  task.slice_ticks = line_slice_ticks;
+  return task;
+}
+
+bool LinePlanner::next(LineSegment& out) {
+  if (ring_.empty() || (held_ && at_rest())) return end_cancel(out);
+  if (!begun_) begin_line();
+  const LineRun run = make_run(task());
+  const Line& line = ring_.at(ring_.begin());
+  out.segment = make_segment(at_, way_, run);
+  out.segment.ends_point = run.whole;
+  out.segment.point = line.line;
+  out.line = line.line;
+  out.ends_line = run.whole;
+  out.rapid = line.rapid;
+  out.settles = false;
+  out.power_start = power(line, run.start);
+  out.power_cruise = power(line, run.cruise);
+  out.power_end = power(line, run.end);
+  at_ = out.segment.end;
+  advance(run);
+  return true;
+}
+
+void LinePlanner::advance(const LineRun& run) {
+  speed_ = run.next;
+  time_left_ = difference(time_left_, Real(run.ticks()) * factor_.feed);
+  if (!run.whole) return;
+  ring_.pop();
+  begun_ = false;
+}
+
+/// At rest after cancel(): to the middle of the step, then all is forgotten.
+bool LinePlanner::end_cancel(LineSegment& out) {
+  if (!cancelled_ || !at_rest()) return false;
+  held_ = cancelled_ = false;
+  const std::uint32_t ticks = settling_ticks();
+  if (ticks != 0) {
+    out = {};
+    out.settles = true;
+    out.segment = make_settling(at_, ticks);
+    at_ = out.segment.end;
+  }
+  forget();
+  return ticks != 0;
+}
+
+/// Rest to rest over w takes 2 sqrt(w/A).
+std::uint32_t LinePlanner::settling_ticks() const {
+  Real longest;
+  for (int a = 0; a < limits_.axes; ++a) {
+    const LineAxis& axis = limits_.axis[index(a)];
+    const std::uint64_t at = at_.axis[index(a)].position_q64.lo();
+    const std::uint64_t off = at < half_step_q64 ? half_step_q64 - at : at - half_step_q64;
+    if (off >> 44 == 0) continue;  // 1e-6 step
+    longest = most(longest, Real(off, -64) * axis.unit / axis.accel);
+  }
+  if (is_zero(longest)) return 0;
+  // Two equal phases.
+  const std::uint32_t half = whole_up(square_root(longest), most_settling_ticks) + 1;
+  return 2 * within(half, least_settling_ticks, most_settling_ticks);
+}
+
+std::uint16_t LinePlanner::power(const Line& line, Real speed) const {
+  if (line.laser == LinePower::off) return 0;
+  if (line.laser == LinePower::constant) return line.power;
+  const Real power = speed * Real(line.power) / line.feed.real();
+  return static_cast<std::uint16_t>(whole_down(power + Real(1u, -1), full_power));
+}
+
+}  // namespace lamplock::motion

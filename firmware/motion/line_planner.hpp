@@ -1,0 +1,120 @@
+// The path planner without a lamp: lines of a program, run as fast as the machine can.
+//
+// In:  lines, one at a time (push), overrides, hold, resume, cancel.
+// Out: segments for the tick generator, one at a time (next), and the laser's power over each.
+// Called by the main loop, or the core that plans; push() and next() by the same one. Budget: 5000
+// lines of one segment a second on the Cortex-M0+, 20 thousand cycles each, all told.
+//
+//   lines -> geometry -> ring -> look-ahead -> run -> segment
+//            line_geometry.hpp   line_lookahead.hpp   line_segment.hpp
+//            line_chords.hpp             line_profile.hpp
+//
+// Behind everything handed out stands a stop: the planned speed at the end of the ring is zero,
+// and what is handed out can always be followed by braking along the lines in it. Lines that come
+// later only make it faster. A segment is a slice of at most `slice_ticks`, and every slice is
+// planned from where the last one ended, so an override is in force with the next one: where the
+// machine is faster than it may be by then, it brakes as it can. A hold stops on the path, inside a
+// line if it comes to that, and resume() goes on from there to the same end.
+//
+// Times: the ticks of segments are what is planned, nothing is rounded behind that; a line takes
+// up to two ticks longer than it would without whole ticks (line_profile.hpp).
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/motion/line_chords.hpp"
+#include "firmware/motion/line_lookahead.hpp"
+#include "firmware/motion/line_ring.hpp"
+#include "firmware/motion/line_segment.hpp"
+#include "firmware/stepper/segment.hpp"
+
+namespace lamplock::motion {
+
+/// The longest segment: with two of them handed out ahead, overrides are in force within 50 ms.
+inline constexpr std::uint32_t line_slice_ticks = 16 * (ticks_per_second / 1000);
+
+/// A segment and what the laser does meanwhile. Power changes evenly over lead and tail; 65535 is
+/// all.
+struct LineSegment {
+  stepper::Segment segment;
+  std::uint16_t power_start = 0;
+  std::uint16_t power_cruise = 0;
+  std::uint16_t power_end = 0;
+  std::uint32_t line = 0;  ///< that of the target
+  bool ends_line = false;  ///< its end is the target
+  bool rapid = false;
+  bool settles = false;  ///< less than a step, after cancel(); may be longer than a slice
+};
+
+class LinePlanner {
+ public:
+  /// `limits` stays where it is. The ring is emptied.
+  LinePlanner(LineRing& ring, const LineLimits& limits);
+
+  /// Starts anew from a state at rest, in the middle of its steps. `limits` may have changed.
+  void start(const stepper::MotionState& at);
+  /// The next segment starts at `tick`; only while at_rest().
+  void set_tick(std::uint64_t tick) { at_.tick = tick; }
+
+  /// Takes a line; false if the ring is full. One of no length is taken and leaves nothing but its
+  /// exact stop.
+  bool push(const LineTarget& target);
+  /// Makes the next segment; false if there is nothing to do: everything is done, or held and at
+  /// rest.
+  bool next(LineSegment& out);
+
+  /// 10 to 200; acts on what is not handed out. Never above the machine's limits.
+  void set_feed_percent(std::uint32_t percent);
+  /// 1 to 100.
+  void set_rapid_percent(std::uint32_t percent);
+  /// Comes to rest on the path and stays there until resume().
+  void hold() { held_ = true; }
+  void resume() { held_ = cancelled_; }
+  /// Comes to rest and forgets all lines; then it is not held. Nothing may be pushed until idle().
+  void cancel() { held_ = cancelled_ = true; }
+
+  /// No motion behind what is handed out, unless next() makes some.
+  bool at_rest() const { return is_zero(speed_); }
+  /// At rest, and nothing to do.
+  bool idle() const { return at_rest() && ring_.empty() && !cancelled_; }
+  bool held() const { return held_; }
+  std::uint32_t free() const { return LineRing::capacity - ring_.size(); }
+  std::uint32_t lines() const { return ring_.size(); }
+  /// Where all that was handed out ends.
+  const stepper::MotionState& state() const { return at_; }
+
+ private:
+  void forget();
+  void begin_line();
+  Real corner_2(const Line& line, const LineShape& shape) const;
+  void cap(const LineCap& cap);
+  LineTask task();
+  Real task_speed(const Line& line, const LineTask& task) const;
+  bool end_cancel(LineSegment& out);
+  std::uint32_t settling_ticks() const;
+  std::uint16_t power(const Line& line, Real speed) const;
+  void advance(const LineRun& run);
+
+  LineRing& ring_;
+  const LineLimits& limits_;
+  LineOverride factor_;
+  LineLookahead lookahead_;
+  bool held_ = false, cancelled_ = false;
+
+  // The end of the ring.
+  StepPosition end_{};
+  LineShape last_;     ///< of the last line; no length = none
+  bool stop_ = false;  ///< at its end
+  LineChords short_chords_, long_chords_;
+
+  // The line under way: the first in the ring.
+  stepper::MotionState at_;
+  Real speed_;  ///< along it
+  bool begun_ = false;
+  LineWay way_;
+  Real length_;
+  int longest_ = 0;
+  Real time_left_;  ///< ticks at 100 %, if it is timed
+};
+
+}  // namespace lamplock::motion

@@ -1,0 +1,178 @@
+#include "firmware/motion/line_profile.hpp"
+
+namespace lamplock::motion {
+namespace {
+
+/// No phase is longer; what is longer is run in slices anyway.
+constexpr std::uint32_t longest_phase = std::uint32_t{1} << 29;
+/// A phase shorter than this part of a tick is none: 2^-4.
+constexpr int no_phase_bits = 4;
+/// Part of a squared speed that is rounding: 2^-12, within the room of line_geometry.cpp.
+constexpr int rounding_bits = 12;
+
+std::uint32_t within(std::uint32_t value, std::uint32_t low, std::uint32_t high) {
+  return value < low ? low : value > high ? high : value;
+}
+
+Real square(Real v) { return v * v; }
+/// Where a speed changes steadily: its way in units of half a tick.
+Real way_2(Real v0, Real v1, std::uint32_t ticks) { return (v0 + v1) * Real(ticks); }
+
+/// Speeds and times, not yet in whole ticks.
+struct Phases {
+  Real v0, vc, v1;
+  Real lead, cruise, tail;
+  bool brakes = false;  ///< from a speed that is too high by now
+};
+
+/// Brakes all along and is too fast at the end still, or just not.
+Phases brake_all(const LineTask& task, Real v1) {
+  Phases p;
+  p.v0 = task.start;
+  p.vc = p.v1 = v1;
+  p.lead = times_power(task.length, 1) / (p.v0 + v1);
+  p.brakes = true;
+  return p;
+}
+
+/// Speeds; the times of lead and tail.
+Phases make_speeds(const LineTask& task) {
+  const Real change_2 = times_power(task.accel * task.length, 1);
+  const Real v0_2 = square(task.start);
+  Real end = least(task.end, task.speed);
+  const Real too_fast_2 = difference(v0_2, square(end) + change_2);
+  if (times_power(v0_2, -rounding_bits) < too_fast_2)
+    return brake_all(task, square_root(difference(v0_2, change_2)));
+  const Real speed_2 = square(task.speed);
+  Phases p;
+  p.v0 = task.start;
+  // Less than an acceleration takes away in a tick is no braking.
+  p.brakes = task.speed + task.accel < p.v0;
+  if (!p.brakes) p.v0 = least(p.v0, task.speed);
+  if (p.brakes) {
+    const Real after_2 = difference(v0_2, change_2);
+    if (!(after_2 < speed_2)) return brake_all(task, square_root(after_2));
+    p.vc = task.speed;
+  } else {
+    end = least(end, square_root(v0_2 + change_2));
+    const Real peak = square_root(times_power(v0_2 + square(end) + change_2, -1));
+    p.vc = most(most(p.v0, end), least(peak, task.speed));
+  }
+  p.v1 = end;
+  p.lead = most(difference(p.vc, p.v0), difference(p.v0, p.vc)) / task.accel;
+  p.tail = difference(p.vc, p.v1) / task.accel;
+  const Real ramps_2 = (p.v0 + p.vc) * p.lead + (p.vc + p.v1) * p.tail;
+  p.cruise = times_power(difference(times_power(task.length, 1), ramps_2), -1) / p.vc;
+  return p;
+}
+
+std::uint32_t phase_ticks(Real time, bool needed) {
+  if (!needed && time < Real(1u, -no_phase_bits)) return 0;
+  const std::uint32_t ticks = whole_up(time, longest_phase);
+  return ticks == 0 ? 1 : ticks;
+}
+
+/// Rounded up to whole ticks, at the planned speeds.
+LineRun round_up(const LineTask& task, const Phases& p) {
+  LineRun run;
+  run.start = p.v0;
+  run.cruise = p.vc;
+  run.end = run.next = p.v1;
+  // From rest and to rest it takes a phase, however short.
+  run.lead_ticks = phase_ticks(p.lead, is_zero(p.v0));
+  run.tail_ticks = phase_ticks(p.tail, is_zero(p.v1) && !is_zero(p.vc));
+  const Real ramps_2 = way_2(p.v0, p.vc, run.lead_ticks) + way_2(p.vc, p.v1, run.tail_ticks);
+  const Real left_2 = difference(times_power(task.length, 1), ramps_2);
+  // What rounding has left is no tick.
+  if (times_power(p.vc, 1 - no_phase_bits) < left_2 || run.ticks() == 0)
+    run.cruise_ticks = phase_ticks(times_power(left_2, -1) / p.vc, true);
+  return run;
+}
+
+/// The end of the line in whole ticks: see the header.
+void fit(const LineTask& task, bool brakes, LineRun& run) {
+  const Real length_2 = times_power(task.length, 1);
+  const Real ends_2 = (run.lead_ticks == 0 ? Real() : run.start * Real(run.lead_ticks)) +
+                      run.end * Real(run.tail_ticks);
+  const Real cruise = difference(length_2, ends_2) /
+                      Real(run.lead_ticks + 2 * std::uint64_t{run.cruise_ticks} + run.tail_ticks);
+  const bool low =
+      (run.lead_ticks != 0 && cruise < run.start) || (run.tail_ticks != 0 && cruise < run.end);
+  if (!brakes && !low) {
+    run.cruise = cruise;
+    if (run.lead_ticks == 0) run.start = cruise;
+    if (run.tail_ticks == 0) run.end = cruise;
+    return;
+  }
+  const Real way = way_2(run.start, run.cruise, run.lead_ticks) +
+                   times_power(run.cruise * Real(run.cruise_ticks), 1) +
+                   way_2(run.cruise, run.end, run.tail_ticks);
+  const Real factor = least(length_2 / way, Real(1u));
+  run.start = run.start * factor;
+  run.cruise = run.cruise * factor;
+  run.end = run.end * factor;
+}
+
+/// The first `ticks` of it; phases end a part of a tick early.
+LineRun cut(const LineTask& task, const Phases& p, std::uint32_t ticks) {
+  LineRun run;
+  run.start = p.v0;
+  run.lead_ticks = whole_down(p.lead, ticks);
+  const Real change = task.accel * Real(run.lead_ticks);
+  run.cruise = p.brakes ? difference(p.v0, change) : least(p.v0 + change, p.vc);
+  run.cruise_ticks = whole_down(p.cruise, ticks - run.lead_ticks);
+  run.tail_ticks = ticks - run.lead_ticks - run.cruise_ticks;
+  run.end = difference(run.cruise, task.accel * Real(run.tail_ticks));
+  run.next = run.end;
+  return run;
+}
+
+/// Brakes to rest inside the line; false if it is too long for that.
+bool make_stop(const LineTask& task, LineRun& run) {
+  const std::uint32_t ticks = whole_up(task.start / task.accel, longest_phase);
+  if (times_power(task.length, 1) < task.start * Real(ticks)) return false;
+  run = {};
+  run.start = task.start;
+  if (ticks > task.slice_ticks) {
+    run.lead_ticks = ticks > 2 * task.slice_ticks ? task.slice_ticks : ticks / 2;
+    run.cruise = difference(task.start, task.accel * Real(run.lead_ticks));
+    run.end = run.next = run.cruise;
+  } else {
+    run.lead_ticks = ticks;
+  }
+  return true;
+}
+
+}  // namespace
+
+LineRun make_run(const LineTask& asked) {
+  LineTask task = asked;
+  LineRun run;
+  if (task.stop) {
+    if (is_zero(task.start) || make_stop(task, run)) return run;
+    task.end = {};
+    task.speed = task.start;
+  }
+  const Phases p = make_speeds(task);
+  run = round_up(task, p);
+  const std::uint32_t ticks = run.ticks(), slice = task.slice_ticks;
+  // Down to a lower speed by itself, and from there with nothing in a hurry.
+  if (p.brakes && run.cruise_ticks + run.tail_ticks != 0)
+    return cut(task, p, within(whole_down(p.lead, slice), 1, slice));
+  if (ticks > slice) return cut(task, p, ticks > 2 * slice ? slice : ticks / 2);
+  run.whole = true;
+  fit(task, p.brakes, run);
+  return run;
+}
+
+Real speed_for_time(const LineTask& task, Real ticks) {
+  // v^2 - (a T + v0 + v1) v + (a l + (v0^2 + v1^2)/2) = 0, the lower root.
+  const Real half = times_power(task.accel * ticks + task.start + task.end, -1);
+  const Real last =
+      task.accel * task.length + times_power(square(task.start) + square(task.end), -1);
+  if (square(half) < last) return task.speed;
+  const Real root = square_root(difference(square(half), last));
+  return least(task.speed, last / (half + root));
+}
+
+}  // namespace lamplock::motion

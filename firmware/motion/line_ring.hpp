@@ -1,0 +1,86 @@
+// The lines of a program that the planner knows: the ring that it looks ahead in.
+//
+// In:  one line at a time, measured (line_geometry.hpp).
+// Out: the line that is run, and what those behind it allow.
+// One owner: the planner. Its length is set by braking distance: 100 mm/s through lines of 0.1 mm
+// at 1 m/s2 need 50.
+//
+// Units: a length is in steps of the coarsest axis, as mm are (path_geometry.hpp); time in ticks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/motion/line_real.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::motion {
+
+/// What the laser does along a line.
+enum class LinePower : std::uint8_t {
+  off,
+  constant,     ///< the same at any speed
+  proportional  ///< to actual over programmed speed
+};
+
+/// A straight line, as it is asked for.
+struct LineTarget {
+  StepPosition steps{};           ///< where it ends
+  std::uint32_t feed_um_min = 0;  ///< speed along it; not of rapids, not if timed
+  std::uint32_t time_us = 0;      ///< time for it, if timed
+  std::uint32_t line = 0;         ///< carried along
+  std::uint16_t power = 0;        ///< of the laser, 65535 = all
+  LinePower laser = LinePower::off;
+  bool rapid = false;  ///< at the machine's speed, laser off
+  bool timed = false;
+  bool exact_stop = false;  ///< a stop at its end
+};
+
+/// A line in the ring.
+struct Line {
+  StepPosition steps{};
+  std::uint32_t length_mantissa = 0;  ///< 32 bits of it: the way has to come out exactly
+  LinePacked accel;                   ///< along it
+  LinePacked speed;                   ///< highest that the axes can do along it
+  LinePacked feed;                    ///< programmed, at 100 %
+  LinePacked corner_2;                ///< highest speed at its start, squared
+  LinePacked entry_2;                 ///< planned speed there, squared
+  std::uint32_t line = 0;
+  std::uint16_t power = 0;
+  std::int8_t length_exponent = 0;
+  LinePower laser : 2 = LinePower::off;
+  bool rapid : 1 = false, timed : 1 = false;
+
+  Real length() const { return Real(length_mantissa, length_exponent); }
+  void set_length(Real length) {
+    length_mantissa = length.mantissa();
+    length_exponent = static_cast<std::int8_t>(length.exponent());
+  }
+};
+static_assert(sizeof(Line) <= 48);
+
+/// Fixed ring; indices only ever grow.
+class LineRing {
+ public:
+  static constexpr std::uint32_t capacity = 128;
+
+  std::uint32_t size() const { return end_ - begin_; }
+  bool empty() const { return begin_ == end_; }
+  bool full() const { return size() == capacity; }
+  std::uint32_t begin() const { return begin_; }
+  std::uint32_t end() const { return end_; }
+
+  Line& at(std::uint32_t i) { return lines_[i % capacity]; }
+  const Line& at(std::uint32_t i) const { return lines_[i % capacity]; }
+
+  void push(const Line& line) { at(end_++) = line; }
+  void pop() { ++begin_; }
+  void clear() { begin_ = end_; }
+
+ private:
+  std::array<Line, capacity> lines_{};
+  std::uint32_t begin_ = 0;
+  std::uint32_t end_ = 0;
+};
+
+}  // namespace lamplock::motion

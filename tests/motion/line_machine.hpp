@@ -1,0 +1,224 @@
+// A machine that runs lines: random machines and paths, what the planner makes of them, and what
+// holds for every segment.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "firmware/motion/line_planner.hpp"
+#include "firmware/motion/profile.hpp"
+#include "firmware/motion/pulse.hpp"
+#include "host/bench/machine.hpp"
+#include "shared/settings_table.hpp"
+#include "tests/motion/jerk_watch.hpp"
+#include "tests/motion/tick_sum.hpp"
+#include "tests/native_int128.hpp"
+
+namespace lamplock::test {
+
+using motion::LineSegment;
+using motion::LineTarget;
+using LineVector = std::array<double, max_axes>;
+
+inline double line_q62(std::int64_t v) { return std::ldexp(static_cast<double>(v), -62); }
+
+/// Settings of a machine in the units of the user, per axis.
+struct LineMachine {
+  int axes = 3;
+  LineVector steps_mm{200, 200, 200, 200}, speed_mm_s{1000, 1000, 1000, 1000},
+      accel_mm_s2{4000, 4000, 4000, 4000}, jerk_m_s3{}, jump_mm_s{};
+  double deviation_mm = 0.01;
+
+  /// Any beat does; this is the one that the limits are made with.
+  static constexpr double nominal_hz = 100;
+
+  double coarsest() const {
+    double least = steps_mm[0];
+    for (int a = 1; a < axes; ++a) least = std::min(least, steps_mm[index(a)]);
+    return least;
+  }
+  motion::Limits limits() const {
+    using settings::Id;
+    settings::Values values = bench::machine_settings(nominal_hz, 4, 0.1, axes, 200);
+    const auto set = [&](Id id, int a, double value) {
+      values.set_milli(settings::for_axis(id, a),
+                       static_cast<std::int32_t>(std::lround(value * 1e3)));
+    };
+    for (int a = 0; a < axes; ++a) {
+      set(Id::steps_per_mm_x, a, steps_mm[index(a)]);
+      set(Id::max_rate_x, a, speed_mm_s[index(a)] * 60);
+      set(Id::acceleration_x, a, accel_mm_s2[index(a)]);
+      set(Id::jerk_x, a, jerk_m_s3[index(a)]);
+      set(Id::speed_jump_x, a, jump_mm_s[index(a)]);
+    }
+    return bench::limits_of(values);
+  }
+  motion::LineLimits line_limits(const motion::Limits& limits) const {
+    return motion::make_line_limits(limits,
+                                    static_cast<std::int32_t>(std::lround(coarsest() * 1000)),
+                                    static_cast<std::uint32_t>(std::lround(deviation_mm * 1e6)));
+  }
+};
+
+/// The planner and what it has made so far.
+class LineRig {
+ public:
+  explicit LineRig(const LineMachine& machine)
+      : machine_(machine), limits_(machine.limits()), line_limits_(machine.line_limits(limits_)) {
+    stepper::MotionState at;
+    for (stepper::AxisState& a : at.axis) a.position_q64 = stepper::middle_of_step(0);
+    planner_.start(at);
+    from_ = at;
+  }
+
+  motion::LinePlanner& planner() { return planner_; }
+  const LineMachine& machine() const { return machine_; }
+  const motion::Limits& limits() const { return limits_; }
+  const motion::LineLimits& line_limits() const { return line_limits_; }
+  const std::vector<LineSegment>& segments() const { return segments_; }
+  /// Segments are looked at tick by tick for so many ticks, then by their ends.
+  void look_at_ticks(long ticks) { ticks_to_sum_ = ticks; }
+
+  /// Line numbers are indices of targets.
+  bool push(LineTarget target) {
+    target.line = static_cast<std::uint32_t>(targets_.size());
+    if (!planner_.push(target)) return false;
+    targets_.push_back(target);
+    return true;
+  }
+  /// One segment, looked at; false if there was none.
+  bool step() {
+    LineSegment s;
+    if (!planner_.next(s)) return false;
+    look_at(s);
+    segments_.push_back(s);
+    from_ = s.segment.end;
+    return !testing::Test::HasFatalFailure();
+  }
+  /// All there is.
+  void run() {
+    while (step()) {
+    }
+  }
+  /// Streams them all, the ring always as full as it can be, or up to `ahead` lines.
+  void stream(const std::vector<LineTarget>& targets, std::uint32_t ahead = 1000) {
+    std::size_t next = 0;
+    for (;;) {
+      while (next < targets.size() && planner_.lines() < ahead && push(targets[next])) ++next;
+      if (!step()) break;
+    }
+  }
+  double seconds() const { return static_cast<double>(from_.tick) * 1e-6; }
+  /// Along the path, at the end and at the start.
+  double speed_mm_s(const LineSegment& s) const {
+    PerAxis<std::int64_t> speeds{};
+    for (int a = 0; a < machine_.axes; ++a)
+      speeds[index(a)] = s.segment.end.axis[index(a)].speed_q62;
+    return norm_mm_s(speeds);
+  }
+  double start_mm_s(const LineSegment& s) const {
+    PerAxis<std::int64_t> speeds{};
+    for (int a = 0; a < machine_.axes; ++a) speeds[index(a)] = s.segment.axis[index(a)].speed_q62;
+    return norm_mm_s(speeds);
+  }
+  double cruise_mm_s(const LineSegment& s) const {
+    PerAxis<std::int64_t> speeds{};
+    for (int a = 0; a < machine_.axes; ++a)
+      speeds[index(a)] = s.segment.axis[index(a)].cruise_speed_q62();
+    return norm_mm_s(speeds);
+  }
+  /// What the acceleration makes of the speed in a tick, mm/s.
+  double tick_of_accel() const {
+    double squares = 0;
+    for (int a = 0; a < machine_.axes; ++a) squares += std::pow(machine_.accel_mm_s2[index(a)], 2);
+    return std::sqrt(squares) * 1e-6;
+  }
+  const stepper::MotionState& at() const { return from_; }
+  const std::vector<LineTarget>& targets() const { return targets_; }
+
+ private:
+  void look_at(const LineSegment& line);
+  void look_at_joint(const LineSegment& line) const;
+  double norm_mm_s(const PerAxis<std::int64_t>& speeds_q62) const {
+    double squares = 0;
+    for (int a = 0; a < machine_.axes; ++a)
+      squares += std::pow(line_q62(speeds_q62[index(a)]) * 1e6 / machine_.steps_mm[index(a)], 2);
+    return std::sqrt(squares);
+  }
+
+  LineMachine machine_;
+  motion::Limits limits_;
+  motion::LineLimits line_limits_;
+  motion::LineRing ring_;
+  motion::LinePlanner planner_{ring_, line_limits_};
+  std::vector<LineTarget> targets_;
+  std::vector<LineSegment> segments_;
+  stepper::MotionState from_;
+  long ticks_to_sum_ = 0;
+};
+
+inline double steps_off_middle(Int128 position_q64, std::int32_t step) {
+  return std::ldexp(static_cast<double>(native(position_q64 - stepper::middle_of_step(step))), -64);
+}
+
+/// The speed along the path goes on but for the whole ticks of both.
+inline void LineRig::look_at_joint(const LineSegment& line) const {
+  const double start = start_mm_s(line);
+  const double end = segments_.empty() ? 0 : speed_mm_s(segments_.back());
+  if (end == 0) {
+    ASSERT_EQ(start, 0);
+    return;
+  }
+  const LineSegment& before = segments_.back();
+  const bool exact = !before.ends_line && !line.ends_line;
+  const double share =
+      exact ? 0 : 4.0 / line.segment.ticks + (before.ends_line ? 4.0 / before.segment.ticks : 0);
+  ASSERT_NEAR(start, end, std::max(start, end) * (share + 1e-7) + 1e-6 + tick_of_accel());
+}
+
+inline void LineRig::look_at(const LineSegment& line) {
+  ASSERT_NO_FATAL_FAILURE(look_at_joint(line));
+  const stepper::Segment& s = line.segment;
+  SCOPED_TRACE(testing::Message() << "segment " << segments_.size() << ", line " << line.line
+                                  << " of " << targets_.size() << ", ticks " << s.ticks);
+  ASSERT_EQ(s.start_tick, from_.tick);
+  ASSERT_GE(s.ticks, 1u);
+  if (!line.settles) {
+    ASSERT_LE(s.ticks, motion::line_slice_ticks);
+  }
+  ASSERT_EQ(s.end.tick, s.start_tick + s.ticks);
+  const bool every_tick = ticks_to_sum_ > 0;
+  ticks_to_sum_ -= s.ticks;
+  for (int a = 0; a < machine_.axes; ++a) {
+    SCOPED_TRACE(testing::Message() << "axis " << a);
+    const stepper::AxisProfile& p = s.axis[index(a)];
+    const motion::AxisLimits& limit = limits_.axis[index(a)];
+    ASSERT_EQ(p.ticks(), s.ticks);
+    for (const std::int64_t speed : {p.speed_q62, p.cruise_speed_q62(), p.end_speed_q62()})
+      ASSERT_LE(abs64(speed), limit.speed_q62);
+    ASSERT_LE(abs64(p.lead_accel_q62), limit.accel_q62) << p.lead_ticks;
+    ASSERT_LE(abs64(p.tail_accel_q62), limit.accel_q62) << p.tail_ticks;
+    const stepper::AxisState& end = s.end.axis[index(a)];
+    ASSERT_EQ(native(end.position_q64),
+              native(from_.axis[index(a)].position_q64 + (stepper::displacement_q62(p) << 2)));
+    ASSERT_LE(abs64(p.end_speed_q62() - end.speed_q62), 40 * std::int64_t{s.ticks});
+    if (line.ends_line) {
+      ASSERT_LT(std::fabs(steps_off_middle(end.position_q64, targets_[line.line].steps[index(a)])),
+                2e-6);
+    }
+    if (every_tick) {
+      const TickSum sum = sum_ticks(p);
+      ASSERT_LE(sum.largest_speed_q62, limit.speed_q62);
+      ASSERT_LE(sum.largest_accel_q62, limit.accel_q62);
+      ASSERT_EQ(sum.sign_changes_outside_turns, 0);
+      ASSERT_EQ(native(end.position_q64) - native(from_.axis[index(a)].position_q64),
+                sum.end_q62 << 2);
+    }
+  }
+}
+
+}  // namespace lamplock::test

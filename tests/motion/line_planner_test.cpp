@@ -1,0 +1,119 @@
+// The line planner: what holds for every path, and how long paths take.
+#include "firmware/motion/line_planner.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/motion/line_machine.hpp"
+#include "tests/motion/line_paths.hpp"
+#include "tests/motion/line_reference.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::test {
+namespace {
+
+std::uint32_t feed(double mm_s) { return static_cast<std::uint32_t>(std::lround(mm_s * 60e3)); }
+
+LineTarget to_mm(const LineMachine& m, LineVector mm, double mm_s) {
+  LineTarget t;
+  for (int a = 0; a < m.axes; ++a)
+    t.steps[index(a)] = static_cast<std::int32_t>(std::lround(mm[index(a)] * m.steps_mm[index(a)]));
+  t.feed_um_min = feed(mm_s);
+  return t;
+}
+
+TEST(LinePlanner, ALineFromRestToRest) {
+  LineMachine m;
+  m.accel_mm_s2.fill(1000);
+  LineRig rig(m);
+  rig.look_at_ticks(1'000'000);
+  rig.push(to_mm(m, {30, 40, 0}, 100));
+  rig.run();
+  ASSERT_FALSE(testing::Test::HasFatalFailure());
+  EXPECT_TRUE(rig.at().at_rest());
+  EXPECT_TRUE(rig.planner().idle());
+  // 1.25 m/s2 along the line (0.8 of it is an axis' limit): l/v + v/a.
+  EXPECT_NEAR(rig.seconds(), 0.5 + 0.1 / 1.25, 0.0005);
+}
+
+/// Points on a curve of 0.1 mm lines.
+std::vector<LineTarget> curve(const LineMachine& m, double radius_mm, double length_mm,
+                              double mm_s) {
+  std::vector<LineTarget> targets;
+  for (double s = 0.1; s < length_mm; s += 0.1)
+    targets.push_back(to_mm(
+        m, {radius_mm * std::sin(s / radius_mm), radius_mm * (1 - std::cos(s / radius_mm)), 0},
+        mm_s));
+  return targets;
+}
+
+TEST(LinePlanner, GentlyCurvedPathOfDensePointsKeepsItsSpeed) {
+  LineMachine m;
+  m.accel_mm_s2.fill(1000);
+  LineRig rig(m);
+  rig.look_at_ticks(1'000'000);
+  const double length = 200, v = 100;
+  rig.stream(curve(m, 50, length, v));
+  ASSERT_FALSE(testing::Test::HasFatalFailure());
+  EXPECT_TRUE(rig.at().at_rest());
+  EXPECT_NEAR(rig.seconds(), length / v + v / 1000, 0.01 * length / v);
+  double slowest = 1e9;
+  for (const LineSegment& s : rig.segments()) {
+    const double t = static_cast<double>(s.segment.end.tick) * 1e-6;
+    if (t > 0.15 && t < rig.seconds() - 0.15) slowest = std::min(slowest, rig.speed_mm_s(s));
+  }
+  EXPECT_GT(slowest, 0.98 * v);
+}
+
+TEST(LinePlanner, TightCurvesOfDensePointsAreSlowedAsFarAsTheirRadiusNeeds) {
+  for (const double radius : {1.0, 2.0, 4.0}) {
+    LineMachine m;
+    m.accel_mm_s2.fill(1000);
+    LineRig rig(m);
+    rig.stream(curve(m, radius, 60, 200));
+    double fastest = 0, slowest = 1e9;
+    for (const LineSegment& s : rig.segments()) {
+      const double t = static_cast<double>(s.segment.end.tick) * 1e-6;
+      fastest = std::max(fastest, rig.speed_mm_s(s));
+      if (t > 0.25 && t < rig.seconds() - 0.25) slowest = std::min(slowest, rig.speed_mm_s(s));
+    }
+    const double right = std::sqrt(1000 * radius);
+    EXPECT_LT(fastest, 1.25 * right) << radius;
+    EXPECT_GT(slowest, 0.8 * right) << radius;
+    std::cout << radius << ": " << right << " " << slowest << " " << fastest << "\n";
+  }
+}
+
+TEST(LinePlanner, RandomPathsKeepLimitsAndTakeNoLongerThanTheyMust) {
+  double worst = 0;
+  for (int i = 0; i < scaled(100); ++i) {
+    SCOPED_TRACE(testing::Message() << "path " << i);
+    LineRandom random(static_cast<std::uint64_t>(i) + 9000);
+    const LineMachine m = random_machine(random);
+    const std::size_t count = 1 + random() % motion::LineRing::capacity;
+    const std::vector<LineTarget> targets =
+        random_lines(random, m, count, between(random, 0.02, 20));
+    LineRig rig(m);
+    rig.look_at_ticks(20'000);
+    for (const LineTarget& t : targets) ASSERT_TRUE(rig.push(t));
+    rig.run();
+    ASSERT_FALSE(testing::Test::HasFatalFailure());
+    ASSERT_TRUE(rig.at().at_rest());
+    ASSERT_TRUE(rig.planner().idle());
+    for (int a = 0; a < m.axes; ++a)
+      ASSERT_EQ(rig.at().axis[index(a)].step(), targets.back().steps[index(a)]);
+    const LineReference best(m, targets);
+    const double slack = 1e-6 * static_cast<double>(best.lines());
+    ASSERT_GE(rig.seconds(), best.seconds() * (1 - 1e-5) - 1e-6);
+    EXPECT_LE(rig.seconds(), best.seconds() * 1.005 + slack);
+    for (const LineSegment& s : rig.segments()) {
+      if (!s.ends_line) continue;
+      // Next to a way back, directions are not known well enough for less.
+      ASSERT_LE(rig.speed_mm_s(s), best.end_mm_s(s.line) * (1 + 1e-5) + 0.05 * rig.tick_of_accel());
+    }
+    worst = std::max(worst, (rig.seconds() - slack) / best.seconds() - 1);
+  }
+  std::cout << "slower than the reference and a tick per line: " << worst << "\n";
+}
+
+}  // namespace
+}  // namespace lamplock::test
