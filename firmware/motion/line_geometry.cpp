@@ -9,6 +9,8 @@ namespace {
 /// feels what is left of a way in a short time; 1/8192 of a speed.
 constexpr int accel_room_bits = 9;
 constexpr int speed_room_bits = 13;
+/// The ramp of a pulse is found to 1/256 of its length, its peak may be higher by twice that.
+constexpr int pulse_room_bits = 6;
 /// Changes of direction below this are rounding of the cosines themselves.
 constexpr std::uint32_t noise_q30 = 16;
 constexpr std::int64_t dot_noise_q60 = std::int64_t{noise_q30} << 32;
@@ -111,10 +113,11 @@ LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
     line.unit = Real(axis.weight_q31, -31);
     line.speed = with_room(limit(axis.speed_q62, 62, line.unit), speed_room_bits);
     line.accel = with_room(limit(axis.accel_q62, 62, line.unit), accel_room_bits);
-    line.jerk = with_room(limit(axis.jerk_q78, 78, line.unit), accel_room_bits);
     line.jump = limit(axis.jump_q62, 62, line.unit);
-    if (axis.jerk_q78 != 0) out.limit_jerk = true;
   }
+  out.rise = make_rise(limits);
+  if (out.rise.none()) return out;
+  for (LineAxis& axis : out.axis) axis.accel = with_room(axis.accel, pulse_room_bits);
   return out;
 }
 
@@ -150,7 +153,7 @@ LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limit
 }
 
 LineBounds make_bounds(const LineShape& shape, const LineLimits& limits) {
-  LineBounds bounds{endless(), endless(), endless()};
+  LineBounds bounds{endless(), endless()};
   for (int a = 0; a < limits.axes; ++a) {
     // What is less than the cosines can show is shown as 1.
     const std::uint64_t cosine = magnitude(shape.cosine_q30[index(a)]);
@@ -159,7 +162,6 @@ LineBounds make_bounds(const LineShape& shape, const LineLimits& limits) {
     const LineAxis& axis = limits.axis[index(a)];
     bounds.speed = least(bounds.speed, axis.speed * per);
     bounds.accel = least(bounds.accel, axis.accel * per);
-    if (!is_zero(axis.jerk)) bounds.jerk = least(bounds.jerk, axis.jerk * per);
   }
   return bounds;
 }

@@ -22,6 +22,7 @@
 
 #include "firmware/motion/limits.hpp"
 #include "firmware/motion/line_real.hpp"
+#include "firmware/motion/line_rise.hpp"
 
 namespace lamplock::motion {
 
@@ -30,14 +31,13 @@ struct LineAxis {
   Real unit;  ///< length of a step; 1 for the coarsest axis
   Real speed;
   Real accel;
-  Real jerk;  ///< 0 = not limited
   Real jump;
   std::uint32_t weight_q31 = 0;
 };
 
 struct LineLimits {
   int axes = 0;
-  bool limit_jerk = false;
+  LineRise rise;  ///< how accelerations rise, the same for every line
   PerAxis<LineAxis> axis{};
   Real um_min;     ///< speed of 1 um/min
   Real deviation;  ///< junction deviation
@@ -59,7 +59,6 @@ LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limit
 struct LineBounds {
   Real speed;
   Real accel;
-  Real jerk;
 };
 LineBounds make_bounds(const LineShape& shape, const LineLimits& limits);
 

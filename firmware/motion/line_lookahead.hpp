@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include "firmware/motion/line_ring.hpp"
+#include "firmware/motion/line_rise.hpp"
 
 namespace lamplock::motion {
 
@@ -32,10 +33,10 @@ class LineLookahead {
   /// Limits have changed: nothing is settled.
   void reset() { stale_ = true; }
   /// Squared speed at the end of the first line in the ring.
-  Real exit_speed_2(LineRing& ring, const LineOverride& factor);
+  Real exit_speed_2(LineRing& ring, const LineOverride& factor, const LineRise& rise);
 
  private:
-  void plan(LineRing& ring, const LineOverride& factor);
+  void plan(LineRing& ring, const LineOverride& factor, const LineRise& rise);
 
   std::uint32_t settled_ = 0;  ///< the joint up to which nothing changes any more
   std::uint32_t end_ = 0;      ///< of the ring in the last pass

@@ -25,9 +25,10 @@ bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32
 
 }  // namespace
 
-LinePlanner::LinePlanner(LineRing& ring, const LineLimits& limits)
+LinePlanner::LinePlanner(LineRing& ring, const LineLimits& limits, const Limits& axes)
     : ring_(ring),
       limits_(limits),
+      axes_(axes),
       short_chords_(short_chord_steps),
       long_chords_(long_chord_steps) {
   forget();
@@ -140,8 +141,9 @@ LineTask LinePlanner::task() {
   LineTask task;
   task.length = length_left(way_, length_, longest_, at_);
   task.start = speed_;
-  task.end = square_root(lookahead_.exit_speed_2(ring_, factor_));
+  task.end = square_root(lookahead_.exit_speed_2(ring_, factor_, limits_.rise));
   task.accel = line.accel.real();
+  task.rise = limits_.rise;
   task.speed = task_speed(line, task);
   task.stop = held_;
   task.slice_ticks = line_slice_ticks;
@@ -153,7 +155,7 @@ bool LinePlanner::next(LineSegment& out) {
   if (!begun_) begin_line();
   const LineRun run = make_run(task());
   const Line& line = ring_.at(ring_.begin());
-  out.segment = make_segment(at_, way_, run);
+  out.segment = make_segment(at_, way_, run, axes_, !limits_.rise.none());
   out.segment.ends_point = run.whole;
   out.segment.point = line.line;
   out.line = line.line;

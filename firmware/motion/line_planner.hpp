@@ -26,12 +26,10 @@
 #include "firmware/motion/line_lookahead.hpp"
 #include "firmware/motion/line_ring.hpp"
 #include "firmware/motion/line_segment.hpp"
+#include "firmware/motion/line_slice.hpp"
 #include "firmware/stepper/segment.hpp"
 
 namespace lamplock::motion {
-
-/// The longest segment: with two of them handed out ahead, overrides are in force within 50 ms.
-inline constexpr std::uint32_t line_slice_ticks = 16 * (ticks_per_second / 1000);
 
 /// A segment and what the laser does meanwhile. Power changes evenly over lead and tail; 65535 is
 /// all.
@@ -48,8 +46,9 @@ struct LineSegment {
 
 class LinePlanner {
  public:
-  /// `limits` stays where it is. The ring is emptied.
-  LinePlanner(LineRing& ring, const LineLimits& limits);
+  /// The limits stay where they are; `axes` are those that `limits` was made of. The ring is
+  /// emptied.
+  LinePlanner(LineRing& ring, const LineLimits& limits, const Limits& axes);
 
   /// Starts anew from a state at rest, in the middle of its steps. `limits` may have changed.
   void start(const stepper::MotionState& at);
@@ -97,6 +96,7 @@ class LinePlanner {
 
   LineRing& ring_;
   const LineLimits& limits_;
+  const Limits& axes_;
   LineOverride factor_;
   LineLookahead lookahead_;
   bool held_ = false, cancelled_ = false;

@@ -7,6 +7,10 @@ namespace {
 constexpr std::uint32_t longest_phase = std::uint32_t{1} << 29;
 /// A phase shorter than this part of a tick is none: 2^-4.
 constexpr int no_phase_bits = 4;
+/// Less than this is no way: 2^-20.
+constexpr int no_length_bits = 20;
+/// Part of a way that is rounding: 2^-26.
+constexpr int way_noise_bits = 26;
 /// Part of a squared speed that is rounding: 2^-12, within the room of line_geometry.cpp.
 constexpr int rounding_bits = 12;
 
@@ -35,8 +39,60 @@ Phases brake_all(const LineTask& task, Real v1) {
   return p;
 }
 
+/// A change of speed by less than this part of it: 2^-10.
+constexpr int hardly_bits = 10;
+/// How often the interval of the speed in the middle is halved.
+constexpr int search_steps = 18;
+
+/// Highest speed up to which pulses fit, at least the higher end.
+Real highest_middle(const LineTask& task, const LineRamps& ramps, Real end) {
+  const Real length_2 = times_power(task.length, 1);
+  const auto fits = [&](Real v) {
+    return !(length_2 < ramps.way_2(task.start, v) + ramps.way_2(v, end));
+  };
+  Real low = most(task.start, end), high = task.speed;
+  if (fits(high)) return high;
+  for (int i = 0; i < search_steps; ++i) {
+    const Real middle = middle_of(low, high);
+    (fits(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+/// The same where jerk is limited: all phases are pulses.
+Phases make_pulse_speeds(const LineTask& task) {
+  const LineRamps ramps{task.accel, task.rise};
+  const Real length_2 = times_power(task.length, 1);
+  const Real all_2 = length_2 + times_power(length_2, -rounding_bits);
+  Real end = least(task.end, task.speed);
+  if (end < task.start && all_2 < ramps.way_2(task.start, end))
+    return brake_all(task, ramps.lowest(task.start, task.length));
+  Phases p;
+  p.v0 = task.start;
+  p.brakes = task.speed + task.accel < p.v0;
+  if (p.brakes) {
+    const Real down_2 = ramps.way_2(p.v0, task.speed) + ramps.way_2(task.speed, end);
+    if (length_2 < down_2) return brake_all(task, end);
+    p.vc = task.speed;
+  } else {
+    p.v0 = least(p.v0, task.speed);
+    if (p.v0 < end) end = least(end, ramps.highest(p.v0, task.length));
+    p.vc = highest_middle(task, ramps, end);
+    // What rounding has left of a tail is not worth a pulse.
+    const bool hardly = difference(p.vc, p.v0) < times_power(p.v0, -hardly_bits);
+    if (hardly && !(p.v0 < end)) p.vc = p.v0;
+  }
+  p.v1 = end;
+  p.lead = ramps.ticks(p.v0, p.vc);
+  p.tail = ramps.ticks(p.vc, p.v1);
+  const Real ramps_2 = (p.v0 + p.vc) * p.lead + (p.vc + p.v1) * p.tail;
+  p.cruise = times_power(difference(length_2, ramps_2), -1) / p.vc;
+  return p;
+}
+
 /// Speeds; the times of lead and tail.
 Phases make_speeds(const LineTask& task) {
+  if (!task.rise.none()) return make_pulse_speeds(task);
   const Real change_2 = times_power(task.accel * task.length, 1);
   const Real v0_2 = square(task.start);
   Real end = least(task.end, task.speed);
@@ -83,8 +139,8 @@ LineRun round_up(const LineTask& task, const Phases& p) {
   run.tail_ticks = phase_ticks(p.tail, is_zero(p.v1) && !is_zero(p.vc));
   const Real ramps_2 = way_2(p.v0, p.vc, run.lead_ticks) + way_2(p.vc, p.v1, run.tail_ticks);
   const Real left_2 = difference(times_power(task.length, 1), ramps_2);
-  // What rounding has left is no tick.
-  if (times_power(p.vc, 1 - no_phase_bits) < left_2 || run.ticks() == 0)
+  // More than rounding has left, which a short phase would feel.
+  if (times_power(times_power(task.length, 1), -way_noise_bits) < left_2 || run.ticks() == 0)
     run.cruise_ticks = phase_ticks(times_power(left_2, -1) / p.vc, true);
   return run;
 }
@@ -127,20 +183,61 @@ LineRun cut(const LineTask& task, const Phases& p, std::uint32_t ticks) {
   return run;
 }
 
+/// A slice's part of a phase that is too long for one.
+std::uint32_t part_of(std::uint32_t ticks, std::uint32_t slice) {
+  return ticks > 2 * slice ? slice : ticks / 2;
+}
+
+/// The first part of it where phases are pulses: whole ones, or parts of half a slice at least.
+/// They are planned with ticks to spare, so that a part of one less does no harm.
+LineRun cut_pulses(const LineTask& task, const Phases& p) {
+  const std::uint32_t slice = task.slice_ticks;
+  LineRun run;
+  run.start = run.cruise = p.v0;
+  const std::uint32_t lead = whole_down(p.lead, longest_phase);
+  if (lead > slice) {
+    run.lead_ticks = part_of(lead, slice);
+    const Real change =
+        most(difference(p.vc, p.v0), difference(p.v0, p.vc)) / p.lead * Real(run.lead_ticks);
+    run.cruise = p.vc < p.v0 ? difference(p.v0, change) : p.v0 + change;
+  } else {
+    run.lead_ticks = lead;
+    run.cruise = p.vc;
+    run.cruise_ticks = whole_down(p.cruise, slice - lead);
+    if (lead == 0) run.start = run.cruise;
+  }
+  run.end = run.cruise;
+  if (run.ticks() == 0) {
+    run.tail_ticks = part_of(whole_down(p.tail, longest_phase), slice);
+    run.end = difference(p.vc, difference(p.vc, p.v1) / p.tail * Real(run.tail_ticks));
+  }
+  run.next = run.end;
+  return run;
+}
+
 /// Brakes to rest inside the line; false if it is too long for that.
 bool make_stop(const LineTask& task, LineRun& run) {
-  const std::uint32_t ticks = whole_up(task.start / task.accel, longest_phase);
+  const LineRamps ramps{task.accel, task.rise};
+  const std::uint32_t ticks = whole_up(ramps.ticks(task.start, Real()), longest_phase);
   if (times_power(task.length, 1) < task.start * Real(ticks)) return false;
   run = {};
   run.start = task.start;
   if (ticks > task.slice_ticks) {
-    run.lead_ticks = ticks > 2 * task.slice_ticks ? task.slice_ticks : ticks / 2;
-    run.cruise = difference(task.start, task.accel * Real(run.lead_ticks));
+    run.lead_ticks = part_of(ticks, task.slice_ticks);
+    run.cruise = difference(task.start, task.start / Real(ticks) * Real(run.lead_ticks));
     run.end = run.next = run.cruise;
   } else {
     run.lead_ticks = ticks;
   }
   return true;
+}
+
+/// The line is over already.
+LineRun stand() {
+  LineRun run;
+  run.cruise_ticks = 1;
+  run.whole = true;
+  return run;
 }
 
 }  // namespace
@@ -153,12 +250,20 @@ LineRun make_run(const LineTask& asked) {
     task.end = {};
     task.speed = task.start;
   }
+  if (task.length < Real(1u, -no_length_bits)) {
+    if (is_zero(task.start)) return stand();
+    task.length = most(task.length, times_power(task.start, -no_phase_bits));
+  }
   const Phases p = make_speeds(task);
   run = round_up(task, p);
   const std::uint32_t ticks = run.ticks(), slice = task.slice_ticks;
   // Down to a lower speed by itself, and from there with nothing in a hurry.
-  if (p.brakes && run.cruise_ticks + run.tail_ticks != 0)
+  const bool pulses = !task.rise.none();
+  if (p.brakes && run.cruise_ticks + run.tail_ticks != 0) {
+    if (pulses) return cut_pulses(task, p);
     return cut(task, p, within(whole_down(p.lead, slice), 1, slice));
+  }
+  if (pulses && ticks > slice) return cut_pulses(task, p);
   if (ticks > slice) return cut(task, p, ticks > 2 * slice ? slice : ticks / 2);
   run.whole = true;
   fit(task, p.brakes, run);

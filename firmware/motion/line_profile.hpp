@@ -21,6 +21,7 @@
 #include <cstdint>
 
 #include "firmware/motion/line_real.hpp"
+#include "firmware/motion/line_rise.hpp"
 
 namespace lamplock::motion {
 
@@ -31,6 +32,7 @@ struct LineTask {
   Real end;     ///< planned for the end of the line
   Real speed;   ///< to run at
   Real accel;
+  LineRise rise;      ///< of the acceleration
   bool stop = false;  ///< stop as soon as possible
   std::uint32_t slice_ticks = 0;
 };

@@ -15,6 +15,7 @@ constexpr int largest_exponent = 255;
 }  // namespace
 
 Real difference(Real a, Real b) {
+  if (is_zero(b)) return a;
   if (!(b < a)) return {};
   const int apart = a.exponent() - b.exponent();
   if (apart >= 32) return a;

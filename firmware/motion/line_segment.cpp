@@ -1,6 +1,7 @@
 #include "firmware/motion/line_segment.hpp"
 
 #include "firmware/motion/profile.hpp"
+#include "firmware/motion/pulse.hpp"
 
 namespace lamplock::motion {
 namespace {
@@ -67,7 +68,7 @@ Real length_left(const LineWay& way, Real length, int longest, const stepper::Mo
 }
 
 stepper::Segment make_segment(const stepper::MotionState& from, const LineWay& way,
-                              const LineRun& run) {
+                              const LineRun& run, const Limits& limits, bool pulses) {
   stepper::Segment s;
   s.start_tick = from.tick;
   s.ticks = run.ticks();
@@ -75,18 +76,24 @@ stepper::Segment make_segment(const stepper::MotionState& from, const LineWay& w
   s.end.tick = s.end_tick();
   const Real start = run.start * way.per_length, cruise = run.cruise * way.per_length,
              end = run.end * way.per_length;
+  PerAxis<std::int64_t> ends{};
   for (std::size_t a = 0; a < max_axes; ++a) {
     const std::int64_t steps = way.steps[a];
-    AxisProfile& p = s.axis[a];
-    s.end.axis[a].speed_q62 = 0;
-    p.cruise_ticks = s.ticks;
-    if (steps == 0) continue;
+    s.axis[a].cruise_ticks = s.ticks;
+    if (steps == 0) {
+      if (pulses) s.axis[a] = make_axis({}, run);
+      continue;
+    }
     AxisSpeeds v{axis_speed_q62(steps, start), axis_speed_q62(steps, cruise),
                  axis_speed_q62(steps, end)};
-    if (run.whole) fit_way(v, way_left_q62(from, way.target, a), run);
-    p = make_axis(v, run);
-    s.end.axis[a] = {from.axis[a].position_q64 + (stepper::displacement_q62(p) << 2), v.end_q62};
+    if (run.whole && !is_zero(run.cruise)) fit_way(v, way_left_q62(from, way.target, a), run);
+    s.axis[a] = make_axis(v, run);
+    ends[a] = v.end_q62;
   }
+  if (pulses) make_pulses(s.axis, ends, limits);
+  for (std::size_t a = 0; a < max_axes; ++a)
+    s.end.axis[a] = {from.axis[a].position_q64 + (stepper::displacement_q62(s.axis[a]) << 2),
+                     ends[a]};
   return s;
 }
 

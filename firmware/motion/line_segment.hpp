@@ -9,6 +9,7 @@
 
 #include <cstdint>
 
+#include "firmware/motion/limits.hpp"
 #include "firmware/motion/line_profile.hpp"
 #include "firmware/stepper/segment.hpp"
 
@@ -24,8 +25,9 @@ struct LineWay {
 /// What is left of the line along its longest axis, `longest`, over its whole: times the length.
 Real length_left(const LineWay& way, Real length, int longest, const stepper::MotionState& at);
 
+/// With `pulses` the phases have ramps that keep the jerk in `limits`.
 stepper::Segment make_segment(const stepper::MotionState& from, const LineWay& way,
-                              const LineRun& run);
+                              const LineRun& run, const Limits& limits, bool pulses);
 
 /// A rest-to-rest motion of less than a step, to the middle of the step where the machine is.
 stepper::Segment make_settling(const stepper::MotionState& from, std::uint32_t ticks);

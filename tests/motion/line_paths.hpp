@@ -32,6 +32,13 @@ inline LineMachine random_machine(LineRandom& random) {
   return m;
 }
 
+/// Gives it limits of jerk at which the acceleration rises in 0.1 to 100 ms; some axes have none.
+inline void limit_jerk(LineRandom& random, LineMachine& m) {
+  for (std::size_t a = 0; a < static_cast<std::size_t>(m.axes); ++a)
+    if (random() % 8 != 0)
+      m.jerk_m_s3[a] = std::max(0.01, m.accel_mm_s2[a] * 1e-3 / between(random, 1e-4, 0.1));
+}
+
 /// Lengths over decades around `scale_mm`, directions at random, or a little changed, or kept; ways
 /// back; feeds over decades, rapids, stops.
 inline std::vector<LineTarget> random_lines(LineRandom& random, const LineMachine& m,
