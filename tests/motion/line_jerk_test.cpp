@@ -19,7 +19,7 @@ void expect_done(const LineRig& rig) {
 }
 
 TEST(LineJerk, RandomPathsKeepLimits) {
-  for (int i = 0; i < scaled(60); ++i) {
+  for (int i = 0; i < scaled(20); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9700);
     LineMachine m = random_machine(random);
@@ -34,7 +34,7 @@ TEST(LineJerk, RandomPathsKeepLimits) {
 }
 
 TEST(LineJerk, OverridesAndHoldsKeepLimits) {
-  for (int i = 0; i < scaled(40); ++i) {
+  for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9800);
     LineMachine m = random_machine(random);

@@ -85,7 +85,7 @@ TEST(LinePlanner, TightCurvesOfDensePointsAreSlowedAsFarAsTheirRadiusNeeds) {
 
 TEST(LinePlanner, RandomPathsKeepLimitsAndTakeNoLongerThanTheyMust) {
   double worst = 0;
-  for (int i = 0; i < scaled(100); ++i) {
+  for (int i = 0; i < scaled(40); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9000);
     const LineMachine m = random_machine(random);
