@@ -17,6 +17,8 @@ namespace lamplock::settings {
 /// Index of a setting in the table; per-axis settings stand in four consecutive rows X Y Z A.
 enum class Id : std::uint8_t {
   step_pulse,
+  report_mask,
+  report_inches,
   soft_limits,
   hard_limits,
   steps_per_mm_x,
@@ -97,6 +99,10 @@ enum class LampMode : std::uint8_t { free_beat = 0, slave = 1, master = 2 };
 
 inline constexpr std::array<Row, setting_count> table{{
     {0, "step_pulse", "us", 400, 900, 500, false, "width of a step pulse, within a tick of 1 us"},
+    {10, "report_mask", "0..3", 0, 3'000, 3'000, true,
+     "what a status report says, added up: 1 position of the machine, else of the work; 2 room for "
+     "lines"},
+    {13, "report_inches", "on/off", 0, 1'000, 0, true, "reports in inches"},
     {20, "soft_limits", "on/off", 0, 1'000, 1'000, true, "refuse targets outside the work space"},
     {21, "hard_limits", "on/off", 0, 1'000, 1'000, true, "stop when a limit switch engages"},
     {100, "steps_per_mm_x", "step/mm", 1, 50'000'000, 200'000, false, "resolution of X"},

@@ -25,9 +25,11 @@ constexpr std::uint8_t byte_door = 0x84;
 /// The lamp trigger is high for this long: well above the 2 us a lamp may ask for.
 constexpr std::uint32_t trigger_ticks = 20;
 
+/// Bytes that a sender may have under way, as told by `$I` and status reports.
+constexpr std::uint32_t receive_window = 1024;
+
 constexpr std::string_view ok_line = "ok\r\n";
 constexpr std::string_view version_line = "[VER:1.1h.20261121:lamplock]\r\n";
-constexpr std::string_view state_names[] = {"Idle", "Run", "Hold:0", "Alarm", "Door:1", "Alarm"};
 
 /// The firmware's settings are the truth for what the machine is, for its limits and protections:
 /// true if a job asks for another machine or for more than the machine's own setting allows. With
@@ -509,6 +511,7 @@ void Controller::on_realtime(std::uint8_t byte) {
         hold(HoldReason::reset);
       } else if (state_ != MachineState::hold && state_ != MachineState::door) {
         link_.drop_line();
+        reporter_.reset();
         send_banner();
       }
       break;
@@ -530,7 +533,11 @@ void Controller::answer_system_command(std::string_view line) {
   int error = 0;
   if (line == "$I") {
     TextLine options;
-    options.add("[OPT:V,").add(std::int64_t{motion::PointQueue::capacity}).add(",1024]\r\n");
+    options.add("[OPT:V,")
+        .add(std::int64_t{motion::PointQueue::capacity})
+        .add(",")
+        .add(std::int64_t{receive_window});
+    options.add("]\r\n");
     link_.send_text(version_line);
     link_.send_text(options.view());
   } else if (line == "$X") {
@@ -618,24 +625,57 @@ void Controller::on_line_too_long() { send_error(error_line_too_long); }
 
 void Controller::send_banner() { link_.send_text("\r\nGrbl 1.1h ['$' for help]\r\n"); }
 
-StepPosition Controller::present_steps() {
-  const Masked masked(mask_);
-  const stepper::MotionState state = runner_.generator().state();
-  StepPosition steps{};
-  for (int a = 0; a < max_axes; ++a) steps[index(a)] = state.axis[index(a)].step();
-  return steps;
+std::string_view Controller::state_name() const {
+  const bool rests = runner_.at_rest();
+  switch (state_) {
+    case MachineState::idle:
+      return "Idle";
+    case MachineState::run:
+      return "Run";
+    case MachineState::hold:
+      return rests ? "Hold:0" : "Hold:1";
+    case MachineState::door:
+      return rests ? "Door:1" : "Door:2";
+    default:
+      return "Alarm";
+  }
+}
+
+ReportedStatus Controller::reported_status() const {
+  stepper::MotionState motion;
+  ReportedStatus status;
+  {
+    const Masked masked(mask_);
+    motion = runner_.generator().state();
+    status.state = state_name();
+  }
+  status.busy = job_unfinished();
+  status.axes = values_.whole(Id::axes);
+  std::uint64_t squares = 0;
+  for (int a = 0; a < status.axes; ++a) {
+    const stepper::AxisState& axis = motion.axis[index(a)];
+    const auto steps_per_mm_milli =
+        static_cast<std::uint32_t>(values_.milli(Id::steps_per_mm_x, a));
+    status.machine_e7[index(a)] =
+        axis.step() * (program::one_e7 * 1000) / std::int64_t{steps_per_mm_milli};
+    const std::int64_t steps_per_min =
+        (Int128::product(axis.speed_q62, 60 * std::int64_t{ticks_per_second}) >> 62).to_int64();
+    const std::int64_t um_min = mul_div(abs64(steps_per_min), 1'000'000, steps_per_mm_milli);
+    squares += wide_product(static_cast<std::uint32_t>(um_min), static_cast<std::uint32_t>(um_min));
+  }
+  status.feed_um_min = isqrt(squares);
+  status.free_lines = runner_.queue().free();
+  status.free_bytes = receive_window;
+  constexpr std::uint16_t door_pin = 1u << pin_letters.find('D');
+  if (door_open_) status.pins |= door_pin;
+  return status;
 }
 
 void Controller::send_status_line() {
   TextLine line;
-  line.add("<").add(state_names[static_cast<std::size_t>(state_)]).add("|MPos:");
-  const StepPosition position = present_steps();
-  for (int a = 0; a < values_.whole(Id::axes); ++a) {
-    const std::int64_t steps = position[index(a)];
-    if (a != 0) line.add(",");
-    line.add_milli(steps * 1'000'000 / values_.milli(Id::steps_per_mm_x, a));
-  }
-  line.add("|Bf:").add(std::int64_t{runner_.queue().free()}).add(",1024|FS:0,0");
+  reporter_.begin(line, reported_status(),
+                  static_cast<std::uint32_t>(values_.whole(Id::report_mask)),
+                  values_.whole(Id::report_inches) != 0);
   add_beats(line);
   line.add(">\r\n");
   link_.send_text(line.view());

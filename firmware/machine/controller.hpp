@@ -46,6 +46,7 @@
 #include "firmware/link/link.hpp"
 #include "firmware/machine/interrupt_mask.hpp"
 #include "firmware/machine/job_runner.hpp"
+#include "firmware/machine/status_report.hpp"
 #include "firmware/machine/text.hpp"
 #include "firmware/program/pulse_decoder.hpp"
 #include "shared/settings_table.hpp"
@@ -243,7 +244,8 @@ class Controller {
   void list_settings();
   void send_error(int number);
   void send_banner();
-  StepPosition present_steps();
+  ReportedStatus reported_status() const;
+  std::string_view state_name() const;
   void send_status_line();
   void add_beats(TextLine& line) const;
 
@@ -259,6 +261,7 @@ class Controller {
   JobRunner runner_;
   program::PulseDecoder decoder_;
   StepLimits work_space_;
+  StatusReporter reporter_;
 
   wire::MachineState state_ = wire::MachineState::idle;
   wire::HoldReason hold_reason_ = wire::HoldReason::none;

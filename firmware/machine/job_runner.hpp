@@ -156,6 +156,7 @@ class JobRunner {
     generator_.fill_axes(ticks, board);
   }
   stepper::TickGenerator& generator() { return generator_; }
+  const stepper::TickGenerator& generator() const { return generator_; }
 
  private:
   void clear();

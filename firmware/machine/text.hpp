@@ -11,6 +11,9 @@ namespace lamplock::machine {
 /// A line being written; what does not fit is cut (lines are shorter than the buffer by design).
 class TextLine {
  public:
+  /// Characters: a status report of four axes with all its fields.
+  static constexpr std::size_t capacity = 352;
+
   TextLine& add(std::string_view text) {
     for (const char c : text) put(c);
     return *this;
@@ -44,7 +47,7 @@ class TextLine {
     return *this;
   }
 
-  std::array<char, 320> buffer_{};
+  std::array<char, capacity> buffer_{};
   std::size_t size_ = 0;
 };
 

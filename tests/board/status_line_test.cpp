@@ -1,0 +1,124 @@
+// The status line of a machine at work: state, position, speed, switches, as grbl's senders read
+// them.
+#include <gmock/gmock.h>
+
+#include "tests/board/board_cable.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+class StatusLine : public testing::Test {
+ protected:
+  /// What the board says to a '?' or a line, frames between it left out.
+  std::string ask(const std::string& text = "?") {
+    rig_.board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    rig_.run(ps_per_ms);
+    std::array<std::uint8_t, 8192> bytes{};
+    const std::size_t size = rig_.board.read(bytes);
+    const std::string heard(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    if (text != "?") return heard;
+    const std::size_t from = heard.rfind('<');
+    return from == std::string::npos ? "" : heard.substr(from, heard.find('>', from) - from + 1);
+  }
+  static double number_behind(const std::string& line, const std::string& field) {
+    const std::size_t at = line.find(field);
+    return at == std::string::npos ? -1 : std::stod(line.substr(at + field.size()));
+  }
+  /// Runs a job; at each of some times one question.
+  void run_job(const std::map<double, std::function<void()>>& questions) {
+    job_ = job::make_job(histogram_walk(150, 5), profile_, {});
+    BoardCable cable(rig_);
+    for (const auto& [second, question] : questions)
+      cable.at(static_cast<sim::Picoseconds>(second * static_cast<double>(ps_per_s)), question);
+    link::SenderOptions options;
+    options.session = 1;
+    link::JobSender sender(cable, job_, options);
+    sender_ = &sender;
+    EXPECT_EQ(sender.run().end, link::JobEnd::done);
+  }
+
+  job::Profile profile_ = lamp_profile();
+  Rig rig_{profile_};
+  job::Job job_;
+  link::JobSender* sender_ = nullptr;
+};
+
+TEST_F(StatusLine, AtRest) {
+  EXPECT_THAT(ask(), AllOf(StartsWith("<Idle|MPos:0.000,0.000,0.000|Bf:"),
+                           HasSubstr(",1024|FS:0,0|WCO:0.000,0.000,0.000|Lamp:")));
+  EXPECT_THAT(ask(), AllOf(HasSubstr("|FS:0,0|Ov:100,100,100|Lamp:"), Not(HasSubstr("WCO"))));
+  EXPECT_THAT(ask("$10=0\n$13=1\n"), HasSubstr("ok\r\nok\r\n"));
+  EXPECT_THAT(ask(), AllOf(StartsWith("<Idle|WPos:0.0000,0.0000,0.0000|FS:0.0,0|Lamp:")));
+}
+
+TEST_F(StatusLine, InAJob) {
+  double fastest = 0;
+  std::map<double, std::function<void()>> questions;
+  for (int i = 0; i < 40; ++i)
+    questions[0.5 + 0.0123 * i] = [this, &fastest] {
+      const std::string line = ask();
+      EXPECT_THAT(line, StartsWith("<Run|"));
+      const double feed = number_behind(line, "|FS:");
+      EXPECT_GE(feed, 0);
+      fastest = std::max(fastest, feed);
+    };
+  run_job(questions);
+  // The walk's steps of 0.1 to 0.6 mm at a beat of 10 ms each are 600 to 3600 mm/min.
+  EXPECT_GT(fastest, 600);
+  EXPECT_LT(fastest, 12'000);
+}
+
+TEST_F(StatusLine, InAHoldAndBehindTheDoor) {
+  std::vector<std::string> states;
+  std::string line;
+  const auto note = [this, &states, &line] {
+    line = ask();
+    const std::string state = line.substr(0, line.find('|'));
+    if (states.empty() || states.back() != state) states.push_back(state);
+  };
+  std::map<double, std::function<void()>> questions;
+  const auto note_from = [&questions, note](double begin) {
+    for (int i = 1; i <= 60; ++i) questions[begin + 0.0013 * i] = note;
+  };
+  questions[0.7] = [this] { sender_->pause(); };
+  note_from(0.7);
+  questions[0.9] = [this, &line] {
+    EXPECT_THAT(line, HasSubstr("|FS:0,0"));
+    sender_->resume();
+  };
+  questions[1.15] = note;
+  questions[1.2] = [this] { rig_.board.world().schedule(sim::Pin::door, true, rig_.board.now()); };
+  note_from(1.2);
+  questions[1.5] = [this, &line] {
+    EXPECT_THAT(line, HasSubstr("|FS:0,0|Pn:D|"));
+    rig_.board.world().schedule(sim::Pin::door, false, rig_.board.now());
+  };
+  note_from(1.5);
+  questions[1.8] = [this, &line] {
+    EXPECT_THAT(line, Not(HasSubstr("Pn:")));
+    sender_->resume();
+  };
+  run_job(questions);
+  EXPECT_THAT(states, testing::ElementsAre("<Run", "<Hold:1", "<Hold:0", "<Run", "<Door:2",
+                                           "<Door:1", "<Hold:0"));
+}
+
+TEST_F(StatusLine, TellsWhereTheMachineIs) {
+  run_job({});
+  const std::string line = ask();
+  const motion::Target& last = job_.targets.back();
+  std::size_t at = line.find("MPos:") + 5;
+  for (int a = 0; a < 3; ++a) {
+    std::size_t used = 0;
+    EXPECT_NEAR(std::stod(line.substr(at), &used), last.steps[index(a)] / 200.0, 0.0005) << line;
+    at += used + 1;
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test
