@@ -18,6 +18,7 @@ using Action = std::function<Exit()>;
 void add_example(CLI::App& program, Action& action);
 void add_points(CLI::App& program, Action& action);
 void add_order(CLI::App& program, Action& action);
+void add_check(CLI::App& program, Action& action);
 void add_job(CLI::App& program, Action& action);
 void add_send(CLI::App& program, Action& action);
 void add_engrave(CLI::App& program, Action& action);

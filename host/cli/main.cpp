@@ -47,6 +47,7 @@ Exit run(int argc, char** argv) {
   lamplock::cli::add_engrave(program, action);
   lamplock::cli::add_points(program, action);
   lamplock::cli::add_order(program, action);
+  lamplock::cli::add_check(program, action);
   lamplock::cli::add_job(program, action);
   lamplock::cli::add_send(program, action);
   lamplock::cli::add_frame(program, action);

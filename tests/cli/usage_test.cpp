@@ -21,14 +21,14 @@ TEST_P(CommandHelp, explains_itself_with_an_example) {
 
 INSTANTIATE_TEST_SUITE_P(all, CommandHelp,
                          testing::Values("example", "points", "order", "job", "send", "engrave",
-                                         "frame", "compare", "sim", "chip", "bench"),
+                                         "frame", "compare", "sim", "chip", "bench", "check"),
                          [](const auto& test) { return test.param; });
 
 TEST(Usage, help_lists_every_command) {
   const Finished help = run({"--help"});
   EXPECT_EQ(help.status, 0);
   for (const char* command : {"example", "points", "order", "job", "send", "engrave", "frame",
-                              "compare", "sim", "chip", "bench", "--version"})
+                              "compare", "sim", "chip", "bench", "check", "--version"})
     EXPECT_THAT(help.out, HasSubstr(command));
 }
 

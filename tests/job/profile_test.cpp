@@ -110,7 +110,7 @@ TEST(Profile, TheExampleIsTheDefaultAndNamesEverySetting) {
   // With the commented settings uncommented, all but the fourth axis are stated.
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
-    all += (line.rfind("# ", 0) == 0 && line.find(" = ") < 20 ? line.substr(2) : line) + "\n";
+    all += (line.rfind("# ", 0) == 0 && line.find(" = ") < 24 ? line.substr(2) : line) + "\n";
   const Profile everything = read(all);
   EXPECT_EQ(everything.settings, settings::Values{});
   constexpr std::size_t settings_of_an_axis = 8;

@@ -1,0 +1,67 @@
+#include "firmware/machine/program_motion.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using program::Spindle;
+using settings::Id;
+
+/// 10^-7 mm times thousandths of steps/mm.
+constexpr std::int64_t per_step = program::one_e7 * 1000;
+constexpr std::int64_t most_product =
+    program::most_position_e7 * settings::row(Id::steps_per_mm_x).max_milli;
+static_assert(most_product / per_step < most_steps);
+
+motion::LinePower laser_of(const program::Action& move) {
+  switch (move.spindle) {
+    case Spindle::constant:
+      return motion::LinePower::constant;
+    case Spindle::proportional:
+      return motion::LinePower::proportional;
+    default:
+      return motion::LinePower::off;
+  }
+}
+
+}  // namespace
+
+StepPosition steps_of(const program::Place& place_e7, const settings::Values& values) {
+  StepPosition steps{};
+  for (int a = 0; a < values.whole(Id::axes); ++a) {
+    const std::int64_t product = place_e7[index(a)] * values.milli(Id::steps_per_mm_x, a);
+    const std::int64_t half = product < 0 ? -per_step / 2 : per_step / 2;
+    steps[index(a)] = static_cast<std::int32_t>((product + half) / per_step);
+  }
+  return steps;
+}
+
+int axis_outside(const StepPosition& steps, const StepLimits& space, int axes) {
+  for (int a = 0; a < axes; ++a)
+    if (!space.contains(a, steps[index(a)])) return a;
+  return -1;
+}
+
+std::uint16_t power_of(std::uint32_t speed_milli, const settings::Values& values) {
+  const auto full = static_cast<std::uint32_t>(values.milli(Id::highest_speed));
+  if (speed_milli >= full) return full_power;
+  const std::uint64_t product = std::uint64_t{speed_milli} * full_power + full / 2;
+  return static_cast<std::uint16_t>(product / full);
+}
+
+motion::LineTarget line_target(const program::Action& move, const settings::Values& values) {
+  motion::LineTarget line;
+  line.steps = steps_of(move.target_e7, values);
+  line.feed_um_min = move.feed_um_min;
+  line.time_us = move.time_us;
+  line.line = move.line;
+  line.rapid = move.rapid;
+  line.timed = move.timed;
+  line.exact_stop = move.exact_stop;
+  if (values.whole(Id::laser_mode) != 0) {
+    line.laser = laser_of(move);
+    line.power = power_of(move.speed_milli, values);
+  }
+  return line;
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,120 @@
+// `lamplock check`: what a program of G-code does, without a machine.
+#include <cmath>
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/options.hpp"
+#include "host/cli/staged_file.hpp"
+#include "host/file.hpp"
+#include "host/program/path_picture.hpp"
+#include "host/program/program_run.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using program_run::Problem;
+using program_run::ProgramRun;
+
+struct Options {
+  std::string input{}, picture{};
+  MachineOptions machine{};
+  std::size_t most_problems = 20;
+  bool json = false;
+};
+
+constexpr const char* axis_names = "XYZA";
+
+/// Hours, minutes, seconds.
+std::string time_text(double seconds) {
+  const auto minutes = static_cast<long>(seconds / 60);
+  return fmt::format("{}:{:02}:{:06.3f}", minutes / 60, minutes % 60,
+                     seconds - 60 * static_cast<double>(minutes));
+}
+
+std::string problem_text(const std::string& file, const Problem& p) {
+  std::string text = fmt::format("{}:{}", file, p.line);
+  if (p.column != 0) text += fmt::format(":{}", p.column);
+  return text + (p.error == 0 ? ": " : fmt::format(": error:{} ", p.error)) + p.text;
+}
+
+void say_result(Console& console, const ProgramRun& run) {
+  console.say("time      {}", time_text(run.seconds()));
+  console.say("moves     {} from {} lines", run.moves, run.lines);
+  console.say("feed      {:.3f} mm", run.feed_mm);
+  console.say("rapid     {:.3f} mm", run.rapid_mm);
+  for (int a = 0; a < run.axes; ++a)
+    console.say("{}         {:.3f} to {:.3f} mm", axis_names[a], run.bounds.low[index(a)],
+                run.bounds.high[index(a)]);
+  if (run.pauses != 0) console.say("pauses    {}, whose time is not counted", run.pauses);
+}
+
+Json document(const Options& options, const ProgramRun& run) {
+  Json low = Json::array(), high = Json::array(), problems = Json::array();
+  for (int a = 0; a < run.axes; ++a) {
+    low.push_back(run.bounds.low[index(a)]);
+    high.push_back(run.bounds.high[index(a)]);
+  }
+  for (const Problem& p : run.problems)
+    problems.push_back(
+        {{"line", p.line}, {"column", p.column}, {"error", p.error}, {"text", p.text}});
+  return {{"input", options.input},  {"lines", run.lines},     {"moves", run.moves},
+          {"time_s", run.seconds()}, {"feed_mm", run.feed_mm}, {"rapid_mm", run.rapid_mm},
+          {"low_mm", low},           {"high_mm", high},        {"pauses", run.pauses},
+          {"ended", run.ended},      {"problems", problems}};
+}
+
+Exit check_program(const Options& options) {
+  Console console(options.json);
+  const job::Profile profile = options.machine.profile();
+  if (!options.picture.empty()) {
+    if (lower_extension(options.picture) != ".svg")
+      throw Error(Exit::bad_input, options.picture, "pictures of a path are written as SVG",
+                  "name it something.svg");
+    check_target(options.picture);
+  }
+  const std::string text = read_file(options.input);
+  const ProgramRun run = program_run::run_program(text, profile.settings, options.most_problems);
+  for (const Problem& p : run.problems) console.line(problem_text(options.input, p));
+  say_result(console, run);
+  if (!options.picture.empty()) {
+    write_whole(options.picture, [&](const std::filesystem::path& path) {
+      write_file(path, program_run::path_svg(
+                           run, std::filesystem::path(options.input).filename().string()));
+    });
+    console.say("picture   {}", options.picture);
+  }
+  console.document(document(options, run));
+  if (run.problems.empty()) return Exit::done;
+  const bool more = run.problems.size() >= options.most_problems;
+  throw Error(Exit::bad_input, options.input,
+              fmt::format("{}{} wrong", run.problems.size(),
+                          more                       ? " or more lines are"
+                          : run.problems.size() == 1 ? " line is"
+                                                     : " lines are"),
+              "the list above says where and why");
+}
+
+}  // namespace
+
+void add_check(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand(
+      "check", "Read a program of G-code: errors, time, bounds, a picture of its path");
+  app->footer(
+      "Runs the interpreter and the planner of the firmware; the time is that of the machine.\n"
+      "Example:\n  lamplock check part.ngc --machine machine.toml --picture part.svg");
+  const auto options = std::make_shared<Options>();
+  app->add_option("PROGRAM", options->input, "G-code")->required()->type_name("FILE");
+  options->machine.add_machine(*app);
+  app->add_option("--picture", options->picture, "Picture (SVG) of the path, with power in colour")
+      ->check(file_name())
+      ->type_name("FILE");
+  app->add_option("--most", options->most_problems, "Give up after so many wrong lines")
+      ->check(CLI::Range(1, 1'000'000))
+      ->type_name("N")
+      ->capture_default_str();
+  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
+  app->callback([options, &action] { action = [options] { return check_program(*options); }; });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,64 @@
+// A program of G-code, run to its end without a machine: the firmware's interpreter and planner,
+// with nothing between them and no clock.
+//
+// In:  the text of a program, the settings of a machine. It starts at machine zero, at rest.
+// Out: what is wrong with it, by line and column; the time that the machine will take, to the tick;
+//      ways, bounds, and the path for a picture.
+// Who: `lamplock check`; tests.
+//
+// A line that is wrong is left out, as the machine would with $-setting "go on after an error"; the
+// time is then that of the rest. A pause (M0) takes no time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "shared/settings_table.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::program_run {
+
+/// Something wrong with a line.
+struct Problem {
+  std::size_t line = 0;  ///< from 1
+  unsigned column = 0;   ///< from 1
+  int error = 0;         ///< number as the machine says it
+  std::string text;      ///< what that number means
+};
+
+/// A straight piece of the path, mm in machine coordinates.
+struct Piece {
+  PerAxis<double> from{}, to{};
+  double power = 0;  ///< of the laser or spindle: 0..1 of the highest S
+  bool rapid = false;
+};
+
+/// Lowest and highest place on each axis.
+struct Bounds {
+  PerAxis<double> low{}, high{};
+};
+
+struct ProgramRun {
+  std::size_t lines = 0;  ///< that are not blank
+  std::size_t moves = 0;  ///< straight pieces of curves counted each
+  double feed_mm = 0, rapid_mm = 0;
+  std::uint64_t ticks = 0;     ///< in motion
+  std::uint64_t dwell_us = 0;  ///< standing by G4 and cycles
+  std::size_t pauses = 0;      ///< M0 and M1
+  bool ended = false;          ///< by M2 or M30
+  int axes = 3;
+  Bounds bounds;  ///< of all moves, where it starts included
+  std::vector<Problem> problems;
+  std::vector<Piece> pieces;
+
+  double seconds() const;
+};
+
+/// Runs it. `most_problems`: gives up when so many lines were wrong.
+ProgramRun run_program(std::string_view text, const settings::Values& values,
+                       std::size_t most_problems);
+
+}  // namespace lamplock::program_run

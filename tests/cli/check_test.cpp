@@ -1,0 +1,135 @@
+// `lamplock check`: programs are run without a machine; what is wrong is told
+// by line and column.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+using testing::Not;
+
+nlohmann::json check(const std::string& file, const std::vector<std::string>& options = {}) {
+  std::vector<std::string> arguments{"check", file, "--json"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const Finished done = run(arguments);
+  EXPECT_EQ(done.status, 0) << done.err;
+  return nlohmann::json::parse(done.out);
+}
+
+TEST(Check, TellsTimeWayAndBounds) {
+  const Folder folder;
+  // 30 mm at 600 mm/min with 4 m/s2: 3 s and a speed of 10 mm/s to be reached
+  // twice.
+  const std::string file =
+      folder.write("a.ngc", "G21 G90 G61.1\nG1 X30 F600\nG0 Y-20\nM30\nG1 X0\n");
+  const nlohmann::json seen = check(file);
+  const double rapid = 2 * std::sqrt(0.02 / 4);
+  // A little speed and acceleration is kept back for rounding.
+  const double least = 3 + 0.0025 + rapid;
+  EXPECT_GE(seen["time_s"].get<double>(), least);
+  EXPECT_LE(seen["time_s"].get<double>(), least * 1.0005);
+  EXPECT_EQ(seen["feed_mm"], 30);
+  EXPECT_EQ(seen["rapid_mm"], 20);
+  EXPECT_EQ(seen["low_mm"], (nlohmann::json{0, -20, 0}));
+  EXPECT_EQ(seen["high_mm"], (nlohmann::json{30, 0, 0}));
+  EXPECT_EQ(seen["moves"], 2);
+  EXPECT_EQ(seen["ended"], true);
+  EXPECT_EQ(seen["problems"], nlohmann::json::array());
+}
+
+TEST(Check, DwellsArePartOfTheTime) {
+  const Folder folder;
+  EXPECT_NEAR(check(folder.write("a.ngc", "G4 P1.5\r\n\r\nM0\r\nG4 P0.25"))["time_s"].get<double>(),
+              1.75, 1e-9);
+}
+
+TEST(Check, ArcsAreRoundAndAsLongAsTheyShouldBe) {
+  const Folder folder;
+  const std::string file =
+      folder.write("a.ngc", "G1 X10 F6000\nG3 X10 Y0 I-10 J0\nG2 X-10 Y0 R10\n");
+  const nlohmann::json seen = check(file);
+  const double pi = std::acos(-1.0);
+  EXPECT_NEAR(seen["feed_mm"].get<double>(), 10 + 30 * pi, 0.03);
+  EXPECT_NEAR(seen["low_mm"][1].get<double>(), -10, 0.003);
+  EXPECT_NEAR(seen["high_mm"][1].get<double>(), 10, 0.003);
+}
+
+TEST(Check, WhatIsWrongIsToldByLineColumnAndNumber) {
+  const Folder folder;
+  const std::string file = folder.write("a.ngc", "G1 X1 F100\nG1 X#1\nM6 T1\nG1 Y2\nG1 X1 X2\n");
+  const Finished done = run({"check", file});
+  EXPECT_EQ(done.status, 2);
+  EXPECT_THAT(done.out, HasSubstr(file + ":2:4: error:2 "));
+  EXPECT_THAT(done.out, HasSubstr(file + ":3:1: error:20 "));
+  EXPECT_THAT(done.out, HasSubstr(file + ":5:7: error:25 "));
+  EXPECT_THAT(done.err, MatchesRegex("error: [^\n]*a.ngc: 3 lines are wrong; [^\n]+\n"));
+  // The rest is done.
+  EXPECT_THAT(done.out, HasSubstr("Y         0.000 to 2.000 mm"));
+  EXPECT_THAT(run({"check", file, "--most", "2"}).err, HasSubstr("2 or more lines are wrong"));
+}
+
+TEST(Check, TheWorkSpaceIsThatOfTheMachine) {
+  const Folder folder;
+  const std::string file = folder.write("a.ngc", "G0 X10\nG0 X60\n");
+  const Finished done = run({"check", file});
+  EXPECT_EQ(done.status, 2);
+  EXPECT_THAT(done.out,
+              HasSubstr(":2: X 60.000 mm is outside of the work space, -50.000 to 50.000"));
+  const std::string wide =
+      folder.write("wide.toml", "travel = [200, 100, 100]\nmin_corner = [-100, -50, -50]\n");
+  EXPECT_EQ(run({"check", file, "--machine", wide}).status, 0);
+}
+
+TEST(Check, DrawsThePathWithPowerInColour) {
+  const Folder folder;
+  const std::string file =
+      folder.write("a & b.ngc", "G0 X5\nM3 S1000\nG1 Y10 F600\nM3 S500\nG1 X0\nM5\nG0 Y0\n");
+  const std::string picture = folder / "a.svg";
+  const Finished done = run({"check", file, "--picture", picture});
+  ASSERT_EQ(done.status, 0) << done.err;
+  const std::string drawn = read(picture);
+  EXPECT_THAT(drawn, HasSubstr("a &amp; b.ngc</text>"));
+  EXPECT_THAT(drawn, EndsWith("</svg>\n"));
+  EXPECT_THAT(drawn, HasSubstr("stroke=\"#4b0c5a\""));        // all
+  EXPECT_THAT(drawn, HasSubstr("stroke-dasharray=\"4 3\""));  // rapids
+  const std::string half = drawn.substr(drawn.find("stroke-dasharray"));
+  EXPECT_THAT(half,
+              Not(HasSubstr("stroke=\"#f5c85a\"")));  // nothing without power but rapids
+}
+
+TEST(Check, BadRequestsAreRefused) {
+  const Folder folder;
+  const std::string file = folder.write("a.ngc", "G0 X1\n");
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& names) {
+    const auto before = folder.files();
+    const Finished done = run(arguments);
+    EXPECT_EQ(done.status, 2) << names;
+    EXPECT_THAT(done.err, MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+\n"));
+    EXPECT_THAT(done.err, HasSubstr(names));
+    EXPECT_EQ(folder.files(), before);
+  };
+  refused({"check", folder / "none.ngc"}, "none.ngc");
+  refused({"check", file, "--picture", folder / "a.png"}, "a.png");
+  refused({"check", file, "--picture", folder / "none/a.svg"}, "none");
+  refused({"check", file, "--most", "0"}, "--most");
+  refused({"check", folder.write("empty.ngc", "")}, "empty.ngc");
+}
+
+TEST(Check, AnyBytesAreReadWithoutHarm) {
+  const Folder folder;
+  std::string bytes = "G1 X1 F1\n";
+  for (int i = 0; i < 5000; ++i) bytes += static_cast<char>((i * 7919) >> 3);
+  bytes += "\nG1 " + std::string(300, '1') + "\n";
+  const std::string file = folder.write("noise.ngc", bytes);
+  EXPECT_EQ(run({"check", file, "--most", "100000"}).status, 2);
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test
