@@ -8,7 +8,7 @@ namespace {
 
 /// What rounding to stairs may take from a pulse, ticks (limits.cpp).
 constexpr std::uint32_t stair_rounding = 16;
-/// A change that takes less than this part of a tick is none: 2^-4.
+/// A change that takes less than this part of a tick is none, 2^-4, if the jerk gives it in one.
 constexpr int no_change_bits = 4;
 /// From nothing, the first try is this part: 2^-3.
 constexpr int first_share_bits = 3;
@@ -46,7 +46,7 @@ LineRise make_rise(const Limits& limits) {
 }
 
 Real LineRise::change_ticks(Real steady) const {
-  if (steady < Real(1u, -no_change_bits)) return {};
+  if (steady < least(Real(1u, -no_change_bits), flat_share)) return {};
   Real n = steady < ticks ? times_power(square_root(steady * ticks), 1) : steady + ticks;
   n = n + Real(stair_rounding);
   if (half_slice < n) n = steady / half_share;
