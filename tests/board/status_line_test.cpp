@@ -20,7 +20,7 @@ class StatusLine : public testing::Test {
     rig_.run(ps_per_ms);
     std::array<std::uint8_t, 8192> bytes{};
     const std::size_t size = rig_.board.read(bytes);
-    const std::string heard(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    std::string heard(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
     if (text != "?") return heard;
     const std::size_t from = heard.rfind('<');
     return from == std::string::npos ? "" : heard.substr(from, heard.find('>', from) - from + 1);

@@ -39,10 +39,11 @@ TEST(LinePlanner, ALineFromRestToRest) {
 std::vector<LineTarget> curve(const LineMachine& m, double radius_mm, double length_mm,
                               double mm_s) {
   std::vector<LineTarget> targets;
-  for (double s = 0.1; s < length_mm; s += 0.1)
-    targets.push_back(to_mm(
-        m, {radius_mm * std::sin(s / radius_mm), radius_mm * (1 - std::cos(s / radius_mm)), 0},
-        mm_s));
+  for (int i = 1; i < std::lround(10 * length_mm); ++i) {
+    const double angle = 0.1 * i / radius_mm;
+    targets.push_back(
+        to_mm(m, {radius_mm * std::sin(angle), radius_mm * (1 - std::cos(angle)), 0}, mm_s));
+  }
   return targets;
 }
 

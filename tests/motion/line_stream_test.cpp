@@ -177,7 +177,8 @@ TEST(LineStream, StraightPathsOfRoundedPointsDoNotStutter) {
     const double tilt = std::uniform_real_distribution<double>(-1, 1)(random);
     const double pitch = between(random, 0.01, 0.3), v = 60;
     std::vector<LineTarget> targets;
-    for (double s = pitch; s < 50; s += pitch) {
+    for (int k = 1; k * pitch < 50; ++k) {
+      const double s = k * pitch;
       LineTarget t;
       const LineVector mm{s * std::cos(angle), s * std::sin(angle), s * tilt, 0};
       for (std::size_t a = 0; a < 3; ++a)
