@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstddef>
 
 namespace lamplock::svg {
@@ -50,6 +51,14 @@ std::string escaped(const std::string& text) {
     i += length == 0 ? 1 : length;
   }
   return out;
+}
+
+double nice_step(double range, double most) {
+  const double least = range / most;
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * power >= least * (1 - 1e-9)) return factor * power;
+  return 10 * power;
 }
 
 std::string text_at(double x, double y, const char* anchor, const std::string& text) {

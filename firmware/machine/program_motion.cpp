@@ -3,6 +3,7 @@
 namespace lamplock::machine {
 namespace {
 
+using motion::full_power;
 using program::Spindle;
 using settings::Id;
 

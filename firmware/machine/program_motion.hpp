@@ -15,16 +15,13 @@
 
 namespace lamplock::machine {
 
-/// Full power of a laser.
-inline constexpr std::uint32_t full_power = 65535;
-
 /// Steps nearest to a place, half away from zero; axes that the machine does not have stay at 0.
 StepPosition steps_of(const program::Place& place_e7, const settings::Values& values);
 
 /// First axis on which a position is outside the work space; -1 if it is inside.
 int axis_outside(const StepPosition& steps, const StepLimits& space, int axes);
 
-/// Power for an S word in thousandths, 0..full_power; more than $30 is full power.
+/// Power for an S word in thousandths, 0..motion::full_power; more than $30 is full power.
 std::uint16_t power_of(std::uint32_t speed_milli, const settings::Values& values);
 
 /// The line for a move.

@@ -105,8 +105,7 @@ void StatusReporter::begin(TextLine& line, const ReportedStatus& status, std::ui
   add_rate(line, status.feed_um_min, inches);
   line.add(",").add(rounded(status.speed_milli, 1000));
   add_pins(line, status.pins);
-  const bool offset = offset_due(status);
-  if (offset) {
+  if (offset_due(status)) {
     line.add("|WCO:");
     add_place(line, status.work_offset_e7, status.axes, inches);
   }

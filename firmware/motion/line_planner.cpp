@@ -10,7 +10,6 @@ constexpr std::uint32_t long_chord_steps = 128;
 
 constexpr std::uint32_t most_feed_percent = 200, least_feed_percent = 10;
 constexpr std::uint32_t full_percent = 100;
-constexpr std::uint32_t full_power = 65535;
 /// Half of a motion of half a step is no shorter, and no longer than half a minute.
 constexpr std::uint32_t least_settling_ticks = 32;
 constexpr std::uint32_t most_settling_ticks = 30 * ticks_per_second;

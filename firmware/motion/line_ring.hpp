@@ -23,13 +23,16 @@ enum class LinePower : std::uint8_t {
   proportional  ///< to actual over programmed speed
 };
 
+/// Full power of a laser.
+inline constexpr std::uint32_t full_power = 65535;
+
 /// A straight line, as it is asked for.
 struct LineTarget {
   StepPosition steps{};           ///< where it ends
   std::uint32_t feed_um_min = 0;  ///< speed along it; not of rapids, not if timed
   std::uint32_t time_us = 0;      ///< time for it, if timed
   std::uint32_t line = 0;         ///< carried along
-  std::uint16_t power = 0;        ///< of the laser, 65535 = all
+  std::uint16_t power = 0;        ///< of the laser, 0..full_power
   LinePower laser = LinePower::off;
   bool rapid = false;  ///< at the machine's speed, laser off
   bool timed = false;

@@ -41,14 +41,6 @@ int shade_of(double power) {
   return static_cast<int>(std::lround(std::clamp(power, 0.0, 1.0) * (shades - 1)));
 }
 
-/// 1, 2 or 5 times a power of ten, so that no more than so many fit into the range.
-double nice_step(double range) {
-  const double power = std::pow(10, std::floor(std::log10(range / most_ticks)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= range / most_ticks * (1 - 1e-9)) return factor * power;
-  return 10 * power;
-}
-
 /// Millimetres to pixels, the same for both axes; a path without extent lies in the middle.
 class View {
  public:
@@ -94,7 +86,7 @@ std::string axes(const View& v) {
   std::string out = fmt::format(
       "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#fff\" stroke=\"#999\"/>\n", left,
       top, view, view);
-  const double step = nice_step(v.size_mm());
+  const double step = svg::nice_step(v.size_mm(), most_ticks);
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
   // Not "-0".
   const auto number = [&](double k) { return fmt::format("{:.{}f}", k * step + 0.0, decimals); };

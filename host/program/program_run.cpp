@@ -135,7 +135,7 @@ class Machine {
     piece.rapid = action.rapid;
     if (action.spindle != program::Spindle::off && !action.rapid)
       piece.power =
-          machine::power_of(action.speed_milli, values_) / static_cast<double>(machine::full_power);
+          machine::power_of(action.speed_milli, values_) / static_cast<double>(motion::full_power);
     double squares = 0;
     for (std::size_t a = 0; a < at_.size(); ++a) {
       at_[a] = static_cast<double>(action.target_e7[a]) / e7;

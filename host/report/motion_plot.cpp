@@ -32,6 +32,7 @@ constexpr const char* grid_colour = "#e4e4e4";
 constexpr const char* frame_colour = "#999";
 constexpr const char* limit_colour = "#555";
 
+using svg::nice_step;
 using svg::text_at;
 using svg::turned_text;
 
@@ -83,15 +84,6 @@ std::string curve(const std::vector<Pixel>& points, const char* colour, const st
       "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\""
       "{}/>\n",
       d, colour, clip);
-}
-
-/// 1, 2 or 5 times a power of ten, so that no more than so many fit in.
-double nice_step(double range, double most) {
-  const double least = range / most;
-  const double power = std::pow(10, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= least * (1 - 1e-9)) return factor * power;
-  return 10 * power;
 }
 
 /// Multiples of a step from `low` to `high`.

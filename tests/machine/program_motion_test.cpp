@@ -11,6 +11,7 @@
 namespace lamplock::machine {
 namespace {
 
+using motion::full_power;
 using settings::Id;
 
 TEST(ProgramMotion, StepsAreTheNearestOnes) {

@@ -6,9 +6,9 @@
 namespace lamplock::rp2040 {
 
 /// Sets the SSI up for execute-in-place with the plain read command, 03h, which every serial flash
-/// has. The flash must be in its command state, as the ROM leaves it. What is
-/// in a hurry has been copied to SRAM, and the cache keeps the rest: speed matters little. 31.25
-/// MHz at clk_sys 125 MHz, below the 50 MHz of 03h.
+/// has. The flash must be in its command state, as the ROM leaves it. What is in a hurry is copied
+/// to SRAM, and the cache keeps the rest: speed matters little. 31.25 MHz at clk_sys 125 MHz, below
+/// the 50 MHz of 03h.
 [[gnu::always_inline]] inline void start_xip() {
   constexpr std::uint32_t read_data = 0x03;
   SsiRegisters& s = ssi();
