@@ -46,6 +46,7 @@ Chip::Chip(const ChipOptions& options)
              Core(1, bus_, wheel_, irqs_, timing_, reporter())},
       seed_(options.seed) {
   map();
+  sio_.follow_cores([this](std::size_t core) { return cores_[core].cycle(); });
   system_.clocks.listen(*this);
   system_.ticks.listen(*this);
   clocks_changed();

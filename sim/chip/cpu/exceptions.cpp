@@ -112,12 +112,14 @@ void Core::systick_expired() {
 
 // Whatever comes before the next instruction; true if the step is used up.
 bool Core::attend() {
-  run_events(cycle_);
-  if (waits()) return true;
+  // What was asked for before this was heard; what is asked for now comes first, before the
+  // instruction: a core that is reset executes no more.
   if (stop_) {
     stop_ = false;
     update_attention();
   }
+  run_events(cycle_);
+  if (waits() || stop_) return true;
   if (!attention_) return false;
   if (sleep_ != Sleep::awake) {
     if (!can_wake()) return true;

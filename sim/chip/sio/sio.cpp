@@ -132,7 +132,7 @@ std::uint32_t Sio::peek(std::size_t core, std::uint32_t offset) const {
     case offset_div_remainder:
       return own.divider.remainder();
     case offset_div_csr:
-      return (own.divider.dirty() ? 2u : 0u) | (own.divider.ready(wheel_.now()) ? 1u : 0u);
+      return (own.divider.dirty() ? 2u : 0u) | (own.divider.ready(time_of(core)) ? 1u : 0u);
     default:
       return 0;  // the set, clear and toggle registers and FIFO_WR are write only
   }
@@ -166,7 +166,7 @@ std::uint32_t Sio::read(std::size_t core, std::uint32_t offset) {
 std::uint32_t Sio::read_divider(std::size_t core, std::uint32_t offset) {
   Divider& divider = own_[core].divider;
   const bool is_result = offset == offset_div_quotient || offset == offset_div_remainder;
-  if (is_result && !divider.ready(wheel_.now()))
+  if (is_result && !divider.ready(time_of(core)))
     not_modelled_("SIO DIV: a result was read before READY; it is undefined in the chip");
   if (offset == offset_div_quotient) divider.clear_dirty();
   return peek(core, offset);
@@ -224,7 +224,7 @@ void Sio::write(std::size_t core, std::uint32_t offset, std::uint32_t value) {
   } else if (offset >= offset_interp0) {
     own.interpolator0.write(offset - offset_interp0, value);
   } else if (offset >= offset_div) {
-    write_divider(own, offset, value, now);
+    write_divider(own, offset, value, time_of(core));
   } else if (offset >= offset_fifo_st) {
     write_fifo(core, offset, value);
   } else if (offset >= offset_gpio_hi_oe) {

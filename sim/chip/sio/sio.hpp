@@ -33,6 +33,9 @@ class Sio {
 
   /// The registers as core 0 or 1 sees them.
   Peripheral& core(int core) { return views_[static_cast<std::size_t>(core)]; }
+  /// Where the cores are: a divider works in its own core's time, which a miss of the other one in
+  /// the flash can leave behind that of the wheel. Without it, that of the wheel.
+  void follow_cores(std::function<Cycle(std::size_t)> cycle_of) { cycle_of_ = std::move(cycle_of); }
   /// SYSCFG PROC_IN_SYNC_BYPASS: pins whose synchroniser GPIO_IN goes round.
   void set_synchroniser_bypass(std::uint32_t pins) { synchroniser_bypass_ = pins; }
   /// PSM resets SIO as a whole.
@@ -77,7 +80,10 @@ class Sio {
   std::uint32_t gpio_in() const;
   void update_irqs();
 
+  Cycle time_of(std::size_t core) const { return cycle_of_ ? cycle_of_(core) : wheel_.now(); }
+
   TimeWheel& wheel_;
+  std::function<Cycle(std::size_t)> cycle_of_;
   Gpio& gpio_;
   IrqLines& irqs_;
   QspiInputs qspi_inputs_;
