@@ -208,8 +208,23 @@ inline constexpr std::array<Row, setting_count> table{{
     {1084, "jerk_a", "m/s3", 0, 100'000'000, 0, false, "highest jerk of A; 0 = any"},
 }};
 
-/// Row of a setting.
+/// Row of a setting, texts and all.
 constexpr const Row& row(Id id) { return table[static_cast<std::size_t>(id)]; }
+
+/// What the firmware keeps of a row: no texts.
+struct Range {
+  std::int32_t min_milli, max_milli, default_milli;
+  std::uint16_t number;
+  bool whole;
+};
+inline constexpr auto ranges = [] {
+  std::array<Range, setting_count> all{};
+  for (std::size_t i = 0; i < setting_count; ++i)
+    all[i] = {table[i].min_milli, table[i].max_milli, table[i].default_milli, table[i].number,
+              table[i].whole};
+  return all;
+}();
+constexpr const Range& range(Id id) { return ranges[static_cast<std::size_t>(id)]; }
 
 /// Row of the same setting for another axis, given the X row.
 constexpr Id for_axis(Id x_row, int axis) {
@@ -219,7 +234,7 @@ constexpr Id for_axis(Id x_row, int axis) {
 /// Index of a setting number; Id::count if there is none.
 constexpr Id find_number(std::uint16_t number) {
   for (std::size_t i = 0; i < setting_count; ++i)
-    if (table[i].number == number) return static_cast<Id>(i);
+    if (ranges[i].number == number) return static_cast<Id>(i);
   return Id::count;
 }
 
@@ -234,7 +249,7 @@ constexpr Id find_name(std::string_view name) {
 class Values {
  public:
   constexpr Values() {
-    for (std::size_t i = 0; i < setting_count; ++i) milli_[i] = table[i].default_milli;
+    for (std::size_t i = 0; i < setting_count; ++i) milli_[i] = ranges[i].default_milli;
   }
   constexpr std::int32_t milli(Id id) const { return milli_[static_cast<std::size_t>(id)]; }
   constexpr std::int32_t milli(Id x_row, int axis) const { return milli(for_axis(x_row, axis)); }
@@ -243,7 +258,7 @@ class Values {
 
   /// Sets a value; false (and nothing changed) if it is outside its range or must be whole.
   constexpr bool set_milli(Id id, std::int32_t value) {
-    const Row& r = row(id);
+    const Range& r = range(id);
     if (value < r.min_milli || value > r.max_milli) return false;
     if (r.whole && value % 1000 != 0) return false;
     milli_[static_cast<std::size_t>(id)] = value;
@@ -255,7 +270,7 @@ class Values {
     std::uint32_t h = 2166136261u;
     for (std::size_t i = 0; i < setting_count; ++i) {
       const auto v = static_cast<std::uint32_t>(milli_[i]);
-      const std::uint32_t words[2] = {table[i].number, v};
+      const std::uint32_t words[2] = {ranges[i].number, v};
       for (std::uint32_t word : words)
         for (int shift = 0; shift < 32; shift += 8) h = (h ^ ((word >> shift) & 0xff)) * 16777619u;
     }

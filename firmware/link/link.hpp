@@ -89,6 +89,10 @@ class Link {
 
   /// Takes bytes to send; returns how many were written to `out`.
   std::size_t transmit(std::span<std::uint8_t> out) { return ring_.pop(out); }
+  /// Bytes that can be sent at once.
+  std::size_t room() const { return ring_.room(); }
+  /// Characters of a line that has not ended.
+  std::size_t line_size() const { return parser_.line_size(); }
   /// Bytes waiting to be sent.
   std::size_t transmit_size() const { return ring_.size(); }
 

@@ -46,9 +46,13 @@
 #include "firmware/link/link.hpp"
 #include "firmware/machine/interrupt_mask.hpp"
 #include "firmware/machine/job_runner.hpp"
+#include "firmware/machine/kept_program.hpp"
+#include "firmware/machine/program_reader.hpp"
+#include "firmware/machine/program_runner.hpp"
 #include "firmware/machine/status_report.hpp"
 #include "firmware/machine/text.hpp"
 #include "firmware/program/pulse_decoder.hpp"
+#include "shared/gcode_errors.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/status.hpp"
 #include "shared/work_space.hpp"
@@ -64,6 +68,9 @@ struct Outputs {
   bool drives_enable = false;
   std::uint8_t shutters = 0;     ///< bit 0 = first channel; 1 = open; never two at a time
   std::uint16_t attenuator = 0;  ///< 65535 = full
+  /// A continuous laser may shine where the lattice has its gate open; LASER PWM is its power then,
+  /// not the attenuator.
+  bool laser_enable = false;
 };
 
 /// How the board's fire stage has to work, from the settings.
@@ -98,6 +105,9 @@ class Controller {
   Controller& operator=(const Controller&) = delete;
 
   // Main loop.
+  /// Bytes that can be taken now: of lines no more than may wait. At least this much is there for
+  /// frames in a job.
+  std::size_t receive_room() const;
   void receive(std::span<const std::uint8_t> bytes);
   /// What comes from here on has nothing to do with what came before: half a line or frame is
   /// dropped, a job goes on. Touches nothing that is shared with interrupts.
@@ -111,14 +121,19 @@ class Controller {
   /// Not masked, before commit() (Parts::staged): makes that short.
   void stage() {
     if (moving_) runner_.stage();
+    program_.stage();
   }
   /// True if something was handed out.
   bool commit();
   /// There is room for another part of the plan at once: stage() and commit() again. None is
   /// wanted in a hold or an alarm, nor where one is due.
   bool part_waits() const { return moving_ && !runner_.underrun() && runner_.part_waits(); }
-  /// Not masked: a STATUS that is due is made, which masks them for its machine's part.
-  void tell() { link_.poll(*this); }
+  /// Not masked: goes on with the lines of a program, and makes a STATUS that is due, which masks
+  /// for its machine's part.
+  void tell() {
+    if (lines_due()) work_lines();
+    link_.poll(*this);
+  }
   void input_changed(Input input, bool active);
   /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.
   void start_in_alarm() { raise_alarm(alarm_position_lost); }
@@ -133,6 +148,14 @@ class Controller {
   /// The user has changed settings: true once, with what has to be stored before the answer is
   /// transmitted. Until the next prepare() the machine is at rest, even if a job has just begun.
   bool take_settings(settings::Values& values);
+  /// The same of what programs leave behind; null if there is nothing to be stored. Valid until a
+  /// line is looked at.
+  const KeptProgram* take_kept() {
+    const bool due = kept_due_ || reader_.kept().parameters.changed != 0;
+    return due ? changed_kept() : nullptr;
+  }
+  /// Once, before anything else: what was kept when the power went.
+  void set_kept(const KeptProgram& kept);
   /// The lamp runs at another frequency from now on, in the middle of a job: the machine brakes to
   /// rest, follows the new beat and goes on with the first point not fired; the frequency is
   /// forgotten at the end of the job. Errors: no_job; locked; bad_value, with the number of the
@@ -146,17 +169,19 @@ class Controller {
 
   // Main loop, or another core that does nothing else.
   /// True if there is more to do: to be called again, with other work in between.
-  bool plan() { return runner_.plan(values_, stored_); }
+  bool plan() { return planning_.plan(values_, stored_); }
   /// There is one to be made, and nobody is at it.
-  bool plan_waits() const { return runner_.hand_over().waits(); }
+  bool plan_waits() const { return planning_.hand_over().waits(); }
   /// Somebody plans, or ought to: a board with two cores sees to it that this ends.
-  bool planning() const { return runner_.hand_over().busy(); }
+  bool planning() const { return planning_.hand_over().busy(); }
 
   // Interrupts of the board.
-  void fill(stepper::TickBlock& block, std::uint32_t max_ticks) { runner_.fill(block, max_ticks); }
+  void fill(stepper::TickBlock& block, std::uint32_t max_ticks) {
+    motion_.generator().fill(block, max_ticks);
+  }
   template <class Board>
   void fill_axes(std::uint32_t ticks, Board& board) {
-    runner_.fill_axes(ticks, board);
+    motion_.generator().fill_axes(ticks, board);
   }
   lamp::TickSpan next_span(std::uint32_t max_ticks) { return clock_.next_span(max_ticks); }
   /// An edge longer than a runt; `token_spent` if a loaded token was taken by it.
@@ -180,12 +205,13 @@ class Controller {
 
   Outputs outputs() const {
     Outputs outputs;
-    outputs.drives_enable = state_ != wire::MachineState::estop;
+    outputs.drives_enable = state_ != wire::MachineState::estop && !asleep_;
     outputs.fire_enable = shots_.permitted();
     // These outlast the permission by the shot that the hardware has decided, not in an alarm.
     if (state_ == wire::MachineState::alarm || state_ == wire::MachineState::estop) return outputs;
     outputs.shutters = shots_.beam().shutters();
     outputs.attenuator = shots_.beam().attenuator();
+    outputs.laser_enable = laser_may_shine();
     return outputs;
   }
   FireTiming fire_timing() const;
@@ -201,6 +227,8 @@ class Controller {
   const lamp::BeatClock& clock() const { return clock_; }
   const lamp::ShotScheduler& shots() const { return shots_; }
   const JobRunner& runner() const { return runner_; }
+  const ProgramRunner& program() const { return program_; }
+  const ProgramReader& reader() const { return reader_; }
 
   // What the link asks (LinkSink); not for boards.
   void on_realtime(std::uint8_t byte);
@@ -218,8 +246,11 @@ class Controller {
   void fill_status(wire::Status& status) const;
 
  private:
-  /// grbl 1.1: "reset while in motion".
-  static constexpr std::uint8_t alarm_position_lost = 3;
+  // Alarm numbers of grbl 1.1; 10 as grblHAL has it.
+  static constexpr std::uint8_t alarm_hard_limit = 1;
+  static constexpr std::uint8_t alarm_soft_limit = 2;
+  static constexpr std::uint8_t alarm_position_lost = 3;  ///< "reset while in motion"
+  static constexpr std::uint8_t alarm_estop = 10;
 
   lamp::ShotRules shot_rules(const settings::Values& values) const;
   void hold_after_failed_shots();
@@ -237,12 +268,51 @@ class Controller {
   bool ready_to_move() const;
   BeatReason idle_reason() const;
   void check_dead_man();
+  // Lines and programs (controller_program.cpp).
+  /// The laser of a program, on its way and while it comes to rest there; a door ends it at once.
+  bool laser_may_shine() const {
+    return program_.begun() && !reset_due_ && !jogging_ &&
+           (state_ == wire::MachineState::run || state_ == wire::MachineState::hold);
+  }
+  bool program_unfinished() const { return reader_.line_open() || !program_.idle(); }
+  /// Looked at in every round of the main loop.
+  bool lines_due() const {
+    return reader_.line_open() || reader_.lines_wait() || start_up_next_ < start_up_lines;
+  }
+  void work_lines();
+  bool finish_line();
+  void begin_line(std::string_view line);
+  GcodeError begin_program_line(std::string_view line);
+  GcodeError begin_jog(std::string_view line);
+  GcodeError keep_start_up_line(std::string_view line);
+  bool run_start_up_line();
+  bool start_program();
+  void end_program();
+  void settle_program();
+  void reset();
+  void finish_reset();
+  void cancel_jog();
+  void override_byte(std::uint8_t byte);
+  static void change_override(std::uint8_t& percent, int by);
+  void end_overrides_of_program();
+  void toggle_check();
+
   bool may_be_changed() const;
   void answer_system_command(std::string_view line);
-  int change_setting(std::string_view line);
+  GcodeError system_command(std::string_view line);
+  GcodeError command_at_rest(std::string_view line);
+  const KeptProgram* changed_kept();
+  bool tell(std::string_view command);
+  void tell_version();
+  void tell_offsets();
+  void tell_start_up_lines();
+  GcodeError keep_build_text(std::string_view text);
+  GcodeError change_setting(std::string_view line);
+  void take_over(const settings::Values& values);
   void restore_defaults();
+  void restore_everything();
   void list_settings();
-  void send_error(int number);
+  void answer(GcodeError error);
   void send_banner();
   ReportedStatus reported_status() const;
   std::string_view state_name() const;
@@ -252,13 +322,18 @@ class Controller {
   const InterruptMask mask_;
   const int board_axes_;
   const std::uint8_t board_channels_;
+  const Parts parts_;
   settings::Values stored_;
   settings::Values values_;  ///< stored, with the overrides of the job
   bool overridden_ = false;
   link::Link link_;
   lamp::BeatClock clock_;
   lamp::ShotScheduler shots_;
+  MotionOutput motion_;
+  Planning planning_;
   JobRunner runner_;
+  ProgramRunner program_{clock_, motion_, planning_};
+  ProgramReader reader_{program_};
   program::PulseDecoder decoder_;
   StepLimits work_space_;
   StatusReporter reporter_;
@@ -268,6 +343,16 @@ class Controller {
   std::uint8_t alarm_ = 0;
   bool job_ = false;  ///< a job has begun and was not ended
   bool dry_ = false;
+  bool jogging_ = false;
+  bool jogs_dropped_ = false;       ///< a jog was cancelled: those that wait behind it are
+  bool check_ = false;              ///< programs are read and not run
+  bool kept_due_ = false;           ///< texts or places have changed
+  bool own_line_ = false;           ///< a start-up line is under way: nobody waits for an answer
+  std::uint8_t start_up_next_ = 0;  ///< start-up line to be run
+  bool asleep_ = false;             ///< drives off until a reset
+  bool reset_due_ = false;          ///< when the machine has come to rest
+  bool moved_at_reset_ = false;     ///< which it had not when that was asked for
+  Overrides overrides_;
   bool moving_ = false;                  ///< motion was permitted at the last prepare()
   std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be taken at rest; 0 = none
   bool store_due_ = false;

@@ -14,11 +14,18 @@ constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
 }  // namespace
 
-JobRunner::JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, Parts parts)
+JobRunner::JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, MotionOutput& output,
+                     Planning& planning, Parts parts)
     : clock_(clock),
       shots_(shots),
       parts_(parts),
-      window_(queue_, shots.beam(), options_, plan_.request()) {}
+      output_(output),
+      segments_(output.segments()),
+      hand_over_(planning.hand_over()),
+      plan_(planning.window()),
+      planning_(planning),
+      window_(queue_, shots.beam(), options_, plan_.request()),
+      generator_(output.generator()) {}
 
 void JobRunner::begin(const RunOptions& options, const settings::Values& values,
                       std::uint32_t first) {
@@ -30,12 +37,8 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   window_.go_on_at({first, 0});
   starvations_ = misses_ = 0;
   job_speed_ = full_job_speed;
-  for (int a = 0; a < max_axes; ++a) {
-    const std::int32_t lag_ns =
-        a < values.whole(settings::Id::axes) ? values.milli(settings::Id::drive_lag_x, a) : 0;
-    lag_clocks_[index(a)] = static_cast<std::uint32_t>(lag_ns) / 1000 * clocks_per_us +
-                            static_cast<std::uint32_t>(lag_ns) % 1000 * clocks_per_us / 1000;
-  }
+  output_.set_lags(values);
+  planning_.use_windows();
   plan_.begin_job(values, clock_.beat_ticks(), options.shortest_tick_q16);
   brake_limits_ = plan_.brake_limits();
 }
@@ -50,17 +53,7 @@ void JobRunner::clear() {
   returning_ = starving_ = braked_ = waiting_for_beam_ = planning_late_ = false;
 }
 
-bool JobRunner::plan(const settings::Values& values, const settings::Values& own) {
-  return hand_over_.slice([&] { return plan_.advance(values, own); });
-}
-
 bool JobRunner::plan_at_home() const { return hand_over_.at_home(); }
-
-void JobRunner::recall_plan() {
-  hand_over_.recall();
-  while (!hand_over_.at_home()) {
-  }
-}
 
 void JobRunner::change_beat(const settings::Values& values, std::int32_t least_beats) {
   options_.least_beats = least_beats;
@@ -128,14 +121,6 @@ std::uint32_t JobRunner::first_unfired() {
   return count_.point;
 }
 
-// What a tick takes may have changed since the last start.
-void JobRunner::set_leads() {
-  PerAxis<std::uint32_t> leads{};
-  for (int a = 0; a < max_axes; ++a) leads[index(a)] = clock_.ticks_in(lag_clocks_[index(a)]);
-  generator_.set_leads(leads);
-  clock_.set_lead(generator_.lead());
-}
-
 bool JobRunner::starts_late() const {
   return planning_late_ && at_rest() && plan_.request().count == motion::window_points;
 }
@@ -152,7 +137,7 @@ bool JobRunner::prepare_start() {
   if (!clock_.settled()) return false;
   // Motion that is committed and ends at rest may still be running.
   if (at_rest()) {
-    set_leads();
+    output_.set_leads(clock_);
     plan_state_ = generator_.state();
   }
   plan_beat_ = start_beat();

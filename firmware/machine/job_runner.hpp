@@ -8,7 +8,8 @@
 //
 //   look_ahead() unmasked finds the points of the next window
 //   prepare()  masked     reads outcomes, takes back what was missed, decides whether to plan
-//   plan()     unmasked   a slice of it (window_plan.hpp), on data that no interrupt touches, until
+//   plan       unmasked   a slice of it (planning.hpp, window_plan.hpp), on data that no interrupt
+//   touches, until
 //                         it is complete: by the main loop, or by another core while that goes on
 //   stage()    unmasked   copies what is next to the place it is handed out from, and its brake;
 //                         where interrupts are masked for it, which is said once (Parts::staged)
@@ -32,7 +33,7 @@
 //
 // A plan that is not wanted any more is only marked so, and the planner stops after the slice it is
 // in. Until then no other is begun, and who wants to change settings or to begin a job waits for
-// it: recall_plan(), or asks for plan_at_home() where it must not wait.
+// it: Planning::recall(), or asks for plan_at_home() where it must not wait.
 //
 // One primitive serves start, resume, a missed flash, starvation and re-lock: plan from the state
 // where committed motion ends to the points that are not done yet, in order.
@@ -63,12 +64,10 @@
 
 #include "firmware/lamp/beat_clock.hpp"
 #include "firmware/lamp/shot_scheduler.hpp"
-#include "firmware/machine/hand_over.hpp"
+#include "firmware/machine/motion_output.hpp"
 #include "firmware/machine/next_window.hpp"
-#include "firmware/machine/window_plan.hpp"
+#include "firmware/machine/planning.hpp"
 #include "firmware/motion/point_queue.hpp"
-#include "firmware/stepper/segment_queue.hpp"
-#include "firmware/stepper/tick_generator.hpp"
 
 namespace lamplock::machine {
 
@@ -82,7 +81,8 @@ enum class Committed : std::uint8_t { nothing, part, no_way };
 /// Runs one job at a time.
 class JobRunner {
  public:
-  JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, Parts parts);
+  JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, MotionOutput& output,
+            Planning& planning, Parts parts);
   JobRunner(const JobRunner&) = delete;
   JobRunner& operator=(const JobRunner&) = delete;
 
@@ -103,13 +103,6 @@ class JobRunner {
   void look_ahead();
   /// Reads outcomes; true if `go` and there is a plan to be made, or one to commit.
   bool prepare(bool go);
-  /// Plans a slice of what prepare() has found, for the job's settings on a machine with its own;
-  /// false when there is nothing more to do. The planner's: main loop or another core, one of them.
-  bool plan(const settings::Values& values, const settings::Values& own);
-  /// For who plans on another core, and for who waits for it.
-  const HandOver& hand_over() const { return hand_over_; }
-  /// The plan, if there is one, is not wanted any more; waits for the end of a slice. Unmasked.
-  void recall_plan();
   /// Nobody plans, and nobody will before the next prepare().
   bool plan_at_home() const;
   /// Copies what was planned to where it is handed out from (Parts::staged): in motion every beat
@@ -128,9 +121,7 @@ class JobRunner {
   void halt();
 
   /// True if nothing moves and nothing is committed.
-  bool at_rest() const {
-    return !generator_.running() && segments_.empty() && segments_.released();
-  }
+  bool at_rest() const { return output_.at_rest(); }
   /// Every point of the job is done.
   bool complete() const { return queue_.begin() == options_.points_total; }
   /// First point that is not done, outcomes counted that prepare() has not read yet. Beat
@@ -147,14 +138,6 @@ class JobRunner {
   /// Motion ended with speed; the provisional rest makes that impossible.
   bool underrun() const { return generator_.underrun(); }
 
-  // For the board's fill interrupt.
-  void fill(stepper::TickBlock& block, std::uint32_t max_ticks) {
-    generator_.fill(block, max_ticks);
-  }
-  template <class Board>
-  void fill_axes(std::uint32_t ticks, Board& board) {
-    generator_.fill_axes(ticks, board);
-  }
   stepper::TickGenerator& generator() { return generator_; }
   const stepper::TickGenerator& generator() const { return generator_; }
 
@@ -189,7 +172,6 @@ class JobRunner {
   std::uint64_t start_beat() const;
   /// The start waits until the next plan will be there too.
   bool starts_late() const;
-  void set_leads();
   void start_later();
   void commit_plan();
   void write_segment(std::uint32_t i, std::uint64_t late_ticks, stepper::Segment& segment) const;
@@ -204,21 +186,22 @@ class JobRunner {
   lamp::ShotScheduler& shots_;
   const Parts parts_;
   motion::PointQueue queue_;
-  stepper::SegmentQueue segments_;
-  HandOver hand_over_;  ///< of plan_, from prepare() to commit()
-  WindowPlan plan_;
+  MotionOutput& output_;
+  stepper::SegmentQueue& segments_;
+  HandOver& hand_over_;  ///< of plan_, from prepare() to commit()
+  WindowPlan& plan_;     ///< in a job
+  Planning& planning_;
   RunOptions options_;
   NextWindow window_;                 ///< its place() is the first flash not committed
   motion::BrakeLimits brake_limits_;  ///< of what was committed last
   bool waiting_for_beam_ = false;
   std::uint32_t job_speed_ = full_job_speed;
-  stepper::TickGenerator generator_{segments_};
-  PerAxis<std::uint32_t> lag_clocks_{};  ///< of the drives
-  std::uint32_t first_ = 0;              ///< first point of the job
-  std::uint32_t received_ = 0;           ///< end of the queue when it last grew
-  std::uint64_t receive_tick_ = 0;       ///< and when that was
-  bool from_rest_ = true;                ///< the next window starts on a fresh beat
-  std::uint32_t handed_ = 0;             ///< segments of the plan that have been handed out
+  stepper::TickGenerator& generator_;
+  std::uint32_t first_ = 0;         ///< first point of the job
+  std::uint32_t received_ = 0;      ///< end of the queue when it last grew
+  std::uint64_t receive_tick_ = 0;  ///< and when that was
+  bool from_rest_ = true;           ///< the next window starts on a fresh beat
+  std::uint32_t handed_ = 0;        ///< segments of the plan that have been handed out
   std::uint32_t staged_ = 0;  ///< and of the next part, which lies in the queue but for its first
   bool returning_ = false;
   bool astray_ = true;   ///< the next window does not start at the target before it

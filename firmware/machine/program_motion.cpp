@@ -10,7 +10,7 @@ using settings::Id;
 /// 10^-7 mm times thousandths of steps/mm.
 constexpr std::int64_t per_step = program::one_e7 * 1000;
 constexpr std::int64_t most_product =
-    program::most_position_e7 * settings::row(Id::steps_per_mm_x).max_milli;
+    program::most_position_e7 * settings::range(Id::steps_per_mm_x).max_milli;
 static_assert(most_product / per_step < most_steps);
 
 motion::LinePower laser_of(const program::Action& move) {
@@ -34,6 +34,10 @@ StepPosition steps_of(const program::Place& place_e7, const settings::Values& va
     steps[index(a)] = static_cast<std::int32_t>((product + half) / per_step);
   }
   return steps;
+}
+
+std::int64_t place_of(std::int32_t step, const settings::Values& values, int axis) {
+  return step * per_step / values.milli(Id::steps_per_mm_x, axis);
 }
 
 int axis_outside(const StepPosition& steps, const StepLimits& space, int axes) {

@@ -18,6 +18,9 @@ namespace lamplock::machine {
 /// Steps nearest to a place, half away from zero; axes that the machine does not have stay at 0.
 StepPosition steps_of(const program::Place& place_e7, const settings::Values& values);
 
+/// Where an axis is at a step, 10^-7 mm.
+std::int64_t place_of(std::int32_t step, const settings::Values& values, int axis);
+
 /// First axis on which a position is outside the work space; -1 if it is inside.
 int axis_outside(const StepPosition& steps, const StepLimits& space, int axes);
 

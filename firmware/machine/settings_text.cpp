@@ -5,8 +5,6 @@
 namespace lamplock::machine {
 namespace {
 
-constexpr int error_number = 2;
-constexpr int error_statement = 3;
 constexpr int decimals = 3;
 
 /// Takes decimal digits off the front; false if there is none or the number does not fit.
@@ -56,20 +54,20 @@ SettingLine read_setting(std::string_view line) {
   line.remove_prefix(1);
   if (!take_digits(line, number) || line.empty() || line.front() != '=' ||
       number > std::numeric_limits<std::uint16_t>::max()) {
-    result.error = error_statement;
+    result.error = GcodeError::unknown_command;
     return result;
   }
   line.remove_prefix(1);
   result.id = settings::find_number(static_cast<std::uint16_t>(number));
   std::int64_t milli = 0;
   if (result.id == settings::Id::count) {
-    result.error = error_statement;
+    result.error = GcodeError::unknown_command;
   } else if (!read_milli(line, milli)) {
-    result.error = error_number;
+    result.error = GcodeError::bad_number;
   } else {
-    const settings::Row& row = settings::row(result.id);
+    const settings::Range& row = settings::range(result.id);
     if (milli < row.min_milli || milli > row.max_milli || (row.whole && milli % 1000 != 0))
-      result.error = error_setting_range;
+      result.error = GcodeError::setting_out_of_range;
     else
       result.milli = static_cast<std::int32_t>(milli);
   }
@@ -77,7 +75,7 @@ SettingLine read_setting(std::string_view line) {
 }
 
 void write_setting(TextLine& line, settings::Id id, const settings::Values& values) {
-  const settings::Row& row = settings::row(id);
+  const settings::Range& row = settings::range(id);
   line.add("$").add(std::int64_t{row.number}).add("=");
   if (row.whole)
     line.add(std::int64_t{values.whole(id)});

@@ -9,17 +9,14 @@
 #include <string_view>
 
 #include "firmware/machine/text.hpp"
+#include "shared/gcode_errors.hpp"
 #include "shared/settings_table.hpp"
 
 namespace lamplock::machine {
 
-/// Error number of grblHAL: a setting is outside of its range.
-inline constexpr int error_setting_range = 52;
-
-/// What a line asks for. `error` is a number of grbl 1.1 (3 no such setting, 2 no number) or
-/// error_setting_range; 0 = well.
+/// What a line asks for, or why it is refused: unknown_command, bad_number, setting_out_of_range.
 struct SettingLine {
-  int error = 0;
+  GcodeError error = GcodeError::none;
   settings::Id id = settings::Id::count;
   std::int32_t milli = 0;  ///< thousandths of the unit
 };

@@ -20,7 +20,7 @@ settings::Values at_job_speed(const settings::Values& job, const settings::Value
   settings::Values values = job;
   if (percent == full_job_speed) return values;
   const auto scale = [&](settings::Id id, std::int32_t milli) {
-    const std::int32_t least = settings::row(id).min_milli, most = own.milli(id);
+    const std::int32_t least = settings::range(id).min_milli, most = own.milli(id);
     values.set_milli(id, milli < least ? least : milli < most ? milli : most);
   };
   for (int axis = 0; axis < max_axes; ++axis) {

@@ -18,13 +18,13 @@ void LineChords::reset(const StepPosition& at, std::uint32_t line) {
 bool LineChords::add(std::uint32_t line, const StepPosition& end, const LineShape& shape,
                      const LineLimits& limits, LineCap& cap) {
   way_ = way_ + shape.length;
-  if (way_ < Real(window_)) return false;
+  if (way_ < LineReal(window_)) return false;
   const bool single = line == mark_line_;
   const LineShape chord = single ? shape : make_shape(way_between(mark_, end), limits);
   // Between two single lines the corner itself says all.
   const bool compare =
       !is_zero(before_.length) && !is_zero(chord.length) && !(single && before_single_);
-  if (compare) cap = {before_line_ + 1, line, curve_speed_2(before_, chord, limits)};
+  if (compare) cap = {before_line_ + 1, line, curve_speed_2(before_, chord, bends_, limits)};
   before_ = chord;
   before_line_ = mark_line_;
   before_single_ = single;

@@ -7,8 +7,13 @@
 // (line_geometry.hpp), so a curve of a small radius, or a corner of tiny lines, would be passed at
 // any speed. Over a chord of `window` steps rounding is less than 2/window of a turn: the chord is
 // compared with the one before it, and all joints within both get the speed of the circle that
-// touches the two. The limit comes late, when a joint may be under way already; then the machine
-// brakes for it as well as it can. It concerns curves and not hard corners.
+// touches the two. What rounding may be is taken off the turn, so a turn that is not much more
+// passes too fast: longer chords see it better, but see a small circle as a smaller one; so the
+// longest count for gentle turns only. With chords of 12, 128 and 512 steps no axis has more
+// than 1.15 of its acceleration on circles of 1 to 10 mm (1.25 at 80 steps/mm), and a path of 0.1
+// mm lines that bends at a tenth of what the machine can do keeps its speed. The limit comes late,
+// when a joint may be under way already; then the machine brakes for it as well as it can. It
+// concerns curves and not hard corners.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +25,13 @@ namespace lamplock::motion {
 /// A limit for the joints at the starts of the lines `first` to `last`.
 struct LineCap {
   std::uint32_t first = 0, last = 0;
-  Real speed_2;
+  LineReal speed_2;
 };
 
 class LineChords {
  public:
-  explicit LineChords(std::uint32_t window_steps) : window_(window_steps) {}
+  /// `bends` says which turns from chord to chord count.
+  LineChords(std::uint32_t window_steps, LineBends bends) : window_(window_steps), bends_(bends) {}
 
   /// Starts anew at a position; the next line is `line`.
   void reset(const StepPosition& at, std::uint32_t line);
@@ -35,9 +41,10 @@ class LineChords {
 
  private:
   std::uint32_t window_;
+  LineBends bends_;
   StepPosition mark_{};          ///< where the present chord starts
   std::uint32_t mark_line_ = 0;  ///< its first line
-  Real way_;                     ///< along the path since then
+  LineReal way_;                 ///< along the path since then
   LineShape before_;             ///< the chord before
   std::uint32_t before_line_ = 0;
   bool before_single_ = false;  ///< it is a single line

@@ -13,15 +13,34 @@ constexpr int speed_room_bits = 13;
 constexpr int pulse_room_bits = 6;
 /// Changes of direction below this are rounding of the cosines themselves.
 constexpr std::uint32_t noise_q30 = 16;
+/// More than any change.
+constexpr std::uint32_t most_rounding_q30 = std::uint32_t{1} << 31;
 constexpr std::int64_t dot_noise_q60 = std::int64_t{noise_q30} << 32;
 constexpr std::int64_t one_q60 = std::int64_t{1} << 60;
+/// Square of the gentlest change of direction that is not gentle, 0.7.
+constexpr std::uint64_t gentle_turn_q60 = one_q60 / 100 * 49;
+/// Squares of sines below 2^-10 are small.
+constexpr std::uint64_t small_sine_q60 = std::uint64_t{1} << 50;
 /// Stands for any speed, squared.
-Real endless() { return Real(1u, 40); }
+LineReal endless() { return LineReal::power(40); }
 
 std::uint64_t magnitude(std::int64_t v) { return static_cast<std::uint64_t>(abs64(v)); }
+std::uint32_t magnitude(std::int32_t v) {
+  return v < 0 ? 0 - static_cast<std::uint32_t>(v) : static_cast<std::uint32_t>(v);
+}
 
-Real limit(std::int64_t value, int bits, Real unit) { return Real(magnitude(value), -bits) * unit; }
-Real with_room(Real value, int bits) { return difference(value, times_power(value, -bits)); }
+LineReal limit(std::int64_t value, int bits, LineReal unit) {
+  return LineReal(magnitude(value), -bits) * unit;
+}
+/// Rounded up.
+LineReal inverse(LineReal value) {
+  if (is_zero(value)) return endless();
+  const LineReal down = LineReal::power(0) / value;
+  return down + LineReal::power(down.exponent());
+}
+LineReal with_room(LineReal value, int bits) {
+  return difference(value, times_power(value, -bits));
+}
 
 /// How a direction changes from one line to the next.
 struct Turn {
@@ -32,68 +51,78 @@ struct Turn {
 
 Turn make_turn(const LineShape& from, const LineShape& to, const LineLimits& limits) {
   std::int64_t dot_q60 = 0;
-  for (int a = 0; a < limits.axes; ++a)
-    dot_q60 += std::int64_t{from.cosine_q30[index(a)]} * to.cosine_q30[index(a)];
+  for (int a = 0; a < limits.axes; ++a) {
+    const std::int32_t u = from.cosine_q30[index(a)], v = to.cosine_q30[index(a)];
+    const auto product = static_cast<std::int64_t>(wide_product(magnitude(u), magnitude(v)));
+    dot_q60 += (u < 0) == (v < 0) ? product : -product;
+  }
   const bool sharp = dot_q60 < -dot_noise_q60;
-  const Real step(1u);
-  const Real per_length = step / from.length + step / to.length;
+  const LineReal per_length = from.per_length + to.per_length;
   Turn turn;
   turn.back = sharp;
   for (int a = 0; a < limits.axes; ++a) {
-    const std::int64_t u = from.cosine_q30[index(a)], v = to.cosine_q30[index(a)];
-    const auto rounding = static_cast<std::uint64_t>(
-        (limits.axis[index(a)].unit * per_length).fixed(30) + std::int64_t{noise_q30});
+    const std::int32_t u = from.cosine_q30[index(a)], v = to.cosine_q30[index(a)];
+    const std::uint32_t rounding =
+        whole_down(times_power(limits.axis[index(a)].unit * per_length, 30), most_rounding_q30) +
+        noise_q30;
     if (magnitude(u + v) > rounding) turn.back = false;
-    const std::uint64_t change = magnitude(v - u);
+    const std::uint32_t change = magnitude(v - u);
     if (!sharp && change <= rounding) continue;
     // Near a way back, noise is rather a sharper turn.
-    const auto left = static_cast<std::uint32_t>(sharp ? change + noise_q30 : change - rounding);
+    const std::uint32_t left = sharp ? change + noise_q30 : change - rounding;
     turn.change_q30[index(a)] = left;
     turn.square_q60 += wide_product(left, left);
   }
   return turn;
 }
 
-/// Acceleration of the axes in the direction of the change.
-Real turn_accel(const Turn& turn, Real chord, const LineLimits& limits) {
-  Real lowest = endless();
+/// 1 / acceleration of the axes in the direction of the change, times its length.
+LineReal change_per_accel(const Turn& turn, const LineLimits& limits) {
+  LineReal most_of_all;
   for (int a = 0; a < limits.axes; ++a) {
     const std::uint32_t change = turn.change_q30[index(a)];
     if (change == 0) continue;
-    lowest = least(lowest, limits.axis[index(a)].accel * chord / Real(change, -30));
+    most_of_all = most(most_of_all, limits.axis[index(a)].per_accel * LineReal(change, -30));
   }
-  return lowest;
+  return most_of_all;
 }
 
 /// Square of the highest speed at which no axis jumps by more than it may.
-Real jump_speed_2(const Turn& turn, const LineLimits& limits) {
-  Real lowest = endless();
+LineReal jump_speed_2(const Turn& turn, const LineLimits& limits) {
+  LineReal lowest = endless();
   for (int a = 0; a < limits.axes; ++a) {
     const std::uint32_t change = turn.change_q30[index(a)];
     if (change == 0) continue;
-    const Real jump = limits.axis[index(a)].jump;
+    const LineReal jump = limits.axis[index(a)].jump;
     if (is_zero(jump)) return {};
-    lowest = least(lowest, jump / Real(change, -30));
+    lowest = least(lowest, jump / LineReal(change, -30));
   }
   return lowest * lowest;
 }
 
-/// Half the turn as sine and cosine: the change of direction is twice the sine.
+/// Half the turn: the change of direction is twice its sine.
 struct HalfTurn {
-  Real chord, sine, cosine;
+  LineReal sine_2, cosine;
 };
 
 HalfTurn half_of(const Turn& turn) {
   const std::uint64_t quarter = turn.square_q60 / 4;
+  const LineReal sine_2(turn.square_q60, -62);
   const std::uint64_t rest =
       quarter < std::uint64_t{one_q60} ? std::uint64_t{one_q60} - quarter : 0;
-  const Real chord = square_root(Real(turn.square_q60, -60));
-  return {chord, times_power(chord, -1), square_root(Real(rest, -60))};
+  // Of small angles 1 - s/2 - s^2/2 with s the square of the sine, a little less than the root.
+  if (quarter < small_sine_q60) {
+    const auto s = static_cast<std::uint32_t>(quarter >> 29);  // Q31
+    return {sine_2,
+            LineReal((std::uint32_t{1} << 31) - s / 2 - (s >> 16) * (s >> 16) / 2 - 1, -31)};
+  }
+  return {sine_2, square_root(LineReal(rest, -60))};
 }
 
-/// Radius of the circle that touches both lines in the middle of the shorter one.
-Real middle_radius(const LineShape& from, const LineShape& to, const HalfTurn& half) {
-  return times_power(least(from.length, to.length), -1) * half.cosine / half.sine;
+/// With r the radius of the circle that touches both lines in the middle of the shorter one,
+/// l/2 cosine / sine, and with the acceleration, chord / m: the product is l cosine / m.
+LineReal middle_speed_2(LineReal shorter, const HalfTurn& half, LineReal change_per_accel) {
+  return shorter * half.cosine / change_per_accel;
 }
 
 }  // namespace
@@ -102,31 +131,36 @@ LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
                             std::uint32_t deviation_nm) {
   LineLimits out;
   out.axes = limits.axes;
-  const Real per_mm = Real(magnitude(coarsest_milli)) / Real(1000u);
+  const LineReal per_mm = LineReal(magnitude(coarsest_milli)) / LineReal(1000u);
   // um/min: / 1000 um / (60 s).
-  out.um_min = per_mm / Real(1000u) / Real(60u * ticks_per_second);
-  out.deviation = per_mm * Real(deviation_nm) / Real(1'000'000u);
+  out.um_min = per_mm / LineReal(1000u) / LineReal(60u * ticks_per_second);
+  out.deviation = per_mm * LineReal(deviation_nm) / LineReal(1'000'000u);
   for (int a = 0; a < limits.axes; ++a) {
     const AxisLimits& axis = limits.axis[index(a)];
     LineAxis& line = out.axis[index(a)];
     line.weight_q31 = axis.weight_q31;
-    line.unit = Real(axis.weight_q31, -31);
+    line.unit = LineReal(axis.weight_q31, -31);
     line.speed = with_room(limit(axis.speed_q62, 62, line.unit), speed_room_bits);
     line.accel = with_room(limit(axis.accel_q62, 62, line.unit), accel_room_bits);
     line.jump = limit(axis.jump_q62, 62, line.unit);
   }
   out.rise = make_rise(limits);
-  if (out.rise.none()) return out;
-  for (LineAxis& axis : out.axis) axis.accel = with_room(axis.accel, pulse_room_bits);
+  for (int a = 0; a < limits.axes; ++a) {
+    LineAxis& axis = out.axis[index(a)];
+    if (!out.rise.none()) axis.accel = with_room(axis.accel, pulse_room_bits);
+    axis.per_speed = inverse(axis.speed);
+    axis.per_accel = inverse(axis.accel);
+  }
   return out;
 }
 
 LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limits) {
-  PerAxis<std::int64_t> weighted_q31{};
+  PerAxis<std::uint64_t> weighted_q31{};
   std::uint64_t all = 0;
   for (int a = 0; a < limits.axes; ++a) {
-    weighted_q31[index(a)] = steps[index(a)] * std::int64_t{limits.axis[index(a)].weight_q31};
-    all |= magnitude(weighted_q31[index(a)]);
+    const auto size = static_cast<std::uint32_t>(magnitude(steps[index(a)]));
+    weighted_q31[index(a)] = wide_product(size, limits.axis[index(a)].weight_q31);
+    all |= weighted_q31[index(a)];
   }
   LineShape shape;
   if (all == 0) return shape;
@@ -135,54 +169,61 @@ LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limit
   std::uint64_t squares = 0;
   PerAxis<std::uint32_t> part{};
   for (int a = 0; a < limits.axes; ++a) {
-    const std::uint64_t m = magnitude(weighted_q31[index(a)]);
+    const std::uint64_t m = weighted_q31[index(a)];
+    if (m == 0) continue;
     part[index(a)] = static_cast<std::uint32_t>(left >= 0 ? m << left : m >> -left);
     squares += wide_product(part[index(a)], part[index(a)]);
   }
+  // 2^29 at least.
   const std::uint32_t root = isqrt(squares);
-  shape.length = Real(root, -31 - left);
-  // The root is 2^29 at least.
-  // NOLINTNEXTLINE(clang-analyzer-core.DivideZero)
-  const std::uint64_t inverse = (std::uint64_t{1} << 61) / root;
-  const auto per_root = static_cast<std::uint32_t>(inverse >> 32 != 0 ? 0xffffffffu : inverse);
+  shape.length = LineReal(root, -31 - left);
+  shape.per_length = LineReal::power(0) / shape.length;
+  // 2^61 / root, 32 bits.
+  const std::uint32_t per_root = whole_down(times_power(shape.per_length, 30 - left), 0xffffffffu);
   for (int a = 0; a < limits.axes; ++a) {
+    if (part[index(a)] == 0) continue;
     const auto c = static_cast<std::int32_t>(wide_product(part[index(a)], per_root) >> 31);
-    shape.cosine_q30[index(a)] = weighted_q31[index(a)] < 0 ? -c : c;
+    shape.cosine_q30[index(a)] = steps[index(a)] < 0 ? -c : c;
   }
   return shape;
 }
 
 LineBounds make_bounds(const LineShape& shape, const LineLimits& limits) {
-  LineBounds bounds{endless(), endless()};
+  LineReal per_speed, per_accel;
   for (int a = 0; a < limits.axes; ++a) {
     // What is less than the cosines can show is shown as 1.
-    const std::uint64_t cosine = magnitude(shape.cosine_q30[index(a)]);
+    const std::uint32_t cosine = magnitude(shape.cosine_q30[index(a)]);
     if (cosine == 0) continue;
-    const Real per = Real(1u, 30) / Real(cosine + 1);
+    const LineReal share(cosine + 1, -30);
     const LineAxis& axis = limits.axis[index(a)];
-    bounds.speed = least(bounds.speed, axis.speed * per);
-    bounds.accel = least(bounds.accel, axis.accel * per);
+    per_speed = most(per_speed, axis.per_speed * share);
+    per_accel = most(per_accel, axis.per_accel * share);
   }
-  return bounds;
+  const LineReal one = LineReal::power(0);
+  return {one / per_speed, one / per_accel};
 }
 
-Real corner_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits) {
+LineReal corner_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits) {
   const Turn turn = make_turn(from, to, limits);
   if (turn.back) return {};
   if (turn.square_q60 == 0) return endless();
   const HalfTurn half = half_of(turn);
-  // d s/(1 - s) with s the cosine: d s (1 + s) / sine^2.
-  const Real by_deviation =
-      limits.deviation * half.cosine * (Real(1u) + half.cosine) / (half.sine * half.sine);
-  const Real radius = least(by_deviation, middle_radius(from, to, half));
-  return most(radius * turn_accel(turn, half.chord, limits), jump_speed_2(turn, limits));
+  LineReal shorter = least(from.length, to.length);
+  // The radius by the deviation is d s/(1 - s) with s the cosine, d s (1 + s) / sine^2: as if the
+  // lines were 2 d (1 + s) / sine long.
+  const LineReal twice = times_power(limits.deviation * (LineReal::power(0) + half.cosine), 1);
+  if (twice * twice < shorter * shorter * half.sine_2) shorter = twice / square_root(half.sine_2);
+  return most(middle_speed_2(shorter, half, change_per_accel(turn, limits)),
+              jump_speed_2(turn, limits));
 }
 
-Real curve_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits) {
+LineReal curve_speed_2(const LineShape& from, const LineShape& to, LineBends bends,
+                       const LineLimits& limits) {
   const Turn turn = make_turn(from, to, limits);
   if (turn.square_q60 == 0) return endless();
-  const HalfTurn half = half_of(turn);
-  const Real by_circle = middle_radius(from, to, half) * turn_accel(turn, half.chord, limits);
+  if (bends == LineBends::gentle && turn.square_q60 > gentle_turn_q60) return endless();
+  const LineReal by_circle =
+      middle_speed_2(least(from.length, to.length), half_of(turn), change_per_accel(turn, limits));
   return most(by_circle, jump_speed_2(turn, limits));
 }
 

@@ -28,10 +28,11 @@ namespace lamplock::motion {
 
 /// Limits of one axis along a line that only it moves, in lengths of the line planner and ticks.
 struct LineAxis {
-  Real unit;  ///< length of a step; 1 for the coarsest axis
-  Real speed;
-  Real accel;
-  Real jump;
+  LineReal unit;  ///< length of a step; 1 for the coarsest axis
+  LineReal speed;
+  LineReal accel;
+  LineReal jump;
+  LineReal per_speed, per_accel;  ///< 1 / speed, 1 / accel, rounded up
   std::uint32_t weight_q31 = 0;
 };
 
@@ -39,8 +40,8 @@ struct LineLimits {
   int axes = 0;
   LineRise rise;  ///< how accelerations rise, the same for every line
   PerAxis<LineAxis> axis{};
-  Real um_min;     ///< speed of 1 um/min
-  Real deviation;  ///< junction deviation
+  LineReal um_min;     ///< speed of 1 um/min
+  LineReal deviation;  ///< junction deviation
 };
 
 /// `coarsest_milli`: thousandths of steps/mm of the axis with the fewest. The limits are those that
@@ -50,21 +51,28 @@ LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
 
 /// Length and direction of a displacement.
 struct LineShape {
-  Real length;  ///< 0 = no way at all
+  LineReal length;      ///< 0 = no way at all
+  LineReal per_length;  ///< 1 / length
   PerAxis<std::int32_t> cosine_q30{};
 };
 LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limits);
 
 /// What the axes allow along a direction.
 struct LineBounds {
-  Real speed;
-  Real accel;
+  LineReal speed;
+  LineReal accel;
 };
 LineBounds make_bounds(const LineShape& shape, const LineLimits& limits);
 
-/// Square of the highest speed through a corner. Any speed is 2^40.
-Real corner_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits);
+/// Square of the highest speed through a corner. Any speed is 2^40 or more.
+LineReal corner_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits);
+/// Which turns are those of a curve.
+enum class LineBends : std::uint8_t {
+  any,
+  gentle  ///< up to 0.7: beyond, the circle of shorter chords is nearer to the curve
+};
 /// The same of the circle that touches both in the middle alone: how a curve bends.
-Real curve_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits);
+LineReal curve_speed_2(const LineShape& from, const LineShape& to, LineBends bends,
+                       const LineLimits& limits);
 
 }  // namespace lamplock::motion

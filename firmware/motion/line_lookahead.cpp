@@ -9,26 +9,49 @@ bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32
 /// pulses costs does not add up until a stop comes too late: 2^-6.
 constexpr int spare_bits = 6;
 
+/// A pass is made for no less than this part of the lines.
+constexpr std::uint32_t pass_share = 32;
+
 /// Squared speed from which the line brakes to another.
-Real brakes_from_2(const Line& line, Real exit_2, const LineRise& rise) {
-  const Real accel = line.accel.real();
+LineReal brakes_from_2(const Line& line, LineReal exit_2, const LineRise& rise) {
+  const LineReal accel = line.accel.real();
   if (rise.none()) return exit_2 + times_power(accel * line.length(), 1);
   const LineRamps ramps{difference(accel, times_power(accel, -spare_bits)), rise};
-  const Real speed = ramps.highest(square_root(exit_2), line.length());
+  const LineReal speed = ramps.highest(square_root(exit_2), line.length());
   return speed * speed;
+}
+
+/// The same as nominal_speed(), rounded down.
+LinePacked nominal_packed(const Line& line, const LineOverride& factor) {
+  if (!factor.plain || line.rapid) return LinePacked(nominal_speed(line, factor));
+  return line.speed < line.feed ? line.speed : line.feed;
+}
+
+/// What a joint allows where `brakes_2` is all that can be had: the corner, and the square of the
+/// slower of both lines; that is left out if it is far above.
+LineReal joint_speed_2(const Line& line, LinePacked slower, LineReal brakes_2) {
+  const LineReal corner_2 = line.corner_2.real(), speed = slower.real();
+  // Mantissas are 2^31 to 2^32.
+  constexpr int mantissa_bits = 31;
+  if (brakes_2.exponent() < 2 * speed.exponent() + mantissa_bits) return corner_2;
+  return least(corner_2, speed * speed);
 }
 
 }  // namespace
 
-Real nominal_speed(const Line& line, const LineOverride& factor) {
+LineReal nominal_speed(const Line& line, const LineOverride& factor) {
   if (line.rapid) return line.speed.real() * factor.rapid;
+  if (factor.plain) return (line.speed < line.feed ? line.speed : line.feed).real();
   return least(line.speed.real(), line.feed.real() * factor.feed);
 }
 
-Real LineLookahead::exit_speed_2(LineRing& ring, const LineOverride& factor, const LineRise& rise) {
+LineReal LineLookahead::exit_speed_2(LineRing& ring, const LineOverride& factor,
+                                     const LineRise& rise) {
   const std::uint32_t joint = ring.begin() + 1;
   if (joint == ring.end()) return {};
-  if (stale_ || (is_before(settled_, joint) && end_ != ring.end())) plan(ring, factor, rise);
+  const std::uint32_t unseen = ring.end() - end_;
+  if (stale_ || (is_before(settled_, joint) && unseen != 0 && ring.size() <= unseen * pass_share))
+    plan(ring, factor, rise);
   return ring.at(joint).entry_2.real();
 }
 
@@ -36,22 +59,22 @@ void LineLookahead::plan(LineRing& ring, const LineOverride& factor, const LineR
   std::uint32_t first = ring.begin() + 1;
   if (!stale_ && is_before(first, settled_)) first = settled_ + 1;
   bool found = false;
-  Real exit_2, nominal = nominal_speed(ring.at(ring.end() - 1), factor);
+  LineReal exit_2;
+  LinePacked nominal = nominal_packed(ring.at(ring.end() - 1), factor);
   for (std::uint32_t i = ring.end() - 1; !is_before(i, first); --i) {
     Line& line = ring.at(i);
-    const Real before = nominal_speed(ring.at(i - 1), factor);
-    const Real slower = least(nominal, before);
-    const Real brakes_2 = brakes_from_2(line, exit_2, rise);
-    const LinePacked joint_2(least(line.corner_2.real(), slower * slower));
-    const LinePacked all_2(brakes_2);
-    const bool settles = !(all_2 < joint_2);
-    line.entry_2 = settles ? joint_2 : all_2;
+    const LinePacked before = nominal_packed(ring.at(i - 1), factor);
+    const LinePacked slower = before < nominal ? before : nominal;
+    nominal = before;
+    const LineReal brakes_2 = brakes_from_2(line, exit_2, rise);
+    const LineReal joint_2 = joint_speed_2(line, slower, brakes_2);
+    const bool settles = !(brakes_2 < joint_2);
+    line.entry_2 = LinePacked(settles ? joint_2 : brakes_2);
     if (settles && !found) {
       found = true;
       settled_ = i;
     }
     exit_2 = line.entry_2.real();
-    nominal = before;
   }
   if (!found && stale_) settled_ = ring.begin();
   stale_ = false;

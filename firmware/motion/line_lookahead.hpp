@@ -9,7 +9,9 @@
 // what braking along it takes away, and no more than the joint allows. Where the joint decides, no
 // further line changes anything before it: the next pass ends there (`settled`). A pass is made
 // only if a speed is wanted that is not settled, so with a full ring a line is visited once or
-// twice in its life.
+// twice in its life. Where the ring is too short to settle anything, the lines so short that all of
+// it is less than a braking distance, a pass waits for a 32nd of the lines, which costs at most 1.6
+// % of the speed; there a line is visited up to 32 times, 170 cycles of the Cortex-M0+ each.
 #pragma once
 
 #include <cstdint>
@@ -21,19 +23,20 @@ namespace lamplock::motion {
 
 /// Factors that the user sets while the machine runs.
 struct LineOverride {
-  Real feed{1u};
-  Real rapid{1u};
+  LineReal feed = LineReal::power(0);
+  LineReal rapid = LineReal::power(0);
+  bool plain = true;  ///< feed is 1
 };
 
 /// Speed to run a line at where nothing is in the way.
-Real nominal_speed(const Line& line, const LineOverride& factor);
+LineReal nominal_speed(const Line& line, const LineOverride& factor);
 
 class LineLookahead {
  public:
   /// Limits have changed: nothing is settled.
   void reset() { stale_ = true; }
   /// Squared speed at the end of the first line in the ring.
-  Real exit_speed_2(LineRing& ring, const LineOverride& factor, const LineRise& rise);
+  LineReal exit_speed_2(LineRing& ring, const LineOverride& factor, const LineRise& rise);
 
  private:
   void plan(LineRing& ring, const LineOverride& factor, const LineRise& rise);

@@ -3,10 +3,11 @@
 namespace lamplock::motion {
 namespace {
 
-/// Chords (line_chords.hpp), steps: where a corner of tiny lines ends to look like rounding, and
-/// where a curve does that is worth slowing for.
+/// Chords (line_chords.hpp), steps: where a corner of tiny lines ends to look like rounding, where
+/// a curve does that is worth slowing for, and where rounding does not matter.
 constexpr std::uint32_t short_chord_steps = 12;
 constexpr std::uint32_t long_chord_steps = 128;
+constexpr std::uint32_t gentle_chord_steps = 512;
 
 constexpr std::uint32_t most_feed_percent = 200, least_feed_percent = 10;
 constexpr std::uint32_t full_percent = 100;
@@ -14,7 +15,7 @@ constexpr std::uint32_t full_percent = 100;
 constexpr std::uint32_t least_settling_ticks = 32;
 constexpr std::uint32_t most_settling_ticks = 30 * ticks_per_second;
 
-Real part(std::uint32_t percent) { return Real(percent) / Real(full_percent); }
+LineReal part(std::uint32_t percent) { return LineReal(percent) / LineReal(full_percent); }
 
 std::uint32_t within(std::uint32_t value, std::uint32_t low, std::uint32_t high) {
   return value < low ? low : value > high ? high : value;
@@ -22,14 +23,26 @@ std::uint32_t within(std::uint32_t value, std::uint32_t low, std::uint32_t high)
 
 bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) < 0; }
 
+void set_bounds(const LineBounds& bounds, Line& line) {
+  line.accel = LinePacked(bounds.accel);
+  line.speed = LinePacked(bounds.speed);
+}
+
+StepPosition steps_of(const stepper::MotionState& at) {
+  StepPosition steps{};
+  for (std::size_t a = 0; a < steps.size(); ++a) steps[a] = at.axis[a].step();
+  return steps;
+}
+
 }  // namespace
 
 LinePlanner::LinePlanner(LineRing& ring, const LineLimits& limits, const Limits& axes)
     : ring_(ring),
       limits_(limits),
       axes_(axes),
-      short_chords_(short_chord_steps),
-      long_chords_(long_chord_steps) {
+      short_chords_(short_chord_steps, LineBends::any),
+      long_chords_(long_chord_steps, LineBends::any),
+      gentle_chords_(gentle_chord_steps, LineBends::gentle) {
   forget();
 }
 
@@ -43,16 +56,22 @@ void LinePlanner::start(const stepper::MotionState& at) {
 void LinePlanner::forget() {
   ring_.clear();
   lookahead_.reset();
-  begun_ = stop_ = false;
+  begun_ = stop_ = settles_ = false;
+  ++forgets_;
   speed_ = {};
   last_ = {};
-  for (int a = 0; a < max_axes; ++a) end_[index(a)] = at_.axis[index(a)].step();
-  short_chords_.reset(end_, ring_.end());
-  long_chords_.reset(end_, ring_.end());
+  end_ = steps_of(at_);
+  reset_chords();
+}
+
+void LinePlanner::reset_chords() {
+  for (LineChords* chords : {&short_chords_, &long_chords_, &gentle_chords_})
+    chords->reset(end_, ring_.end());
 }
 
 void LinePlanner::set_feed_percent(std::uint32_t percent) {
   factor_.feed = part(within(percent, least_feed_percent, most_feed_percent));
+  factor_.plain = percent == full_percent;
   lookahead_.reset();
 }
 
@@ -69,34 +88,35 @@ bool LinePlanner::push(const LineTarget& target) {
     return true;
   }
   const LineBounds bounds = make_bounds(shape, limits_);
-  Line line;
+  Line& line = ring_.next();
   line.steps = target.steps;
   line.set_length(shape.length);
-  line.accel = LinePacked(bounds.accel);
-  line.speed = LinePacked(bounds.speed);
+  set_bounds(bounds, line);
   line.line = target.line;
   line.power = target.power;
   line.laser = target.rapid ? LinePower::off : target.laser;
   line.rapid = target.rapid;
   line.timed = target.timed && target.time_us != 0;
-  Real feed = Real(target.feed_um_min) * limits_.um_min;
-  if (line.timed) feed = shape.length / (Real(target.time_us) * Real(ticks_per_second / 1'000'000));
+  LineReal feed = LineReal(target.feed_um_min) * limits_.um_min;
+  if (line.timed)
+    feed = shape.length / (LineReal(target.time_us) * LineReal(ticks_per_second / 1'000'000));
   line.feed = LinePacked(is_zero(feed) ? bounds.speed : feed);
   line.corner_2 = LinePacked(corner_2(line, shape));
+  line.entry_2 = {};
   const std::uint32_t number = ring_.end();
-  ring_.push(line);
+  ring_.push();
   end_ = target.steps;
   last_ = shape;
   stop_ = target.exact_stop;
   LineCap limit;
-  if (short_chords_.add(number, end_, shape, limits_, limit)) cap(limit);
-  if (long_chords_.add(number, end_, shape, limits_, limit)) cap(limit);
+  for (LineChords* chords : {&short_chords_, &long_chords_, &gentle_chords_})
+    if (chords->add(number, end_, shape, limits_, limit)) cap(limit);
   return true;
 }
 
-Real LinePlanner::corner_2(const Line& line, const LineShape& shape) const {
+LineReal LinePlanner::corner_2(const Line& line, const LineShape& shape) const {
   if (ring_.empty() || stop_ || is_zero(last_.length)) return {};
-  const Real slower = least(line.speed.real(), ring_.at(ring_.end() - 1).speed.real());
+  const LineReal slower = least(line.speed.real(), ring_.at(ring_.end() - 1).speed.real());
   return least(slower * slower, corner_speed_2(last_, shape, limits_));
 }
 
@@ -114,21 +134,20 @@ void LinePlanner::cap(const LineCap& cap) {
 
 void LinePlanner::begin_line() {
   const Line& line = ring_.at(ring_.begin());
-  StepPosition from{};
-  for (int a = 0; a < max_axes; ++a) from[index(a)] = at_.axis[index(a)].step();
-  way_.steps = way_between(from, line.steps);
+  way_.steps = way_between(steps_of(at_), line.steps);
   way_.target = line.steps;
   longest_ = 0;
   for (int a = 1; a < max_axes; ++a)
     if (abs64(way_.steps[index(a)]) > abs64(way_.steps[index(longest_)])) longest_ = a;
   length_ = line.length();
-  way_.per_length = Real(1u) / length_;
+  // It has none if the machine stands at its end since return_to().
+  way_.per_length = is_zero(length_) ? LineReal() : LineReal::power(0) / length_;
   // What feed and length say, for the time itself is not kept.
-  time_left_ = line.timed ? length_ / line.feed.real() : Real();
-  begun_ = true;
+  time_left_ = line.timed ? length_ / line.feed.real() : LineReal();
+  begun_ = whole_ = true;
 }
 
-Real LinePlanner::task_speed(const Line& line, const LineTask& task) const {
+LineReal LinePlanner::task_speed(const Line& line, const LineTask& task) const {
   if (!line.timed) return nominal_speed(line, factor_);
   LineTask fastest = task;
   fastest.speed = line.speed.real();
@@ -138,11 +157,11 @@ Real LinePlanner::task_speed(const Line& line, const LineTask& task) const {
 LineTask LinePlanner::task() {
   const Line& line = ring_.at(ring_.begin());
   LineTask task;
-  task.length = length_left(way_, length_, longest_, at_);
+  task.length = whole_ ? length_ : length_left(way_, length_, longest_, at_);
   task.start = speed_;
   task.end = square_root(lookahead_.exit_speed_2(ring_, factor_, limits_.rise));
   task.accel = line.accel.real();
-  task.rise = limits_.rise;
+  task.rise = &limits_.rise;
   task.speed = task_speed(line, task);
   task.stop = held_;
   task.slice_ticks = line_slice_ticks;
@@ -150,11 +169,12 @@ LineTask LinePlanner::task() {
 }
 
 bool LinePlanner::next(LineSegment& out) {
+  if (settles_ && !held_ && settle(out)) return true;
   if (ring_.empty() || (held_ && at_rest())) return end_cancel(out);
   if (!begun_) begin_line();
   const LineRun run = make_run(task());
   const Line& line = ring_.at(ring_.begin());
-  out.segment = make_segment(at_, way_, run, axes_, !limits_.rise.none());
+  make_segment(at_, way_, run, axes_, !limits_.rise.none(), out.segment);
   out.segment.ends_point = run.whole;
   out.segment.point = line.line;
   out.line = line.line;
@@ -171,7 +191,9 @@ bool LinePlanner::next(LineSegment& out) {
 
 void LinePlanner::advance(const LineRun& run) {
   speed_ = run.next;
-  time_left_ = difference(time_left_, Real(run.ticks()) * factor_.feed);
+  whole_ = false;
+  if (!is_zero(time_left_))
+    time_left_ = difference(time_left_, LineReal(run.ticks()) * factor_.feed);
   if (!run.whole) return;
   ring_.pop();
   begun_ = false;
@@ -181,38 +203,86 @@ void LinePlanner::advance(const LineRun& run) {
 bool LinePlanner::end_cancel(LineSegment& out) {
   if (!cancelled_ || !at_rest()) return false;
   held_ = cancelled_ = false;
-  const std::uint32_t ticks = settling_ticks();
-  if (ticks != 0) {
-    out = {};
-    out.settles = true;
-    out.segment = make_settling(at_, ticks);
-    at_ = out.segment.end;
-  }
+  const bool settles = settle(out);
   forget();
-  return ticks != 0;
+  return settles;
+}
+
+/// At rest: to the middle of the step; false if it is there.
+bool LinePlanner::settle(LineSegment& out) {
+  settles_ = false;
+  const std::uint32_t ticks = settling_ticks();
+  if (ticks == 0) return false;
+  out = {};
+  out.settles = true;
+  out.segment = make_settling(at_, ticks);
+  at_ = out.segment.end;
+  return true;
+}
+
+LinePlanner::Mark LinePlanner::mark() const { return {ring_.begin(), forgets_}; }
+
+void LinePlanner::return_to(const Mark& mark, const stepper::MotionState& at_rest) {
+  at_ = at_rest;
+  speed_ = {};
+  begun_ = false;
+  settles_ = true;
+  // A cancel that was through by then stays so.
+  if (mark.forgets == forgets_) ring_.return_to(mark.begin);
+  lookahead_.reset();
+  measure_again();
+}
+
+/// The first line comes from elsewhere: its length, what it allows, and the corner at its end.
+void LinePlanner::measure_again() {
+  if (ring_.empty()) {
+    end_ = steps_of(at_);
+    last_ = {};
+    reset_chords();
+    return;
+  }
+  Line& line = ring_.at(ring_.begin());
+  const LineShape shape = make_shape(way_between(steps_of(at_), line.steps), limits_);
+  line.set_length(shape.length);
+  if (!is_zero(shape.length)) set_bounds(make_bounds(shape, limits_), line);
+  if (ring_.size() == 1) {
+    last_ = shape;
+    return;
+  }
+  Line& second = ring_.at(ring_.begin() + 1);
+  LineReal most_2;
+  if (!is_zero(shape.length)) {
+    const LineShape after = make_shape(way_between(line.steps, second.steps), limits_);
+    const LineReal slower = least(line.speed.real(), second.speed.real());
+    most_2 = least(slower * slower, corner_speed_2(shape, after, limits_));
+  }
+  const LinePacked corner_2(most_2);
+  if (corner_2 < second.corner_2) second.corner_2 = corner_2;
 }
 
 /// Rest to rest over w takes 2 sqrt(w/A).
 std::uint32_t LinePlanner::settling_ticks() const {
-  Real longest;
+  LineReal longest;
   for (int a = 0; a < limits_.axes; ++a) {
     const LineAxis& axis = limits_.axis[index(a)];
     const std::uint64_t at = at_.axis[index(a)].position_q64.lo();
     const std::uint64_t off = at < half_step_q64 ? half_step_q64 - at : at - half_step_q64;
     if (off >> 44 == 0) continue;  // 1e-6 step
-    longest = most(longest, Real(off, -64) * axis.unit / axis.accel);
+    longest = most(longest, LineReal(off, -64) * axis.unit / axis.accel);
   }
   if (is_zero(longest)) return 0;
+  // With no more acceleration than the jerk gives at once.
+  if (!limits_.rise.none()) longest = longest / limits_.rise.flat_share;
   // Two equal phases.
   const std::uint32_t half = whole_up(square_root(longest), most_settling_ticks) + 1;
   return 2 * within(half, least_settling_ticks, most_settling_ticks);
 }
 
-std::uint16_t LinePlanner::power(const Line& line, Real speed) const {
+std::uint16_t LinePlanner::power(const Line& line, LineReal speed) const {
   if (line.laser == LinePower::off) return 0;
   if (line.laser == LinePower::constant) return line.power;
-  const Real power = speed * Real(line.power) / line.feed.real();
-  return static_cast<std::uint16_t>(whole_down(power + Real(1u, -1), full_power));
+  const LineReal power = speed * LineReal(line.power) / line.feed.real();
+  return static_cast<std::uint16_t>(whole_down(power + LineReal(1u, -1), full_power));
 }
 
 }  // namespace lamplock::motion

@@ -3,7 +3,10 @@
 // In:  lines, one at a time (push), overrides, hold, resume, cancel.
 // Out: segments for the tick generator, one at a time (next), and the laser's power over each.
 // Called by the main loop, or the core that plans; push() and next() by the same one. Budget: 5000
-// lines of one segment a second on the Cortex-M0+, 20 thousand cycles each, all told.
+// lines of one segment a second on the Cortex-M0+, 20 thousand cycles each, all told. Counted with
+// the divider of the RP2040, code in SRAM, three axes, no limit of jerk: 12.4 thousand at a steady
+// speed, 16 where every other line has a ramp, 26 where the whole ring is less than a braking
+// distance.
 //
 //   lines -> geometry -> ring -> look-ahead -> run -> segment
 //            line_geometry.hpp   line_lookahead.hpp   line_segment.hpp
@@ -15,6 +18,15 @@
 // planned from where the last one ended, so an override is in force with the next one: where the
 // machine is faster than it may be by then, it brakes as it can. A hold stops on the path, inside a
 // line if it comes to that, and resume() goes on from there to the same end.
+//
+// What next() has made may come too late: the machine has braked, then, from where the last segment
+// that came in time ends. Whoever hands segments on takes a mark there, and can return to it:
+//
+//   mark()  next() next() next()  ...too late, the machine brakes...  return_to(mark, where it
+//   stands)
+//
+// Then the lines are as they were, and the machine goes straight from where it stands to the end of
+// the line that was under way.
 //
 // Times: the ticks of segments are what is planned, nothing is rounded behind that; a line takes
 // up to two ticks longer than it would without whole ticks (line_profile.hpp).
@@ -41,7 +53,8 @@ struct LineSegment {
   std::uint32_t line = 0;  ///< that of the target
   bool ends_line = false;  ///< its end is the target
   bool rapid = false;
-  bool settles = false;  ///< less than a step, after cancel(); may be longer than a slice
+  /// Less than a step, after cancel() or return_to(); may be longer than a slice.
+  bool settles = false;
 };
 
 class LinePlanner {
@@ -62,6 +75,19 @@ class LinePlanner {
   /// rest.
   bool next(LineSegment& out);
 
+  /// A moment to return to.
+  struct Mark {
+    std::uint32_t begin = 0;    ///< of the ring
+    std::uint32_t forgets = 0;  ///< how often all was forgotten before
+  };
+  Mark mark() const;
+  /// The machine stands at `at_rest`, anywhere, and what next() made since the mark was not run.
+  /// Nothing was pushed since. All lines are there again, the first one from where the machine
+  /// stands (at the feed that its time asked for, if it is timed); overrides, hold and cancel set
+  /// since stay in force. The next segment may be a settling
+  /// to the middle of the step.
+  void return_to(const Mark& mark, const stepper::MotionState& at_rest);
+
   /// 10 to 200; acts on what is not handed out. Never above the machine's limits.
   void set_feed_percent(std::uint32_t percent);
   /// 1 to 100.
@@ -75,7 +101,7 @@ class LinePlanner {
   /// No motion behind what is handed out, unless next() makes some.
   bool at_rest() const { return is_zero(speed_); }
   /// At rest, and nothing to do.
-  bool idle() const { return at_rest() && ring_.empty() && !cancelled_; }
+  bool idle() const { return at_rest() && ring_.empty() && !cancelled_ && !settles_; }
   bool held() const { return held_; }
   std::uint32_t free() const { return LineRing::capacity - ring_.size(); }
   std::uint32_t lines() const { return ring_.size(); }
@@ -84,14 +110,17 @@ class LinePlanner {
 
  private:
   void forget();
+  void reset_chords();
   void begin_line();
-  Real corner_2(const Line& line, const LineShape& shape) const;
+  LineReal corner_2(const Line& line, const LineShape& shape) const;
   void cap(const LineCap& cap);
   LineTask task();
-  Real task_speed(const Line& line, const LineTask& task) const;
+  LineReal task_speed(const Line& line, const LineTask& task) const;
+  void measure_again();
   bool end_cancel(LineSegment& out);
+  bool settle(LineSegment& out);
   std::uint32_t settling_ticks() const;
-  std::uint16_t power(const Line& line, Real speed) const;
+  std::uint16_t power(const Line& line, LineReal speed) const;
   void advance(const LineRun& run);
 
   LineRing& ring_;
@@ -100,21 +129,24 @@ class LinePlanner {
   LineOverride factor_;
   LineLookahead lookahead_;
   bool held_ = false, cancelled_ = false;
+  bool settles_ = false;       ///< it has to go to the middle of the step first
+  std::uint32_t forgets_ = 0;  ///< how often all was forgotten
 
   // The end of the ring.
   StepPosition end_{};
   LineShape last_;     ///< of the last line; no length = none
   bool stop_ = false;  ///< at its end
-  LineChords short_chords_, long_chords_;
+  LineChords short_chords_, long_chords_, gentle_chords_;
 
   // The line under way: the first in the ring.
   stepper::MotionState at_;
-  Real speed_;  ///< along it
+  LineReal speed_;  ///< along it
   bool begun_ = false;
+  bool whole_ = false;  ///< nothing of it is done
   LineWay way_;
-  Real length_;
+  LineReal length_;
   int longest_ = 0;
-  Real time_left_;  ///< ticks at 100 %, if it is timed
+  LineReal time_left_;  ///< ticks at 100 %, if it is timed
 };
 
 }  // namespace lamplock::motion

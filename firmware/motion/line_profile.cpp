@@ -7,8 +7,8 @@ namespace {
 constexpr std::uint32_t longest_phase = std::uint32_t{1} << 29;
 /// A phase shorter than this part of a tick is none: 2^-4.
 constexpr int no_phase_bits = 4;
-/// Less than this is no way: 2^-20.
-constexpr int no_length_bits = 20;
+/// Less than this is no way: 2^-25; the steps of the finest axis may be twenty times shorter.
+constexpr int no_length_bits = 25;
 /// Part of a way that is rounding: 2^-26.
 constexpr int way_noise_bits = 26;
 /// Part of a squared speed that is rounding: 2^-12, within the room of line_geometry.cpp.
@@ -18,19 +18,21 @@ std::uint32_t within(std::uint32_t value, std::uint32_t low, std::uint32_t high)
   return value < low ? low : value > high ? high : value;
 }
 
-Real square(Real v) { return v * v; }
+LineReal square(LineReal v) { return v * v; }
 /// Where a speed changes steadily: its way in units of half a tick.
-Real way_2(Real v0, Real v1, std::uint32_t ticks) { return (v0 + v1) * Real(ticks); }
+LineReal way_2(LineReal v0, LineReal v1, std::uint32_t ticks) {
+  return (v0 + v1) * LineReal(ticks);
+}
 
 /// Speeds and times, not yet in whole ticks.
 struct Phases {
-  Real v0, vc, v1;
-  Real lead, cruise, tail;
+  LineReal v0, vc, v1;
+  LineReal lead, cruise, tail;
   bool brakes = false;  ///< from a speed that is too high by now
 };
 
 /// Brakes all along and is too fast at the end still, or just not.
-Phases brake_all(const LineTask& task, Real v1) {
+Phases brake_all(const LineTask& task, LineReal v1) {
   Phases p;
   p.v0 = task.start;
   p.vc = p.v1 = v1;
@@ -45,33 +47,54 @@ constexpr int hardly_bits = 10;
 constexpr int search_steps = 18;
 
 /// Highest speed up to which pulses fit, at least the higher end.
-Real highest_middle(const LineTask& task, const LineRamps& ramps, Real end) {
-  const Real length_2 = times_power(task.length, 1);
-  const auto fits = [&](Real v) {
+LineReal highest_middle(const LineTask& task, const LineRamps& ramps, LineReal end) {
+  const LineReal length_2 = times_power(task.length, 1);
+  const auto fits = [&](LineReal v) {
     return !(length_2 < ramps.way_2(task.start, v) + ramps.way_2(v, end));
   };
-  Real low = most(task.start, end), high = task.speed;
+  LineReal low = most(task.start, end), high = task.speed;
   if (fits(high)) return high;
   for (int i = 0; i < search_steps; ++i) {
-    const Real middle = middle_of(low, high);
+    const LineReal middle = middle_of(low, high);
     (fits(middle) ? low : high) = middle;
   }
   return low;
 }
 
-/// The same where jerk is limited: all phases are pulses.
+/// Speed at which a line of pulses takes so long, by halving.
+LineReal pulse_speed_for_time(const LineTask& task, LineReal ticks) {
+  const LineRamps ramps{task.accel, *task.rise};
+  const LineReal length_2 = times_power(task.length, 1);
+  const auto is_slow = [&](LineReal v) {
+    // Who goes slowly ends slowly: there may be no room to become as fast as the end may be.
+    const LineReal end = least(task.end, v);
+    const LineReal lead = ramps.ticks(task.start, v), tail = ramps.ticks(v, end);
+    const LineReal ramps_2 = (task.start + v) * lead + (v + end) * tail;
+    if (length_2 < ramps_2) return false;
+    const LineReal cruise = times_power(difference(length_2, ramps_2), -1) / v;
+    return ticks < lead + cruise + tail;
+  };
+  LineReal low, high = task.speed;
+  for (int i = 0; i < search_steps; ++i) {
+    const LineReal middle = middle_of(low, high);
+    (is_slow(middle) ? low : high) = middle;
+  }
+  return high;
+}
+
+/// Speeds and times where jerk is limited: all phases are pulses.
 Phases make_pulse_speeds(const LineTask& task) {
-  const LineRamps ramps{task.accel, task.rise};
-  const Real length_2 = times_power(task.length, 1);
-  const Real all_2 = length_2 + times_power(length_2, -rounding_bits);
-  Real end = least(task.end, task.speed);
+  const LineRamps ramps{task.accel, *task.rise};
+  const LineReal length_2 = times_power(task.length, 1);
+  const LineReal all_2 = length_2 + times_power(length_2, -rounding_bits);
+  LineReal end = least(task.end, task.speed);
   if (end < task.start && all_2 < ramps.way_2(task.start, end))
     return brake_all(task, ramps.lowest(task.start, task.length));
   Phases p;
   p.v0 = task.start;
   p.brakes = task.speed + task.accel < p.v0;
   if (p.brakes) {
-    const Real down_2 = ramps.way_2(p.v0, task.speed) + ramps.way_2(task.speed, end);
+    const LineReal down_2 = ramps.way_2(p.v0, task.speed) + ramps.way_2(task.speed, end);
     if (length_2 < down_2) return brake_all(task, end);
     p.vc = task.speed;
   } else {
@@ -85,45 +108,45 @@ Phases make_pulse_speeds(const LineTask& task) {
   p.v1 = end;
   p.lead = ramps.ticks(p.v0, p.vc);
   p.tail = ramps.ticks(p.vc, p.v1);
-  const Real ramps_2 = (p.v0 + p.vc) * p.lead + (p.vc + p.v1) * p.tail;
+  const LineReal ramps_2 = (p.v0 + p.vc) * p.lead + (p.vc + p.v1) * p.tail;
   p.cruise = times_power(difference(length_2, ramps_2), -1) / p.vc;
   return p;
 }
 
 /// Speeds; the times of lead and tail.
 Phases make_speeds(const LineTask& task) {
-  if (!task.rise.none()) return make_pulse_speeds(task);
-  const Real change_2 = times_power(task.accel * task.length, 1);
-  const Real v0_2 = square(task.start);
-  Real end = least(task.end, task.speed);
-  const Real too_fast_2 = difference(v0_2, square(end) + change_2);
+  if (!task.rise->none()) return make_pulse_speeds(task);
+  const LineReal change_2 = times_power(task.accel * task.length, 1);
+  const LineReal v0_2 = square(task.start);
+  LineReal end = least(task.end, task.speed);
+  const LineReal too_fast_2 = difference(v0_2, square(end) + change_2);
   if (times_power(v0_2, -rounding_bits) < too_fast_2)
     return brake_all(task, square_root(difference(v0_2, change_2)));
-  const Real speed_2 = square(task.speed);
+  const LineReal speed_2 = square(task.speed);
   Phases p;
   p.v0 = task.start;
   // Less than an acceleration takes away in a tick is no braking.
   p.brakes = task.speed + task.accel < p.v0;
   if (!p.brakes) p.v0 = least(p.v0, task.speed);
   if (p.brakes) {
-    const Real after_2 = difference(v0_2, change_2);
+    const LineReal after_2 = difference(v0_2, change_2);
     if (!(after_2 < speed_2)) return brake_all(task, square_root(after_2));
     p.vc = task.speed;
   } else {
     end = least(end, square_root(v0_2 + change_2));
-    const Real peak = square_root(times_power(v0_2 + square(end) + change_2, -1));
+    const LineReal peak = square_root(times_power(v0_2 + square(end) + change_2, -1));
     p.vc = most(most(p.v0, end), least(peak, task.speed));
   }
   p.v1 = end;
   p.lead = most(difference(p.vc, p.v0), difference(p.v0, p.vc)) / task.accel;
   p.tail = difference(p.vc, p.v1) / task.accel;
-  const Real ramps_2 = (p.v0 + p.vc) * p.lead + (p.vc + p.v1) * p.tail;
+  const LineReal ramps_2 = (p.v0 + p.vc) * p.lead + (p.vc + p.v1) * p.tail;
   p.cruise = times_power(difference(times_power(task.length, 1), ramps_2), -1) / p.vc;
   return p;
 }
 
-std::uint32_t phase_ticks(Real time, bool needed) {
-  if (!needed && time < Real(1u, -no_phase_bits)) return 0;
+std::uint32_t phase_ticks(LineReal time, bool needed) {
+  if (!needed && time < LineReal(1u, -no_phase_bits)) return 0;
   const std::uint32_t ticks = whole_up(time, longest_phase);
   return ticks == 0 ? 1 : ticks;
 }
@@ -137,8 +160,8 @@ LineRun round_up(const LineTask& task, const Phases& p) {
   // From rest and to rest it takes a phase, however short.
   run.lead_ticks = phase_ticks(p.lead, is_zero(p.v0));
   run.tail_ticks = phase_ticks(p.tail, is_zero(p.v1) && !is_zero(p.vc));
-  const Real ramps_2 = way_2(p.v0, p.vc, run.lead_ticks) + way_2(p.vc, p.v1, run.tail_ticks);
-  const Real left_2 = difference(times_power(task.length, 1), ramps_2);
+  const LineReal ramps_2 = way_2(p.v0, p.vc, run.lead_ticks) + way_2(p.vc, p.v1, run.tail_ticks);
+  const LineReal left_2 = difference(times_power(task.length, 1), ramps_2);
   // More than rounding has left, which a short phase would feel.
   if (times_power(times_power(task.length, 1), -way_noise_bits) < left_2 || run.ticks() == 0)
     run.cruise_ticks = phase_ticks(times_power(left_2, -1) / p.vc, true);
@@ -147,11 +170,13 @@ LineRun round_up(const LineTask& task, const Phases& p) {
 
 /// The end of the line in whole ticks: see the header.
 void fit(const LineTask& task, bool brakes, LineRun& run) {
-  const Real length_2 = times_power(task.length, 1);
-  const Real ends_2 = (run.lead_ticks == 0 ? Real() : run.start * Real(run.lead_ticks)) +
-                      run.end * Real(run.tail_ticks);
-  const Real cruise = difference(length_2, ends_2) /
-                      Real(run.lead_ticks + 2 * std::uint64_t{run.cruise_ticks} + run.tail_ticks);
+  const LineReal length_2 = times_power(task.length, 1);
+  const LineReal ends_2 =
+      (run.lead_ticks == 0 ? LineReal() : run.start * LineReal(run.lead_ticks)) +
+      run.end * LineReal(run.tail_ticks);
+  const LineReal cruise =
+      difference(length_2, ends_2) /
+      LineReal(run.lead_ticks + 2 * std::uint64_t{run.cruise_ticks} + run.tail_ticks);
   const bool low =
       (run.lead_ticks != 0 && cruise < run.start) || (run.tail_ticks != 0 && cruise < run.end);
   if (!brakes && !low) {
@@ -160,10 +185,10 @@ void fit(const LineTask& task, bool brakes, LineRun& run) {
     if (run.tail_ticks == 0) run.end = cruise;
     return;
   }
-  const Real way = way_2(run.start, run.cruise, run.lead_ticks) +
-                   times_power(run.cruise * Real(run.cruise_ticks), 1) +
-                   way_2(run.cruise, run.end, run.tail_ticks);
-  const Real factor = least(length_2 / way, Real(1u));
+  const LineReal way = way_2(run.start, run.cruise, run.lead_ticks) +
+                       times_power(run.cruise * LineReal(run.cruise_ticks), 1) +
+                       way_2(run.cruise, run.end, run.tail_ticks);
+  const LineReal factor = least(length_2 / way, LineReal(1u));
   run.start = run.start * factor;
   run.cruise = run.cruise * factor;
   run.end = run.end * factor;
@@ -174,16 +199,16 @@ LineRun cut(const LineTask& task, const Phases& p, std::uint32_t ticks) {
   LineRun run;
   run.start = p.v0;
   run.lead_ticks = whole_down(p.lead, ticks);
-  const Real change = task.accel * Real(run.lead_ticks);
+  const LineReal change = task.accel * LineReal(run.lead_ticks);
   run.cruise = p.brakes ? difference(p.v0, change) : least(p.v0 + change, p.vc);
   run.cruise_ticks = whole_down(p.cruise, ticks - run.lead_ticks);
   run.tail_ticks = ticks - run.lead_ticks - run.cruise_ticks;
-  run.end = difference(run.cruise, task.accel * Real(run.tail_ticks));
+  run.end = difference(run.cruise, task.accel * LineReal(run.tail_ticks));
   run.next = run.end;
   return run;
 }
 
-/// A slice's part of a phase that is too long for one.
+/// Ticks of the next slice of what is too long for one: the last two are equally long.
 std::uint32_t part_of(std::uint32_t ticks, std::uint32_t slice) {
   return ticks > 2 * slice ? slice : ticks / 2;
 }
@@ -197,8 +222,8 @@ LineRun cut_pulses(const LineTask& task, const Phases& p) {
   const std::uint32_t lead = whole_down(p.lead, longest_phase);
   if (lead > slice) {
     run.lead_ticks = part_of(lead, slice);
-    const Real change =
-        most(difference(p.vc, p.v0), difference(p.v0, p.vc)) / p.lead * Real(run.lead_ticks);
+    const LineReal change =
+        most(difference(p.vc, p.v0), difference(p.v0, p.vc)) / p.lead * LineReal(run.lead_ticks);
     run.cruise = p.vc < p.v0 ? difference(p.v0, change) : p.v0 + change;
   } else {
     run.lead_ticks = lead;
@@ -209,7 +234,7 @@ LineRun cut_pulses(const LineTask& task, const Phases& p) {
   run.end = run.cruise;
   if (run.ticks() == 0) {
     run.tail_ticks = part_of(whole_down(p.tail, longest_phase), slice);
-    run.end = difference(p.vc, difference(p.vc, p.v1) / p.tail * Real(run.tail_ticks));
+    run.end = difference(p.vc, difference(p.vc, p.v1) / p.tail * LineReal(run.tail_ticks));
   }
   run.next = run.end;
   return run;
@@ -217,14 +242,14 @@ LineRun cut_pulses(const LineTask& task, const Phases& p) {
 
 /// Brakes to rest inside the line; false if it is too long for that.
 bool make_stop(const LineTask& task, LineRun& run) {
-  const LineRamps ramps{task.accel, task.rise};
-  const std::uint32_t ticks = whole_up(ramps.ticks(task.start, Real()), longest_phase);
-  if (times_power(task.length, 1) < task.start * Real(ticks)) return false;
+  const LineRamps ramps{task.accel, *task.rise};
+  const std::uint32_t ticks = whole_up(ramps.ticks(task.start, LineReal()), longest_phase);
+  if (times_power(task.length, 1) < task.start * LineReal(ticks)) return false;
   run = {};
   run.start = task.start;
   if (ticks > task.slice_ticks) {
     run.lead_ticks = part_of(ticks, task.slice_ticks);
-    run.cruise = difference(task.start, task.start / Real(ticks) * Real(run.lead_ticks));
+    run.cruise = difference(task.start, task.start / LineReal(ticks) * LineReal(run.lead_ticks));
     run.end = run.next = run.cruise;
   } else {
     run.lead_ticks = ticks;
@@ -240,43 +265,66 @@ LineRun stand() {
   return run;
 }
 
-}  // namespace
-
-LineRun make_run(const LineTask& asked) {
-  LineTask task = asked;
-  LineRun run;
-  if (task.stop) {
-    if (is_zero(task.start) || make_stop(task, run)) return run;
-    task.end = {};
-    task.speed = task.start;
-  }
-  if (task.length < Real(1u, -no_length_bits)) {
-    if (is_zero(task.start)) return stand();
-    task.length = most(task.length, times_power(task.start, -no_phase_bits));
-  }
+/// Up to a speed, along, and down.
+LineRun make_changing(const LineTask& task) {
   const Phases p = make_speeds(task);
-  run = round_up(task, p);
+  LineRun run = round_up(task, p);
   const std::uint32_t ticks = run.ticks(), slice = task.slice_ticks;
   // Down to a lower speed by itself, and from there with nothing in a hurry.
-  const bool pulses = !task.rise.none();
+  const bool pulses = !task.rise->none();
   if (p.brakes && run.cruise_ticks + run.tail_ticks != 0) {
     if (pulses) return cut_pulses(task, p);
     return cut(task, p, within(whole_down(p.lead, slice), 1, slice));
   }
   if (pulses && ticks > slice) return cut_pulses(task, p);
-  if (ticks > slice) return cut(task, p, ticks > 2 * slice ? slice : ticks / 2);
+  if (ticks > slice) return cut(task, p, part_of(ticks, slice));
   run.whole = true;
   fit(task, p.brakes, run);
   return run;
 }
 
-Real speed_for_time(const LineTask& task, Real ticks) {
+/// The short way where nothing changes: the speed all along, if both ends are there but for what
+/// takes less than a phase. False if it is not so.
+bool make_steady(const LineTask& task, LineRun& run) {
+  if (!task.rise->none()) return false;
+  const LineReal v = task.speed, little = times_power(task.accel, -no_phase_bits);
+  if (!(difference(v, task.start) < little) || !(difference(task.start, v) < little)) return false;
+  if (!(difference(v, task.end) < little)) return false;
+  if (is_zero(task.start) || is_zero(task.end) || task.length < v) return false;
+  const std::uint32_t ticks = whole_up(task.length / v, longest_phase);
+  run.whole = ticks <= task.slice_ticks;
+  run.cruise_ticks = run.whole ? ticks : part_of(ticks, task.slice_ticks);
+  run.start = run.cruise = run.end = run.whole ? task.length / LineReal(ticks) : v;
+  run.next = run.whole ? least(task.end, v) : v;
+  return true;
+}
+
+}  // namespace
+
+LineRun make_run(const LineTask& task) {
+  LineRun run;
+  if (!task.stop && make_steady(task, run)) return run;
+  const bool too_short = task.length < LineReal::power(-no_length_bits);
+  if (!task.stop && !too_short) return make_changing(task);
+  if (task.stop && (is_zero(task.start) || make_stop(task, run))) return run;
+  if (too_short && is_zero(task.start)) return stand();
+  LineTask other = task;
+  if (task.stop) {
+    other.end = {};
+    other.speed = task.start;
+  }
+  if (too_short) other.length = most(task.length, times_power(task.start, -no_phase_bits));
+  return make_changing(other);
+}
+
+LineReal speed_for_time(const LineTask& task, LineReal ticks) {
+  if (!task.rise->none()) return pulse_speed_for_time(task, ticks);
   // v^2 - (a T + v0 + v1) v + (a l + (v0^2 + v1^2)/2) = 0, the lower root.
-  const Real half = times_power(task.accel * ticks + task.start + task.end, -1);
-  const Real last =
+  const LineReal half = times_power(task.accel * ticks + task.start + task.end, -1);
+  const LineReal last =
       task.accel * task.length + times_power(square(task.start) + square(task.end), -1);
   if (square(half) < last) return task.speed;
-  const Real root = square_root(difference(square(half), last));
+  const LineReal root = square_root(difference(square(half), last));
   return least(task.speed, last / (half + root));
 }
 

@@ -27,22 +27,22 @@ namespace lamplock::motion {
 
 /// What is to be done.
 struct LineTask {
-  Real length;  ///< to the end of the line, > 0
-  Real start;   ///< speed now
-  Real end;     ///< planned for the end of the line
-  Real speed;   ///< to run at
-  Real accel;
-  LineRise rise;      ///< of the acceleration
-  bool stop = false;  ///< stop as soon as possible
+  LineReal length;  ///< to the end of the line, > 0
+  LineReal start;   ///< speed now
+  LineReal end;     ///< planned for the end of the line
+  LineReal speed;   ///< to run at
+  LineReal accel;
+  const LineRise* rise = nullptr;  ///< of the acceleration
+  bool stop = false;               ///< stop as soon as possible
   std::uint32_t slice_ticks = 0;
 };
 
 /// What is done. Speeds are those at the ends of phases.
 struct LineRun {
-  Real start, cruise, end;
+  LineReal start, cruise, end;
   std::uint32_t lead_ticks = 0, cruise_ticks = 0, tail_ticks = 0;
   bool whole = false;  ///< leads to the end of the line, exactly
-  Real next;           ///< speed planned for what follows; `end` but for rounding
+  LineReal next;       ///< speed planned for what follows; `end` but for rounding
 
   std::uint32_t ticks() const { return lead_ticks + cruise_ticks + tail_ticks; }
 };
@@ -52,6 +52,6 @@ LineRun make_run(const LineTask& task);
 
 /// Speed at which the rest of a line takes `ticks`, ends and acceleration as in `task`; that of
 /// the task if there is none.
-Real speed_for_time(const LineTask& task, Real ticks);
+LineReal speed_for_time(const LineTask& task, LineReal ticks);
 
 }  // namespace lamplock::motion

@@ -54,10 +54,13 @@ struct Line {
   LinePower laser : 2 = LinePower::off;
   bool rapid : 1 = false, timed : 1 = false;
 
-  Real length() const { return Real(length_mantissa, length_exponent); }
-  void set_length(Real length) {
+  LineReal length() const {
+    return length_mantissa == 0 ? LineReal() : LineReal::of_parts(length_mantissa, length_exponent);
+  }
+  void set_length(LineReal length) {
     length_mantissa = length.mantissa();
-    length_exponent = static_cast<std::int8_t>(length.exponent());
+    length_exponent =
+        is_zero(length) ? std::int8_t{0} : static_cast<std::int8_t>(length.exponent());
   }
 };
 static_assert(sizeof(Line) <= 48);
@@ -76,8 +79,12 @@ class LineRing {
   Line& at(std::uint32_t i) { return lines_[i % capacity]; }
   const Line& at(std::uint32_t i) const { return lines_[i % capacity]; }
 
-  void push(const Line& line) { at(end_++) = line; }
+  /// The line behind the last; push() makes it one.
+  Line& next() { return at(end_); }
+  void push() { ++end_; }
   void pop() { ++begin_; }
+  /// Takes back what was popped since begin() was this; nothing may have been pushed meanwhile.
+  void return_to(std::uint32_t begin) { begin_ = begin; }
   void clear() { begin_ = end_; }
 
  private:

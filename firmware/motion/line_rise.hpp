@@ -26,34 +26,34 @@
 namespace lamplock::motion {
 
 struct LineRise {
-  Real ticks;       ///< R; 0 = no limit
-  Real half_slice;  ///< ticks of the pulses that long changes consist of
-  Real half_share;  ///< of A, that they are worth
-  Real flat_share;  ///< of A, that needs no pulse
+  LineReal ticks;       ///< R; 0 = no limit
+  LineReal half_slice;  ///< ticks of the pulses that long changes consist of
+  LineReal half_share;  ///< of A, that they are worth
+  LineReal flat_share;  ///< of A, that needs no pulse
 
   bool none() const { return is_zero(ticks); }
   /// Ticks for a change of speed that would take `steady_ticks` at A all along.
-  Real change_ticks(Real steady_ticks) const;
+  LineReal change_ticks(LineReal steady_ticks) const;
 };
 
 LineRise make_rise(const Limits& limits);
 
 /// Where to look next for a speed between two.
-Real middle_of(Real low, Real high);
+LineReal middle_of(LineReal low, LineReal high);
 
 /// A line and the rise of its acceleration.
 struct LineRamps {
-  Real accel;
-  LineRise rise;
+  LineReal accel;
+  const LineRise& rise;
 
   /// Ticks from one speed to another.
-  Real ticks(Real from, Real to) const;
+  LineReal ticks(LineReal from, LineReal to) const;
   /// Twice the way meanwhile.
-  Real way_2(Real from, Real to) const { return (from + to) * ticks(from, to); }
+  LineReal way_2(LineReal from, LineReal to) const { return (from + to) * ticks(from, to); }
   /// Highest speed to be had from `speed` over `length`, or to come down from.
-  Real highest(Real speed, Real length) const;
+  LineReal highest(LineReal speed, LineReal length) const;
   /// Lowest, 0 if there is length to spare.
-  Real lowest(Real speed, Real length) const;
+  LineReal lowest(LineReal speed, LineReal length) const;
 };
 
 }  // namespace lamplock::motion

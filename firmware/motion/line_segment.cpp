@@ -13,8 +13,13 @@ std::uint64_t magnitude(std::int64_t v) { return static_cast<std::uint64_t>(abs6
 std::int64_t even(std::int64_t accel_q62) { return accel_q62 & ~std::int64_t{1}; }
 
 /// Speed of an axis, `per_tick` being the part of the line in a tick.
-std::int64_t axis_speed_q62(std::int64_t steps, Real per_tick) {
-  const std::int64_t speed = (Real(magnitude(steps)) * per_tick).fixed(62);
+std::int64_t axis_speed_q62(std::int64_t steps, LineReal per_tick) {
+  const auto count = static_cast<std::uint32_t>(magnitude(steps));
+  const std::uint64_t product = wide_product(count, per_tick.mantissa());
+  const int shift = -62 - per_tick.exponent();
+  const auto speed = static_cast<std::int64_t>(shift >= 64  ? 0
+                                               : shift >= 0 ? product >> shift
+                                                            : product << -shift);
   return steps < 0 ? -speed : speed;
 }
 
@@ -24,77 +29,120 @@ Int128 way_left_q62(const stepper::MotionState& at, const StepPosition& target, 
 
 /// Speeds of an axis at the ends of phases.
 struct AxisSpeeds {
-  std::int64_t start_q62, cruise_q62, end_q62;
+  std::int64_t start_q62 = 0, cruise_q62 = 0, end_q62 = 0;
 };
 
+/// a n modulo 2^64 for n below 2^32.
+std::int64_t wrapped_product(std::int64_t a, std::uint32_t n) {
+  if (n >> 16 == 0) return short_product(a, n);
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) * n);
+}
+
+/// The quotient of what is missing, in 20 bits if it is little: then what is left is less than
+/// 2^-34 step.
+std::int64_t per_part(std::int64_t missing, std::uint32_t parts) {
+  constexpr int dropped = 12;
+  const std::int64_t coarse = missing >> dropped;
+  if (coarse == static_cast<std::int32_t>(coarse))
+    return std::int64_t{static_cast<std::int32_t>(coarse) / static_cast<std::int32_t>(parts)} *
+           (1 << dropped);
+  return missing / static_cast<std::int64_t>(parts);
+}
+
 /// The speed between the phases so that the way comes out: solved for what is missing, which is
-/// little.
-void fit_way(AxisSpeeds& v, Int128 way, const LineRun& run) {
+/// little: much less than a step, so it is computed modulo two steps.
+void fit_way(AxisSpeeds& v, std::int64_t way_q62, const LineRun& run) {
   const std::uint32_t parts = run.lead_ticks + 2 * run.cruise_ticks + run.tail_ticks;
-  Int128 missing = (way << 1) - Int128::times(v.cruise_q62, parts);
-  if (run.lead_ticks != 0) missing = missing - Int128::times(v.start_q62, run.lead_ticks);
-  if (run.tail_ticks != 0) missing = missing - Int128::times(v.end_q62, run.tail_ticks);
-  v.cruise_q62 += missing.to_int64() / static_cast<std::int64_t>(parts);
+  auto missing = static_cast<std::uint64_t>(way_q62) * 2 -
+                 static_cast<std::uint64_t>(wrapped_product(v.cruise_q62, parts));
+  if (run.lead_ticks != 0)
+    missing -= static_cast<std::uint64_t>(wrapped_product(v.start_q62, run.lead_ticks));
+  if (run.tail_ticks != 0)
+    missing -= static_cast<std::uint64_t>(wrapped_product(v.end_q62, run.tail_ticks));
+  v.cruise_q62 += per_part(static_cast<std::int64_t>(missing), parts);
   if (run.lead_ticks == 0) v.start_q62 = v.cruise_q62;
   if (run.tail_ticks == 0) v.end_q62 = v.cruise_q62;
 }
 
-AxisProfile make_axis(const AxisSpeeds& v, const LineRun& run) {
-  AxisProfile p;
+void make_axis(const AxisSpeeds& v, const LineRun& run, AxisProfile& p) {
   p.speed_q62 = v.start_q62;
+  p.lead_accel_q62 = p.tail_accel_q62 = 0;
   p.lead_ticks = run.lead_ticks;
   p.cruise_ticks = run.cruise_ticks;
   p.tail_ticks = run.tail_ticks;
+  p.lead_turn_ticks = p.tail_turn_ticks = 0;
+  p.lead_ramp = p.tail_ramp = 0;
   if (run.lead_ticks != 0)
     p.lead_accel_q62 =
         even((v.cruise_q62 - v.start_q62) / static_cast<std::int64_t>(run.lead_ticks));
   if (run.tail_ticks != 0)
     p.tail_accel_q62 =
         even((v.end_q62 - p.cruise_speed_q62()) / static_cast<std::int64_t>(run.tail_ticks));
-  set_turns(p);
-  return p;
+  if (p.lead_accel_q62 != 0 || p.tail_accel_q62 != 0) set_turns(p);
+}
+
+void stand(std::uint32_t ticks, AxisProfile& p) {
+  LineRun run;
+  run.cruise_ticks = ticks;
+  make_axis({}, run, p);
+}
+
+/// Displacement, Q62.
+Int128 way_of(const AxisProfile& p) {
+  if (p.lead_ticks + p.tail_ticks == 0) return Int128::times(p.speed_q62, p.cruise_ticks);
+  return stepper::displacement_q62(p);
 }
 
 }  // namespace
 
-Real length_left(const LineWay& way, Real length, int longest, const stepper::MotionState& at) {
+LineReal length_left(const LineWay& way, LineReal length, int longest,
+                     const stepper::MotionState& at) {
   const std::size_t a = index(longest);
   Int128 left = stepper::middle_of_step(way.target[a]) - at.axis[a].position_q64;
   if (way.steps[a] < 0) left = -left;
   if (left.negative()) return {};
   const auto hi = static_cast<std::uint64_t>(left.hi());
-  const Real steps = hi == 0 ? Real(left.lo(), -64) : Real(hi << 32 | left.lo() >> 32, -32);
-  return steps * length / Real(magnitude(way.steps[a]));
+  const LineReal steps =
+      hi == 0 ? LineReal(left.lo(), -64) : LineReal(hi << 32 | left.lo() >> 32, -32);
+  return steps * length / LineReal(static_cast<std::uint32_t>(magnitude(way.steps[a])));
 }
 
-stepper::Segment make_segment(const stepper::MotionState& from, const LineWay& way,
-                              const LineRun& run, const Limits& limits, bool pulses) {
-  stepper::Segment s;
+void make_segment(const stepper::MotionState& from, const LineWay& way, const LineRun& run,
+                  const Limits& limits, bool pulses, stepper::Segment& s) {
   s.start_tick = from.tick;
   s.ticks = run.ticks();
-  s.end = from;
+  s.reason = BeatReason::moving;
+  s.shot = {};
   s.end.tick = s.end_tick();
-  const Real start = run.start * way.per_length, cruise = run.cruise * way.per_length,
-             end = run.end * way.per_length;
+  const bool steady = run.lead_ticks + run.tail_ticks == 0;
+  const bool fits = run.whole && !is_zero(run.cruise);
+  const LineReal cruise = run.cruise * way.per_length;
+  const LineReal start = steady ? cruise : run.start * way.per_length;
+  const LineReal end = steady ? cruise : run.end * way.per_length;
   PerAxis<std::int64_t> ends{};
   for (std::size_t a = 0; a < max_axes; ++a) {
     const std::int64_t steps = way.steps[a];
-    s.axis[a].cruise_ticks = s.ticks;
-    if (steps == 0) {
-      if (pulses) s.axis[a] = make_axis({}, run);
+    AxisSpeeds v;
+    if (steps == 0 && !pulses) {
+      stand(s.ticks, s.axis[a]);
       continue;
     }
-    AxisSpeeds v{axis_speed_q62(steps, start), axis_speed_q62(steps, cruise),
-                 axis_speed_q62(steps, end)};
-    if (run.whole && !is_zero(run.cruise)) fit_way(v, way_left_q62(from, way.target, a), run);
-    s.axis[a] = make_axis(v, run);
+    if (steps != 0) {
+      v.cruise_q62 = axis_speed_q62(steps, cruise);
+      v.start_q62 = steady ? v.cruise_q62 : axis_speed_q62(steps, start);
+      v.end_q62 = steady ? v.cruise_q62 : axis_speed_q62(steps, end);
+      if (fits) fit_way(v, way_left_q62(from, way.target, a).to_int64(), run);
+    }
+    make_axis(v, run, s.axis[a]);
     ends[a] = v.end_q62;
   }
   if (pulses) make_pulses(s.axis, ends, limits);
-  for (std::size_t a = 0; a < max_axes; ++a)
-    s.end.axis[a] = {from.axis[a].position_q64 + (stepper::displacement_q62(s.axis[a]) << 2),
-                     ends[a]};
-  return s;
+  for (std::size_t a = 0; a < max_axes; ++a) {
+    stepper::AxisState& axis = s.end.axis[a];
+    axis.position_q64 = from.axis[a].position_q64;
+    if (way.steps[a] != 0) axis.position_q64 = axis.position_q64 + (way_of(s.axis[a]) << 2);
+    axis.speed_q62 = ends[a];
+  }
 }
 
 stepper::Segment make_settling(const stepper::MotionState& from, std::uint32_t ticks) {

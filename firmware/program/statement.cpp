@@ -225,6 +225,7 @@ bool Statement::beat_lock() {
   plan_.add(Stage::beat_lock);
   after_.modal.beat_lock = BeatLock::off;
   if (block_.code(Group::beat_lock) == 131) return true;
+  if (!options_.beat_lock) return fail(GcodeError::unsupported, block_.column(Group::beat_lock));
   std::uint32_t free = 0;
   if (!needed('P', block_.column(Group::beat_lock)) || !integer('P', free)) return false;
   if (free > 1) return fail_at('P', GcodeError::out_of_range);

@@ -36,6 +36,7 @@ struct Options {
   std::uint32_t blend_um = 0;              ///< of a G64 without P
   bool laser = false;                      ///< $32: speed words travel with the moves
   bool probe = false;                      ///< there is one: G38.2 to G38.5 are known
+  bool beat_lock = true;                   ///< the machine can: M130 is known
 };
 
 /// Largest values of words, as grbl 1.1 has them.

@@ -16,6 +16,9 @@
 // changes the speed by A (n - r) and its mean speed is that in its middle, both exactly as constant
 // acceleration A (n - r)/n would. A pulse begins and ends at acceleration zero, give or take half a
 // stair.
+//
+// A segment of a program may have power for a continuous laser: it changes evenly over lead and
+// tail and stays in between (segment_power.hpp). A segment has power or ends with a shot, not both.
 #pragma once
 
 #include <cstdint>
@@ -164,18 +167,32 @@ struct SegmentShot {
   std::uint16_t energy = 0;
 };
 
-/// Motion of all axes from one beat to a later one.
+/// The power of a continuous laser during a segment, 65535 = full (segment_power.hpp). No default
+/// values: it shares its place.
+struct SegmentPower {
+  std::uint16_t start, cruise;
+  std::uint32_t lead_slope_q16, tail_slope_q16;  ///< per tick, modulo 2^32
+};
+
+/// Motion of all axes from one beat, or one place on a path, to a later one.
 struct Segment {
   std::uint64_t start_tick = 0;
   std::uint32_t ticks = 0;
   BeatReason reason = BeatReason::moving;  ///< of the beats that pass inside
   bool ends_point = false;                 ///< the end is a target of the job
-  std::uint32_t point = 0;                 ///< its index
-  SegmentShot shot;
+  bool shines = false;                     ///< a continuous laser, somewhere in it at least
+  std::uint32_t point = 0;                 ///< index of that target
+  union {
+    SegmentShot shot{};
+    SegmentPower power;  ///< instead, where it shines
+  };
   PerAxis<AxisProfile> axis{};
   MotionState end;  ///< state after the last tick: where the next segment starts
 
   std::uint64_t end_tick() const { return start_tick + ticks; }
+  bool has_shot() const { return !shines && shot.present; }
 };
+/// The board keeps more than a hundred of them in its SRAM.
+static_assert(sizeof(Segment) <= 328);
 
 }  // namespace lamplock::stepper

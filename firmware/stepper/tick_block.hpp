@@ -3,10 +3,10 @@
 // In:  filled by the tick generator (fill interrupt). Out: read by the board, in the same call.
 //
 // In every block each axis has constant acceleration and does not change direction, and the lattice
-// bits are constant. A board that jumps from step to step by the closed form takes blocks; one that
-// expands ticks (`phase += rate, rate += accel`, the carry is a step) takes the same runs of each
-// axis by itself (TickGenerator::fill_axes()). Both give the same steps at the same ticks, to the
-// bit.
+// bits are constant; the power of a continuous laser changes evenly. A board that jumps from step
+// to step by the closed form takes blocks; one that expands ticks (`phase += rate, rate += accel`,
+// the carry is a step) takes the same runs of each axis by itself (TickGenerator::fill_axes()).
+// Both give the same steps at the same ticks, to the bit.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,12 @@ namespace lamplock::stepper {
 enum LatticeBit : std::uint8_t {
   arm_bit = 1,      ///< the machine is in position for a shot
   trigger_bit = 2,  ///< lamp trigger (master)
+  gate_bit = 4,     ///< a continuous laser may shine
 };
+
+/// The power of a continuous laser is told in cells of the lattice, from multiples of this tick on:
+/// a board that sets it ten thousand times a second needs no more. Its gate keeps every tick.
+inline constexpr std::uint32_t power_cell_ticks = 64;
 
 /// One axis in a block. Rate is added before the step is taken: tick j adds rate + j * accel.
 struct AxisRun {
@@ -49,13 +54,25 @@ struct AxisRun {
   }
 };
 
+/// From a fraction of 16 bits; it is never above 65535 as a whole.
+constexpr std::uint16_t rounded_power(std::uint32_t power_q16) {
+  return static_cast<std::uint16_t>((power_q16 + 0x8000u) >> 16);
+}
+
 /// A run of ticks.
 struct TickBlock {
   std::uint64_t first_tick = 0;
   std::uint32_t ticks = 0;
-  std::uint8_t bits = 0;  ///< LatticeBit
-  bool moving = false;    ///< some axis has a rate
+  std::uint8_t bits = 0;              ///< LatticeBit
+  bool moving = false;                ///< some axis has a rate
+  std::uint32_t power_q16 = 0;        ///< at the first tick, with gate_bit; 65535 = full
+  std::uint32_t power_slope_q16 = 0;  ///< per tick, modulo 2^32
   PerAxis<AxisRun> axis{};
+
+  /// Power of its tick n, 65535 = full.
+  constexpr std::uint16_t power(std::uint32_t n) const {
+    return rounded_power(power_q16 + power_slope_q16 * n);
+  }
 };
 
 }  // namespace lamplock::stepper

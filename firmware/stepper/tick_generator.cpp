@@ -5,6 +5,10 @@ namespace {
 constexpr std::uint32_t forever = 0xffffffffu;
 /// Lead, cruise, tail.
 constexpr std::uint32_t phases = 3;
+
+void forget_shot(Segment& segment) {
+  if (segment.has_shot()) segment.shot.present = false;
+}
 }  // namespace
 
 TickGenerator::TickGenerator(SegmentQueue& queue) : queue_(queue) {
@@ -147,9 +151,10 @@ std::uint32_t TickGenerator::run_ticks(Run& r, int a, std::uint64_t tick,
 
 void TickGenerator::open_window() {
   const Segment& segment = queue_.at(lattice_.segment);
+  power_axis_ = static_cast<std::int8_t>(power_axis(segment));
   old_window_ = window_;
   window_ = Window{};
-  if (!segment.shot.present) return;
+  if (!segment.has_shot()) return;
   const std::uint64_t centre = segment.end_tick() - arm_lead_ticks_;
   window_ = {centre - segment.shot.half_window_ticks, centre + segment.shot.half_window_ticks};
   if (segment.end_tick() <= cut_tick_) window_.cut(cut_tick_);
@@ -172,7 +177,7 @@ void TickGenerator::cut_windows() {
 
 void TickGenerator::take_back_shot() {
   cut_windows();
-  if (running_ && left_ != 0) queue_.at(queue_.begun() - 1).shot.present = false;
+  if (running_ && left_ != 0) forget_shot(queue_.at(queue_.begun() - 1));
 }
 
 void TickGenerator::replace(const Segment& segment) {
@@ -180,7 +185,7 @@ void TickGenerator::replace(const Segment& segment) {
   if (running_ && left_ != 0) {
     Segment& cut = queue_.at(queue_.begun() - 1);
     cut.ticks -= left_;
-    cut.shot.present = false;
+    forget_shot(cut);
     for (Run& r : runs_) {
       if (shorten(r.at, left_)) stand(r);
       if (r.at.left != 0 && r.left > r.at.left) r.left = r.at.left;
@@ -299,6 +304,7 @@ std::uint8_t TickGenerator::bits(std::uint64_t tick) const {
   if (in(window_) || in(old_window_)) bits |= arm_bit;
   if (trigger_.period_ticks != 0 && in({trigger_on_, trigger_on_ + trigger_.width_ticks}))
     bits |= trigger_bit;
+  if (shines()) bits |= gate_bit;
   return bits;
 }
 
@@ -339,12 +345,29 @@ std::uint32_t TickGenerator::limit_by_motion(std::uint32_t ticks) {
   return limit_by(lattice_, tick_, ticks);
 }
 
+PowerStretch TickGenerator::power_stretch(std::uint32_t tick) const {
+  const Segment& s = queue_.at(lattice_.segment);
+  return power_from(s.power, s.axis[index(power_axis_)],
+                    tick - static_cast<std::uint32_t>(s.start_tick));
+}
+
+/// Up to where the power begins to change in another way.
+std::uint32_t TickGenerator::limit_by_power(std::uint32_t ticks) const {
+  if (!shines()) return ticks;
+  const std::uint32_t left = power_stretch(static_cast<std::uint32_t>(tick_)).ticks;
+  return left < ticks ? left : ticks;
+}
+
 void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
-  const std::uint32_t ticks = limit_by_bits(tick_, limit_by_motion(max_ticks));
+  const std::uint32_t ticks = limit_by_power(limit_by_bits(tick_, limit_by_motion(max_ticks)));
   block.first_tick = tick_;
   block.ticks = ticks;
   block.bits = bits(tick_);
   block.moving = lattice_.segment != queue_.begun();
+  const PowerStretch power =
+      shines() ? power_stretch(static_cast<std::uint32_t>(tick_)) : PowerStretch{};
+  block.power_q16 = power.power_q16;
+  block.power_slope_q16 = power.slope_q16;
   for (int a = 0; a < max_axes; ++a) block.axis[index(a)] = runs_[index(a)].run;
   advance(ticks);
 }

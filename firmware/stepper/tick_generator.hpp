@@ -3,7 +3,9 @@
 // In:  segments (SegmentQueue).
 // Out: ticks, ahead of time, as runs of constant acceleration: in blocks that end where any axis or
 //      lattice bit changes (fill), or every axis by itself (fill_axes), where an axis costs nothing
-//      for what the others do; when there is no segment, ticks of standing still.
+//      for what the others do; when there is no segment, ticks of standing still. The gate of a
+//      continuous laser is one of the lattice bits, high in the segments that have power, to the
+//      tick, and nowhere else; its power goes with it.
 // Called by the fill interrupt of the board (lowest of the motion interrupts) whenever its output
 // wants more; budget: no division, some twenty 32-bit products per run.
 //
@@ -23,6 +25,7 @@
 
 #include <cstdint>
 
+#include "firmware/stepper/segment_power.hpp"
 #include "firmware/stepper/segment_queue.hpp"
 #include "firmware/stepper/tick_block.hpp"
 
@@ -60,6 +63,8 @@ class TickGenerator {
   ///   put_still(axis, ticks)        and then set_step(axis, step) where the axis is behind
   ///   put_axis(axis, run, ticks)    the last one
   ///   put_bits(bits, ticks)
+  ///   put_power(power, ticks)       of a continuous laser; but for 0 never beyond a power cell:
+  ///                                 that of the last of these ticks
   template <class Board>
   void fill_axes(std::uint32_t ticks, Board& board);
 
@@ -124,6 +129,12 @@ class TickGenerator {
   void fill_axis(int axis, std::uint32_t ticks, Board& board);
   template <class Board>
   void fill_bits(std::uint32_t ticks, Board& board);
+  template <class Board>
+  [[gnu::noinline]] void fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const;
+  /// The lattice is in a segment with power.
+  bool shines() const { return lattice_.left != 0 && power_axis_ >= 0; }
+  /// What that begins with at a tick in it, lower half of its number.
+  PowerStretch power_stretch(std::uint32_t tick) const;
   std::uint32_t run_ticks(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
   bool enter(Reader& reader, std::uint64_t tick) const;
   static PhaseView phase_of(const AxisProfile& profile, std::uint32_t phase);
@@ -142,6 +153,7 @@ class TickGenerator {
   std::uint32_t wait(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
   std::uint32_t limit_by_motion(std::uint32_t ticks);
   std::uint32_t limit_by_bits(std::uint64_t tick, std::uint32_t ticks) const;
+  std::uint32_t limit_by_power(std::uint32_t ticks) const;
   std::uint8_t bits(std::uint64_t tick) const;
   void advance(std::uint32_t ticks);
   void advance_bits(std::uint64_t tick, std::uint32_t ticks);
@@ -152,7 +164,8 @@ class TickGenerator {
   std::uint32_t lead_ = 0;  ///< of the axis with the longest
   bool running_ = false;
   bool underrun_ = false;
-  std::uint32_t left_ = 0;  ///< ticks left in the segment at the head
+  std::int8_t power_axis_ = -1;  ///< of the segment that the lattice is in
+  std::uint32_t left_ = 0;       ///< ticks left in the segment at the head
   PerAxis<Run> runs_{};
   Reader lattice_;  ///< bits have no lead
   Window window_, old_window_;
@@ -200,9 +213,22 @@ void TickGenerator::fill_bits(std::uint32_t ticks, Board& board) {
     if (lattice_.left == 0 && enter(lattice_, tick)) open_window();
     const std::uint32_t n = limit_by_bits(tick, limit_by(lattice_, tick, ticks));
     board.put_bits(bits(tick), n);
+    fill_power(static_cast<std::uint32_t>(tick), n, board);
     tick += n;
     ticks -= n;
     advance_bits(tick, n);
+  }
+}
+
+template <class Board>
+void TickGenerator::fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const {
+  if (!shines()) return board.put_power(0, ticks);
+  while (ticks != 0) {
+    const std::uint32_t left = power_cell_ticks - tick % power_cell_ticks;
+    const std::uint32_t n = left < ticks ? left : ticks;
+    tick += n;
+    ticks -= n;
+    board.put_power(rounded_power(power_stretch(tick - 1).power_q16), n);
   }
 }
 

@@ -1,9 +1,10 @@
-// `lamplock send`: a job file to a machine.
+// `lamplock send`: a job file, or a program of G-code, to a machine.
 #include <memory>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/job_points.hpp"
 #include "host/cli/run_job.hpp"
+#include "host/cli/run_program.hpp"
 #include "host/job/job_file.hpp"
 
 namespace lamplock::cli {
@@ -12,9 +13,19 @@ namespace {
 struct Options {
   std::string file;
   BoardOptions board;
+  ProgramOptions program;
 };
 
+/// A job says itself which machine it is for, and has no lines.
+void check_job_options(const ProgramOptions& program) {
+  if (program.go_on || !program.machine.machine.empty())
+    throw Error(Exit::bad_input, program.go_on ? "--go-on" : "--machine",
+                "is for programs of G-code, not for jobs", "leave it out");
+}
+
 Exit send_file(const Options& options) {
+  if (is_program(options.file)) return send_program(options.file, options.board, options.program);
+  check_job_options(options.program);
   Console console(options.board.json);
   options.board.check();
   auto port = open_port(options.board);
@@ -32,14 +43,24 @@ Exit send_file(const Options& options) {
 }  // namespace
 
 void add_send(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand("send", "Send a job file to a machine and see it through");
+  CLI::App* app = program.add_subcommand(
+      "send", "Send a job or a program of G-code to a machine and see it through");
   app->footer(
+      "Programs (.gcode .nc .ngc .gc .tap .cnc) stop at their first error. While one runs: Ctrl-C\n"
+      "holds the machine and resets it once it stands; in a terminal ! holds, Enter goes on,\n"
+      "+ - = change the feed.\n"
       "Example:\n  lamplock send model.llj --board /dev/ttyACM0\n"
-      "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # go on after a stop");
+      "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # go on after a stop\n"
+      "  lamplock send part.ngc --board /dev/ttyACM0");
   const auto options = std::make_shared<Options>();
-  app->add_option("FILE", options->file, "Job file")->required()->type_name("FILE.llj");
+  app->add_option("FILE", options->file, "Job file (.llj) or G-code")
+      ->required()
+      ->type_name("FILE");
   options->board.add_board(*app);
   options->board.add_job(*app);
+  app->add_flag("--go-on", options->program.go_on, "Programs: go on after lines that were refused")
+      ->group("Board");
+  options->program.machine.add_machine(*app);
   app->callback([options, &action] { action = [options] { return send_file(*options); }; });
 }
 

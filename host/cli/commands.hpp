@@ -21,6 +21,8 @@ void add_order(CLI::App& program, Action& action);
 void add_check(CLI::App& program, Action& action);
 void add_job(CLI::App& program, Action& action);
 void add_send(CLI::App& program, Action& action);
+void add_settings(CLI::App& program, Action& action);
+void add_console(CLI::App& program, Action& action);
 void add_engrave(CLI::App& program, Action& action);
 void add_frame(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);

@@ -50,6 +50,8 @@ Exit run(int argc, char** argv) {
   lamplock::cli::add_check(program, action);
   lamplock::cli::add_job(program, action);
   lamplock::cli::add_send(program, action);
+  lamplock::cli::add_settings(program, action);
+  lamplock::cli::add_console(program, action);
   lamplock::cli::add_frame(program, action);
   lamplock::cli::add_compare(program, action);
   lamplock::cli::add_sim(program, action);

@@ -59,6 +59,7 @@ void Progress::note(const std::string& line) {
 }
 
 std::string Progress::left(std::size_t done) const {
+  if (left_s_) return fmt::format(", {} left", clock_text(*left_s_));
   if (done <= first_ || done >= total_) return "";
   const std::chrono::duration<double> taken = Clock::now() - start_;
   const double pace = taken.count() / static_cast<double>(done - first_);

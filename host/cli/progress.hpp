@@ -1,11 +1,12 @@
 // How far something is, on stderr: a bar with the time left on a terminal, otherwise a line every
 // ten per cent, unless it is over in no time.
 //
-// In:  how much is done, as often as one likes. Out: text. Who: ordering and jobs.
+// In:  how much is done, as often as one likes. Out: text. Who: ordering, jobs, programs.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 
 namespace lamplock::cli {
@@ -21,6 +22,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void update(std::size_t done);
+  /// What is left is known better than by the pace so far.
+  void set_left(std::optional<double> seconds) { left_s_ = seconds; }
   /// Prints a line that stays, above the bar.
   void note(const std::string& line);
   /// Time in which nothing could go on, not to be counted in the pace.
@@ -39,6 +42,7 @@ class Progress {
   Clock::time_point drawn_at_ = start_;
   std::size_t next_line_percent_;
   bool drawn_ = false;
+  std::optional<double> left_s_;
 };
 
 }  // namespace lamplock::cli

@@ -1,15 +1,10 @@
 #include "host/cli/steering.hpp"
 
-#include <poll.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <chrono>
 #include <cstdint>
 #include <system_error>
-#include <thread>
 
 namespace lamplock::cli {
 namespace {
@@ -18,25 +13,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds look_interval{50};
 
-enum class Input { nothing, line, end };
-
 constexpr std::uint32_t job_speed_step = 10;
-
-/// Somebody sits there, and this program has the keyboard.
-bool at_terminal() {
-  return ::isatty(STDIN_FILENO) == 1 && ::tcgetpgrp(STDIN_FILENO) == ::getpgrp();
-}
-
-/// Waits for something on stdin, but not for long.
-Input read_stdin(std::chrono::milliseconds wait, std::string& typed) {
-  pollfd watched{STDIN_FILENO, POLLIN, 0};
-  if (::poll(&watched, 1, static_cast<int>(wait.count())) <= 0) return Input::nothing;
-  std::array<char, 256> text{};
-  const ssize_t count = ::read(STDIN_FILENO, text.data(), text.size());
-  if (count <= 0) return Input::end;
-  typed.append(text.data(), static_cast<std::size_t>(count));
-  return Input::line;
-}
 
 }  // namespace
 
@@ -62,7 +39,7 @@ void Steering::look() {
   if (!asking_ && !holding_) {
     if (Clock::now() - looked_at_ < look_interval) return;
     looked_at_ = Clock::now();
-    if (at_terminal()) take_input(std::chrono::milliseconds(0));
+    if (Keyboard::at_terminal()) take_input(std::chrono::milliseconds(0));
     return;
   }
   if (asking_ && clocking_ == Clocking::lock_step) return wait_for_user();
@@ -88,16 +65,7 @@ void Steering::wait_for_user() {
 }
 
 void Steering::take_input(std::chrono::milliseconds wait) {
-  if (input_ended_) {
-    std::this_thread::sleep_for(wait);
-    return;
-  }
-  if (read_stdin(wait, typed_) == Input::end) input_ended_ = true;
-  for (auto end = typed_.find('\n'); end != std::string::npos; end = typed_.find('\n')) {
-    const std::string line = typed_.substr(0, end);
-    typed_.erase(0, end + 1);
-    take_line(line);
-  }
+  for (const std::string& line : keyboard_.lines(wait)) take_line(line);
 }
 
 void Steering::take_line(const std::string& line) {

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "host/cli/interrupt.hpp"
+#include "host/cli/keyboard.hpp"
 #include "host/cli/progress.hpp"
 #include "host/link/sender.hpp"
 
@@ -51,8 +52,7 @@ class Steering {
   bool asking_ = false;      ///< the machine is at rest until the user says
   bool shot_asked_ = false;  ///< about the shot that was not made
   bool stopping_ = false;
-  bool input_ended_ = false;
-  std::string typed_{};  ///< a line that has not ended
+  Keyboard keyboard_;
   std::chrono::steady_clock::time_point looked_at_{};
   std::optional<std::chrono::steady_clock::time_point> asked_at_{};
 };

@@ -11,4 +11,9 @@ namespace lamplock::boards {
 inline constexpr std::uint32_t settings_offset = 512 * 1024;
 inline constexpr std::uint32_t settings_sectors = 4;
 
+/// What a program leaves behind (machine/kept_program.hpp): behind the settings.
+inline constexpr std::uint32_t program_offset = 528 * 1024;
+inline constexpr std::uint32_t program_sectors = 4;
+static_assert(program_offset == settings_offset + settings_sectors * 4096);
+
 }  // namespace lamplock::boards

@@ -103,6 +103,9 @@ class StreamParser {
     after_cr_ = false;
   }
 
+  /// Characters of a line that has not ended.
+  std::size_t line_size() const { return state_ == State::line ? size_ : 0; }
+
   /// Forgets a line that has not ended, be it spoilt; a frame goes on. The only call that may be
   /// made from within an event: on_realtime.
   void drop_line() {

@@ -143,15 +143,32 @@ void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
 }
 
 void ChipBoard::measure_pwm(bool level, Picoseconds at) {
+  settle_pwm(at);
   pwm_.level = level;
   if (!level) {
     pwm_.fell = at;
     return;
   }
   const Picoseconds period = at - pwm_.rose;
-  if (period <= longest_pwm_period)
+  if (period <= longest_pwm_period) {
+    pwm_.period = period;
     pwm_.duty = static_cast<std::uint16_t>((pwm_.fell - pwm_.rose) * 65'535 / period);
+    bus_.set_power(pwm_.duty, pwm_.rose);
+  }
   pwm_.rose = at;
+}
+
+/// Low for long, or high: the level is the power, from where a period did not end in time.
+void ChipBoard::settle_pwm(Picoseconds at) {
+  const Picoseconds since = std::max(pwm_.rose, pwm_.fell);
+  if (at - since <= longest_pwm_period) return;
+  if (pwm_.level) return bus_.set_power(65'535, pwm_.rose);
+  // Its last pulse, as long a period as the one before.
+  if (pwm_.period != 0 && pwm_.fell - pwm_.rose < pwm_.period && pwm_.fell > pwm_.rose)
+    bus_.set_power(static_cast<std::uint16_t>((pwm_.fell - pwm_.rose) * 65'535 / pwm_.period),
+                   pwm_.rose);
+  bus_.set_power(0, std::max(pwm_.rose + pwm_.period, pwm_.fell));
+  pwm_.rose = pwm_.fell;
 }
 
 std::uint16_t ChipBoard::attenuator(Picoseconds at) const {
@@ -177,6 +194,7 @@ void ChipBoard::run_until(Picoseconds until) {
     const chip::Cycle target = chip_.wheel().cycle_at(until);
     if (target <= chip_.wheel().now()) break;
     chip_.run_until(target);
+    settle_pwm(now());
     world_->advance(std::min(now(), until));
     plan();
   }

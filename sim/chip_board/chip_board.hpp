@@ -77,6 +77,7 @@ class ChipBoard final : public Board,
   void drive(Pin pin, bool level);
   void measure_pwm(bool level, Picoseconds at);
   std::uint16_t attenuator(Picoseconds at) const;
+  void settle_pwm(Picoseconds at);
 
   PinBus bus_;
   std::unique_ptr<World> world_;
@@ -89,11 +90,12 @@ class ChipBoard final : public Board,
     bool inverted = false;
   };
   std::array<std::optional<Pad>, chip::gpio_count> outputs_{};
-  /// The attenuator's filter: the last whole period of LASER PWM.
+  /// The filter behind LASER PWM: its last whole period.
   struct Pwm {
     bool level = false;
     Picoseconds rose = 0, fell = 0;
     std::uint16_t duty = 0;  ///< 65535 = all of it
+    Picoseconds period = 0;
   };
   Pwm pwm_;
   std::vector<LatticeShot> lattice_shots_;  ///< stays empty: pins do not tell lattice ticks

@@ -36,10 +36,13 @@ std::uint64_t tick_before(const TickLine& line, std::uint64_t tick, Picoseconds 
 
 }  // namespace
 
-VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& world)
+VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& world,
+                           const machine::KeptProgram& kept)
     : stored_(stored),
+      kept_(kept),
       world_(std::make_unique<World>(world, bus_)),
       controller_(std::make_unique<machine::Controller>(stored)) {
+  controller_->set_kept(kept_);
   for (const Pin pin : {Pin::lamp_sync, Pin::lamp_trigger, Pin::estop, Pin::door, Pin::limit_x,
                         Pin::limit_y, Pin::limit_z, Pin::limit_a})
     bus_.listen(pin, *this);
@@ -154,13 +157,14 @@ void VirtualBoard::service() {
 void VirtualBoard::main_loop() {
   if (!from_host_.empty()) {
     std::array<std::uint8_t, bytes_per_service> packet;
-    const std::size_t n = std::min(packet.size(), from_host_.size());
+    const std::size_t n = std::min({packet.size(), from_host_.size(), controller_->receive_room()});
     const auto end = from_host_.begin() + static_cast<std::ptrdiff_t>(n);
     std::copy(from_host_.begin(), end, packet.begin());
     from_host_.erase(from_host_.begin(), end);
     controller_->receive(std::span<const std::uint8_t>(packet).first(n));
   }
   controller_->take_settings(stored_);
+  if (const machine::KeptProgram* kept = controller_->take_kept()) kept_ = *kept;
   controller_->prepare(static_cast<std::uint64_t>(now_ / ps_per_clock));
   if (controller_->plan_waits()) {
     while (controller_->plan()) {
@@ -245,8 +249,22 @@ void VirtualBoard::play_block(const stepper::TickBlock& block, std::uint64_t to_
   if (block.moving) {
     for (int axis = 0; axis < max_axes; ++axis) step_axis(axis, block, to_tick);
   }
+  play_power(block, to_tick);
   if (listener_ != nullptr) tell_ticks(block, to_tick);
   played_ = to_tick;
+}
+
+/// Up to a tick of the block.
+void VirtualBoard::play_power(const stepper::TickBlock& block, std::uint64_t to_tick) {
+  if ((block.bits & stepper::gate_bit) == 0) return;
+  constexpr std::uint64_t cell = stepper::power_cell_ticks;
+  const std::uint64_t end = block.first_tick + block.ticks;
+  for (std::uint64_t tick = played_; tick < to_tick; tick = (tick / cell + 1) * cell) {
+    if (tick != block.first_tick && tick % cell != 0) continue;
+    const std::uint64_t last = std::min((tick / cell + 1) * cell, end) - 1;
+    power_ = block.power(static_cast<std::uint32_t>(last - block.first_tick));
+    put_power(ticks_.time_of(tick));
+  }
 }
 
 void VirtualBoard::tell_ticks(const stepper::TickBlock& block, std::uint64_t to_tick) {
@@ -270,6 +288,18 @@ void VirtualBoard::apply_bits(std::uint8_t bits, Picoseconds at) {
   bits_ = bits;
   bus_.set(Pin::arm, (bits & stepper::arm_bit) != 0, at);
   bus_.set(Pin::lamp_trigger, (bits & stepper::trigger_bit) != 0, at);
+  put_gate(at);
+  if ((bits & stepper::gate_bit) != 0 || power_ == 0) return;
+  power_ = 0;
+  put_power(at);
+}
+
+void VirtualBoard::put_gate(Picoseconds at) {
+  bus_.set(Pin::laser_gate, laser_enabled_ && (bits_ & stepper::gate_bit) != 0, at);
+}
+
+void VirtualBoard::put_power(Picoseconds at) {
+  bus_.set_power(laser_enabled_ ? power_ : controller_->outputs().attenuator, at);
 }
 
 StepPosition VirtualBoard::position_at_tick(std::uint64_t tick) const {
@@ -334,6 +364,9 @@ void VirtualBoard::apply_beam() {
       if ((outputs.shutters >> channel & 1) == (level ? 1 : 0))
         bus_.set(shutter_pin(channel), level, now_);
   bus_.set_attenuator(outputs.attenuator);
+  laser_enabled_ = outputs.laser_enable || laser_enabled_by_hand_;
+  put_gate(now_);
+  put_power(now_);
 }
 
 void VirtualBoard::withdraw_token() {

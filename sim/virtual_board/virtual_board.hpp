@@ -5,6 +5,11 @@
 // It drives the Controller exactly as a real board does: steps are filled 2 ms ahead, lengths of
 // ticks 0.3 ms ahead, the main loop runs every quarter millisecond, and firing is done by a model
 // of the hardware. Steps come by closed form, never tick by tick.
+//
+// A continuous laser: its gate opens and shuts on the ticks of the lattice, as on a real board;
+// its power is put out where a power cell or a block begins, and is that of the last tick of the
+// cell in the block. A real board puts out the same powers of the same cells, in
+// raster of its own: up to 100 us earlier or later.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +31,9 @@ namespace lamplock::sim {
 /// One board in its world.
 class VirtualBoard final : public Board, private PinListener {
  public:
-  VirtualBoard(const settings::Values& stored, const WorldConfig& world);
+  /// With settings, and what programs have left behind, as a board finds them after power-up.
+  VirtualBoard(const settings::Values& stored, const WorldConfig& world,
+               const machine::KeptProgram& kept = {});
   ~VirtualBoard() override;
   VirtualBoard(const VirtualBoard&) = delete;
   VirtualBoard& operator=(const VirtualBoard&) = delete;
@@ -49,10 +56,13 @@ class VirtualBoard final : public Board, private PinListener {
   /// How long the main loop of the board is away to plan one window; 0 unless a slow processor is
   /// to be imitated. Interrupts go on meanwhile.
   void set_planning_time(Picoseconds time) { planning_time_ = time; }
+  /// The continuous laser may shine as if the core said so: for tests that have no program.
+  void enable_laser(bool on) { laser_enabled_by_hand_ = on; }
   /// Tells one listener about ticks from now on; it must live as long as the board runs.
   void listen(TickListener& listener) { listener_ = &listener; }
   /// What the board would start with after power-up.
   const settings::Values& stored_settings() const { return stored_; }
+  const machine::KeptProgram& kept_program() const { return kept_; }
   const machine::Controller& controller() const { return *controller_; }
   machine::Controller& controller() { return *controller_; }
 
@@ -71,6 +81,9 @@ class VirtualBoard final : public Board, private PinListener {
   void tell_ticks(const stepper::TickBlock& block, std::uint64_t to_tick);
   void step_axis(int axis, const stepper::TickBlock& block, std::uint64_t to_tick);
   void apply_bits(std::uint8_t bits, Picoseconds at);
+  void play_power(const stepper::TickBlock& block, std::uint64_t to_tick);
+  void put_gate(Picoseconds at);
+  void put_power(Picoseconds at);
   void decide();
   void report_shot(bool fired);
   void take_token();
@@ -82,6 +95,7 @@ class VirtualBoard final : public Board, private PinListener {
   StepPosition load_at_tick(std::uint64_t tick) const;
 
   settings::Values stored_;
+  machine::KeptProgram kept_;
   PinBus bus_;
   std::unique_ptr<World> world_;
   std::unique_ptr<machine::Controller> controller_;
@@ -93,6 +107,8 @@ class VirtualBoard final : public Board, private PinListener {
   std::uint64_t filled_ = 0;                      ///< first tick not yet filled
   Picoseconds bits_change_ = never;               ///< when the lattice bits change next
   std::uint8_t bits_ = 0;
+  bool laser_enabled_ = false, laser_enabled_by_hand_ = false;
+  std::uint16_t power_ = 0;        ///< of the present power cell
   PerAxis<StepCursor> cursors_{};  ///< of the block being played; refer into it
   bool token_held_ = false;
   lamp::FireToken token_;

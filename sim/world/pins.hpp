@@ -68,7 +68,16 @@ class PinListener {
   virtual void pin_changed(Pin pin, bool level, Picoseconds at) = 0;
 };
 
-/// Levels of all wires and who listens to which. One wire is analogue: the attenuator's.
+/// Somebody who looks at LASER PWM behind its low-pass.
+class PowerListener {
+ public:
+  virtual ~PowerListener() = default;
+  /// Called once per change, in order of time; 65535 = full.
+  virtual void power_changed(std::uint16_t power, Picoseconds at) = 0;
+};
+
+/// Levels of all wires and who listens to which. One wire is analogue: LASER PWM, the attenuator of
+/// a pulsed laser or the power of a continuous one.
 class PinBus {
  public:
   bool level(Pin pin) const { return levels_[index(pin)]; }
@@ -87,11 +96,22 @@ class PinBus {
   std::uint16_t attenuator() const { return attenuator_; }
   void set_attenuator(std::uint16_t value) { attenuator_ = value; }
 
+  /// The same wire as a continuous laser sees it: its changes are told with their time, which may
+  /// be somewhat before that of the pins, since a duty is known when its period is over.
+  void listen_to_power(PowerListener& listener) { power_listeners_.push_back(&listener); }
+  void set_power(std::uint16_t power, Picoseconds at) {
+    if (power == power_) return;
+    power_ = power;
+    for (PowerListener* listener : power_listeners_) listener->power_changed(power, at);
+  }
+
  private:
   static constexpr std::size_t index(Pin pin) { return static_cast<std::size_t>(pin); }
   std::array<bool, pin_count> levels_{};
   std::array<std::vector<PinListener*>, pin_count> listeners_{};
   std::uint16_t attenuator_ = 0;
+  std::uint16_t power_ = 0;
+  std::vector<PowerListener*> power_listeners_;
 };
 
 }  // namespace lamplock::sim

@@ -8,6 +8,7 @@ World::World(const WorldConfig& config, PinBus& bus)
       drives_(config.drives, bus),
       shutters_(config.shutters, bus),
       laser_(bus, lamp_, drives_, shutters_),
+      beam_(bus),
       photosensors_(config.photosensors, bus, shutters_) {}
 
 void World::schedule(Pin pin, bool level, Picoseconds at) {

@@ -14,6 +14,7 @@
 #include <queue>
 #include <vector>
 
+#include "sim/world/beam.hpp"
 #include "sim/world/drives.hpp"
 #include "sim/world/lamp.hpp"
 #include "sim/world/laser.hpp"
@@ -57,6 +58,8 @@ class World {
   const Lamp& lamp() const { return lamp_; }
   const Drives& drives() const { return drives_; }
   const Laser& laser() const { return laser_; }
+  /// The continuous laser.
+  const Beam& beam() const { return beam_; }
   const Photosensors& photosensors() const { return photosensors_; }
 
  private:
@@ -77,6 +80,7 @@ class World {
   Drives drives_;
   Shutters shutters_;
   Laser laser_;
+  Beam beam_;
   Photosensors photosensors_;
   Picoseconds now_ = 0;
   Picoseconds next_switch_ = never;

@@ -105,11 +105,11 @@ TEST(SettingsText, HalfALineIsNotFinishedByANewConnectionNorBehindAReset) {
   };
   type("$110=6");
   rig.board.reconnect();
-  EXPECT_EQ(user.answer("0"), "error:20\r\n");
+  EXPECT_EQ(user.answer("0"), "error:1\r\n");
   type("$110=6");
   EXPECT_THAT(user.answer("\x18"
                           "0"),
-              AllOf(HasSubstr("Grbl 1.1"), EndsWith("error:20\r\n")));
+              AllOf(HasSubstr("Grbl 1.1"), EndsWith("error:1\r\n")));
   // A frame that was begun would swallow the line.
   type(
       "\x02"
@@ -126,7 +126,7 @@ TEST(SettingsText, HalfALineIsNotFinishedByANewConnectionNorBehindAReset) {
 TEST(SettingsText, WhatIsNoSettingIsRefusedByNumber) {
   Rig rig(lamp_profile());
   Terminal user(rig);
-  for (const char* line : {"$", "$=1", "$901", "$901x=1", "$902345=1", "$99999999999=1", "$5=1"})
+  for (const char* line : {"$q", "$=1", "$901", "$901x=1", "$902345=1", "$99999999999=1", "$5=1"})
     EXPECT_EQ(user.answer(line), "error:3\r\n") << line;
   for (const char* line : {"$901=", "$901=fast", "$901=1.2345", "$901=1e3", "$901=--1", "$901=1 2",
                            "$901=99999999999999999999"})
@@ -176,7 +176,7 @@ TEST(SettingsText, NothingIsChangedWhileTheMachineIsBusy) {
 TEST(SettingsText, DefaultsComeBack) {
   Rig rig(lamp_profile(50));
   Terminal user(rig);
-  EXPECT_EQ(user.answer("$RST=$"), "ok\r\n");
+  EXPECT_EQ(user.answer("$RST=$"), "[MSG:Restoring defaults]\r\nok\r\n");
   EXPECT_EQ(rig.board.stored_settings(), settings::Values());
 }
 

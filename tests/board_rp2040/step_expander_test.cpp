@@ -33,7 +33,7 @@ class Blocks {
     TickBlock block;
     block.first_tick = tick_;
     block.ticks = 1 + static_cast<std::uint32_t>(random_() % (random_() % 4 == 0 ? 700 : 40));
-    block.bits = static_cast<std::uint8_t>(random_() % 4);
+    block.bits = static_cast<std::uint8_t>(random_() % 8);
     block.moving = true;
     for (std::size_t a = 0; a < block.axis.size(); ++a) {
       block.axis[a] = run(position_[a], block.ticks);
@@ -192,6 +192,46 @@ TEST(StepExpander, HasNoRoomForTicksNotYetPutOut) {
   expander.end_runs(expander.room(0));
   EXPECT_EQ(expander.room(0), 0u);
   EXPECT_EQ(expander.room(100), 100u);
+}
+
+TEST(StepExpander, PutsEachLatticeBitOnItsPin) {
+  // LAMP TRIGGER, LASER GATE, SHOT ENABLE in a row.
+  EXPECT_EQ(lattice_nibble(stepper::trigger_bit), 1u);
+  EXPECT_EQ(lattice_nibble(stepper::gate_bit), 2u);
+  EXPECT_EQ(lattice_nibble(stepper::arm_bit), 4u);
+  EXPECT_EQ(lattice_nibble(stepper::trigger_bit | stepper::gate_bit | stepper::arm_bit), 7u);
+}
+
+/// A cell keeps what shines in it last; darkness takes nothing from a cell that has begun.
+TEST(StepExpander, KeepsThePowerOfEveryCell) {
+  constexpr std::uint32_t cell = stepper::power_cell_ticks;
+  std::mt19937_64 random(7);
+  for (int i = 0; i < test::scaled(60); ++i) {
+    auto rings = std::make_unique<LatticeRings>();
+    StepExpander expander(*rings);
+    // Over the end of 32 bits, too.
+    const std::uint64_t first = (1ull << 32) - 20'000 + random() % 20'000;
+    expander.begin(first, first + 40, {});
+    std::uint64_t tick = first + 40;
+    std::vector<std::uint16_t> want((first + 60'000) / cell + 2 - first / cell, 0);
+    while (tick < first + 30'000) {
+      const bool dark = random() % 3 == 0;
+      const auto most = static_cast<std::uint32_t>(dark ? 500 : cell - tick % cell);
+      const auto n = static_cast<std::uint32_t>(1 + random() % most);
+      const auto power = static_cast<std::uint16_t>(dark ? 0 : 1 + random() % 65'535);
+      expander.put_power(power, n);
+      if (!dark) want[tick / cell - first / cell] = power;
+      tick += n;
+      // As far back as the ring reaches.
+      const std::uint64_t oldest = tick - first > 3000 ? tick - 3000 : first;
+      for (std::uint64_t t = oldest; t < tick; t += 1 + random() % cell)
+        ASSERT_EQ(expander.power(static_cast<std::uint32_t>(t)), want[t / cell - first / cell])
+            << t;
+    }
+    expander.begin(tick, tick, {});
+    for (std::uint64_t t = tick; t < tick + ring_ticks; t += cell)
+      ASSERT_EQ(expander.power(static_cast<std::uint32_t>(t)), 0);
+  }
 }
 
 }  // namespace

@@ -262,7 +262,8 @@ class BootedRig : public testing::Test {
 };
 
 /// A job that would let a continuous laser shine all the time: the gate's bit in all lattice words
-/// that were filled, put there by hand.
+/// that were filled, put there by hand, and its pad let go, which nothing takes back while nobody
+/// enables or disables the laser.
 inline void open_gate(ChipRig& rig) {
   constexpr std::uint32_t bits_ring_channel = 0x5000'0100;  // DMA CH4_READ_ADDR
   constexpr std::uint32_t ring_bytes = 2048, gate_of_8_ticks = 0x2222'2222;
@@ -275,6 +276,11 @@ inline void open_gate(ChipRig& rig) {
   for (std::uint32_t at = ring; at < ring + ring_bytes; at += 4)
     bus.write(at, bus.read(at, Width::word, Master::dma, now).value | gate_of_8_ticks, Width::word,
               Master::dma, now);
+  constexpr std::uint32_t gate_control = 0x4001'4004 + 8 * EnergyPads::gate;  // GPIO_CTRL
+  constexpr std::uint32_t override_bits = 3u << 8;                            // OUTOVER
+  bus.write(gate_control,
+            bus.read(gate_control, Width::word, Master::core0, now).value & ~override_bits,
+            Width::word, Master::core0, now);
 }
 
 /// The cable between a sender and the board, with things that happen at given times.

@@ -183,7 +183,7 @@ TEST(CutMap, HalfALineIsNotFinishedByTheOtherLink) {
   rig.run(10 * ps_per_ms);
   cable.type("0\n");
   rig.run(20 * ps_per_ms);
-  EXPECT_THAT(cable.heard(), HasSubstr("error:20"));
+  EXPECT_THAT(cable.heard(), HasSubstr("error:1\r"));
   EXPECT_EQ(rig.board.stored_settings(), profile.settings);
 }
 

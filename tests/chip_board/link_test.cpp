@@ -89,7 +89,7 @@ TEST(ChipLink, HalfALineIsNotFinishedByANewConnection) {
   rig.run(5 * ps_per_ms);
   rig.board.usb_host().plug();
   ASSERT_TRUE(rig.board.run_until_found(1000 * ps_per_ms));
-  EXPECT_THAT(rig.answer("0"), HasSubstr("error:20"));
+  EXPECT_THAT(rig.answer("0"), HasSubstr("error:1\r"));
   EXPECT_EQ(rig.board.stored_settings(), profile.settings);
   expect_no_violations(rig);
 }

@@ -32,7 +32,7 @@ class SliceWatch final : private sim::chip::StackView {
   void entered(const sim::chip::ShadowFrame& /*frame*/) override {}
   void left(const sim::chip::ShadowFrame& frame) override {
     if (frame.symbol >= stack_.functions().size() ||
-        stack_.functions()[frame.symbol].name.find("JobRunner::plan(") == std::string::npos)
+        stack_.functions()[frame.symbol].name.find("Controller::plan(") == std::string::npos)
       return;
     const sim::chip::Cycle took = core_.cycle() - frame.since;
     ++count_;

@@ -77,12 +77,13 @@ std::vector<std::string> lines(const std::string& text) {
   return result;
 }
 
-Running::Running(const std::vector<std::string>& arguments) {
+Running::Running(const std::vector<std::string>& arguments, const std::string& input) {
   const Words words(arguments);
+  const std::string in = folder_.write("in", input);
   const std::string out = folder_ / "out", err = folder_ / "err";
   process_ = ::fork();
   if (process_ != 0) return;
-  redirect("/dev/null", O_RDONLY, STDIN_FILENO);
+  redirect(in, O_RDONLY, STDIN_FILENO);
   redirect(out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   redirect(err, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
   ::execv(LAMPLOCK_PROGRAM, words.argv.data());
@@ -168,6 +169,8 @@ Finished InTerminal::finish() {
   return {exit_of(status), shown_, {}};
 }
 
-Finished run(const std::vector<std::string>& arguments) { return Running(arguments).finish(); }
+Finished run(const std::vector<std::string>& arguments, const std::string& input) {
+  return Running(arguments, input).finish();
+}
 
 }  // namespace lamplock::cli::test

@@ -39,10 +39,10 @@ struct Finished {
   std::string out, err;
 };
 
-/// A run that has not ended yet. Its stdin is empty.
+/// A run that has not ended yet. Its stdin is `input`.
 class Running {
  public:
-  explicit Running(const std::vector<std::string>& arguments);
+  explicit Running(const std::vector<std::string>& arguments, const std::string& input = "");
   ~Running();
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
@@ -83,6 +83,6 @@ class InTerminal {
 };
 
 /// Runs to the end.
-Finished run(const std::vector<std::string>& arguments);
+Finished run(const std::vector<std::string>& arguments, const std::string& input = "");
 
 }  // namespace lamplock::cli::test

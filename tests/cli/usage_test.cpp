@@ -21,14 +21,16 @@ TEST_P(CommandHelp, explains_itself_with_an_example) {
 
 INSTANTIATE_TEST_SUITE_P(all, CommandHelp,
                          testing::Values("example", "points", "order", "job", "send", "engrave",
-                                         "frame", "compare", "sim", "chip", "bench", "check"),
+                                         "frame", "compare", "sim", "chip", "bench", "check",
+                                         "settings", "console"),
                          [](const auto& test) { return test.param; });
 
 TEST(Usage, help_lists_every_command) {
   const Finished help = run({"--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* command : {"example", "points", "order", "job", "send", "engrave", "frame",
-                              "compare", "sim", "chip", "bench", "check", "--version"})
+  for (const char* command :
+       {"example", "points", "order", "job", "send", "engrave", "frame", "compare", "sim", "chip",
+        "bench", "check", "settings", "console", "--version"})
     EXPECT_THAT(help.out, HasSubstr(command));
 }
 
@@ -70,7 +72,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{{"bench", "--seed", "-3"}, "--seed"},
                     Wrong{{"bench", "--chart", ""}, "--chart"},
                     Wrong{{"engrave", "a.xyz", "--vcd", ""}, "--vcd"},
-                    Wrong{{"engrave", "a.xyz", "--report", ""}, "--report"}));
+                    Wrong{{"engrave", "a.xyz", "--report", ""}, "--report"},
+                    Wrong{{"settings", "get"}, "SETTING"}, Wrong{{"settings", "set"}, "CHANGE"}));
 
 }  // namespace
 }  // namespace lamplock::cli::test

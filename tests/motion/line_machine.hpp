@@ -95,9 +95,25 @@ class LineRig {
     LineSegment s;
     if (!planner_.next(s)) return false;
     look_at(s);
+    stood_ = false;
     segments_.push_back(s);
     from_ = s.segment.end;
     return !testing::Test::HasFatalFailure();
+  }
+  /// Makes some segments that come too late; the machine has braked from where it was and goes on
+  /// from there.
+  template <class Meanwhile>
+  void miss(std::uint64_t count, Meanwhile meanwhile) {
+    const motion::LinePlanner::Mark mark = planner_.mark();
+    LineSegment lost;
+    for (std::uint64_t i = 0; i < count; ++i) planner_.next(lost);
+    meanwhile();
+    from_ = motion::make_brake(from_, motion::BrakeLimits(limits_)).end;
+    planner_.return_to(mark, from_);
+    stood_ = true;
+  }
+  void miss(std::uint64_t count) {
+    miss(count, [] {});
   }
   /// All there is.
   void run() {
@@ -159,6 +175,7 @@ class LineRig {
   std::vector<LineSegment> segments_;
   stepper::MotionState from_;
   long ticks_to_sum_ = 0;
+  bool stood_ = false;  ///< it stands, whatever the last segment says
 };
 
 inline double steps_off_middle(Int128 position_q64, std::int32_t step) {
@@ -168,7 +185,7 @@ inline double steps_off_middle(Int128 position_q64, std::int32_t step) {
 /// The speed along the path goes on but for the whole ticks of both.
 inline void LineRig::look_at_joint(const LineSegment& line) const {
   const double start = start_mm_s(line);
-  const double end = segments_.empty() ? 0 : speed_mm_s(segments_.back());
+  const double end = segments_.empty() || stood_ ? 0 : speed_mm_s(segments_.back());
   if (end == 0) {
     ASSERT_LE(start, tick_of_accel() / 8);
     return;

@@ -26,7 +26,8 @@ inline LineMachine random_machine(LineRandom& random) {
     m.steps_mm[k] = m.steps_mm[first];
     m.speed_mm_s[k] = m.speed_mm_s[first];
     m.accel_mm_s2[k] = m.accel_mm_s2[first];
-    if (random() % 4 == 0) m.jump_mm_s[k] = between(random, 0.1, 20);
+    // In thousandths, as the setting has it: what a low one is rounded by would be seen.
+    if (random() % 4 == 0) m.jump_mm_s[k] = std::round(between(random, 0.1, 20) * 1e3) / 1e3;
   }
   m.deviation_mm = between(random, 0.001, 0.1);
   return m;

@@ -50,6 +50,7 @@ class LineReference {
     }
     if (chords) cap(12);
     if (chords) cap(128);
+    if (chords) cap(512, 0.7);
     look_ahead();
   }
 
@@ -82,7 +83,8 @@ class LineReference {
   }
 
   /// Highest squared speed of a change of direction: a corner, or the bend of two chords.
-  double turn_2(const LineVector& from, const LineVector& to, bool corner) const {
+  double turn_2(const LineVector& from, const LineVector& to, bool corner,
+                double gentle = 10) const {
     const double l0 = norm(from), l1 = norm(to);
     LineVector change{};
     double dot = 0, squares = 0;
@@ -97,7 +99,7 @@ class LineReference {
       squares += change[a] * change[a];
     }
     if (sharp && back && corner) return 0;
-    if (squares == 0) return 1e300;
+    if (squares == 0 || squares > gentle * gentle) return 1e300;
     const double chord = std::sqrt(squares), sine = std::min(1.0, chord / 2);
     const double cosine = std::sqrt(1 - sine * sine);
     double radius = std::min(l0, l1) / 2 * cosine / sine, accel = 1e300, jump = 1e300;
@@ -110,8 +112,8 @@ class LineReference {
     return std::max(radius * accel, jump * jump);
   }
 
-  /// Chords of so many steps of the coarsest axis.
-  void cap(double window_steps) {
+  /// Chords of so many steps of the coarsest axis; turns up to `gentle`.
+  void cap(double window_steps, double gentle = 10) {
     const double window = window_steps / m_.coarsest();
     std::size_t first = 0, before_first = 0, before_lines = 0;
     LineVector mark{}, before{};
@@ -124,7 +126,7 @@ class LineReference {
       for (std::size_t a = 0; a < axes(); ++a) chord[a] = lines_[i].end[a] - mark[a];
       const std::size_t count = i + 1 - first;
       if (norm(before) != 0 && norm(chord) != 0 && count + before_lines > 2) {
-        const double v_2 = turn_2(before, chord, false);
+        const double v_2 = turn_2(before, chord, false, gentle);
         for (std::size_t k = before_first + 1; k <= i; ++k)
           lines_[k].entry_2 = std::min(lines_[k].entry_2, v_2);
       }

@@ -40,7 +40,7 @@ double least_accel(const LineMachine& m) {
 }
 
 TEST(LineStream, OverridesAndHoldsAtRandomMomentsKeepLimitsAndEndWhereTheyShould) {
-  for (int i = 0; i < scaled(20); ++i) {
+  for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9200);
     const LineMachine m = random_machine(random);
@@ -119,7 +119,7 @@ TEST(LineStream, RapidsFollowTheirOwnOverride) {
 }
 
 TEST(LineStream, CancelComesToRestAndForgets) {
-  for (int i = 0; i < scaled(20); ++i) {
+  for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9300);
     const LineMachine m = random_machine(random);
@@ -148,7 +148,7 @@ TEST(LineStream, CancelComesToRestAndForgets) {
 }
 
 TEST(LineStream, AHostThatIsLateCostsTimeAndNothingElse) {
-  for (int i = 0; i < scaled(20); ++i) {
+  for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9400);
     const LineMachine m = random_machine(random);
@@ -170,7 +170,7 @@ TEST(LineStream, AHostThatIsLateCostsTimeAndNothingElse) {
 }
 
 TEST(LineStream, StraightPathsOfRoundedPointsDoNotStutter) {
-  for (int i = 0; i < scaled(20); ++i) {
+  for (int i = 0; i < scaled(12); ++i) {
     LineRandom random(static_cast<std::uint64_t>(i) + 9500);
     LineMachine m = machine_of(1000);
     const double angle = std::uniform_real_distribution<double>(0, 6.283)(random);

@@ -73,7 +73,13 @@ class NaiveBoard {
     if (bits_.empty() || bits_.back().bits != bits) bits_.push_back({tick_ + put_bits_, bits});
     put_bits_ += ticks;
   }
+  void put_power(std::uint16_t power, std::uint32_t ticks) {
+    ASSERT_EQ(power, 0) << "no segment of these has any";
+    put_power_ += ticks;
+  }
   void end_runs(std::uint32_t ticks) {
+    ASSERT_EQ(put_power_, ticks);
+    put_power_ = 0;
     for (std::uint32_t& n : put_) {
       ASSERT_EQ(n, ticks);
       n = 0;
@@ -147,7 +153,7 @@ class NaiveBoard {
   std::vector<BitsChange> bits_;
   long blocks_ = 0;
   PerAxis<std::uint32_t> put_{};
-  std::uint32_t put_bits_ = 0;
+  std::uint32_t put_bits_ = 0, put_power_ = 0;
   int steps_set_ = 0;
 };
 

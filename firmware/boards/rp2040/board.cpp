@@ -36,8 +36,11 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 
 }  // namespace
 
+// The settings are read twice: a copy that stays would take SRAM.
 Board::Board(const Rings& rings)
-    : core_(stored_, mask_, boards::axes(map_), boards::channels(map_), machine::Parts::staged),
+    : map_(static_cast<boards::PinMap>(storage_.load_settings().whole(settings::Id::pin_map))),
+      core_(storage_.load_settings(), mask_, boards::axes(map_), boards::channels(map_),
+            machine::Parts::staged),
       ports_(uart_send_gpio),
       real_time_(map_, rings) {}
 
@@ -48,17 +51,28 @@ void Board::start_ports() {
   if (boards::find_gpio(map_, boards::Role::uart_tx)) ports_.uart().start(clock_hz);
 }
 
+void Board::say_rejected(std::string_view what, std::uint32_t records) {
+  if (records == 0) return;
+  machine::TextLine line;
+  line.add(what).add(": rejected records ").add(std::int64_t{records});
+  core_.say(line.view());
+}
+
+void Board::start_kept() {
+  machine::KeptProgram kept;
+  storage_.load_program(kept);
+  core_.set_kept(kept);
+  say_rejected("Program", storage_.rejected_programs());
+}
+
 void Board::start() {
   machine::TextLine line;
   const LastRun last = take_last_run();
   describe(last, line);
   core_.say(line.view());
   if (last.in_job) core_.start_in_alarm();
-  if (store_.counters().rejected != 0) {
-    machine::TextLine rejected;
-    rejected.add("Settings: rejected records ").add(std::int64_t{store_.counters().rejected});
-    core_.say(rejected.view());
-  }
+  say_rejected("Settings", storage_.rejected_settings());
+  start_kept();
   for (const InterruptEntry& entry : interrupt_entries)
     set_priority(entry.irq, static_cast<std::uint32_t>(entry.level));
   start_ports();
@@ -88,6 +102,7 @@ void Board::plan_for_ever() {
 
 bool Board::pass() {
   receive();
+  store_kept();
   store_settings();  // before a job that came behind them in the same bytes begins to move
   const bool more = work();
   transmit();
@@ -110,11 +125,13 @@ void Board::sign() {
 void Board::receive() {
   std::array<std::uint8_t, piece> bytes;
   for (int i = 0; i < most_pieces; ++i) {
-    // Asked each time: the bytes before may have begun a job.
-    const std::size_t n = ports_.read(bytes, core_.job_unfinished());
+    // Asked each time: the bytes before may have begun a job, or filled the room for lines.
+    const std::size_t room = core_.receive_room();
+    const auto free = std::span<std::uint8_t>(bytes).first(room < piece ? room : piece);
+    const std::size_t n = ports_.read(free, core_.job_unfinished());
     if (ports_.take_new_connection()) core_.new_connection();
     if (n == 0) return;
-    core_.receive(std::span<const std::uint8_t>(bytes).first(n));
+    core_.receive(free.first(n));
   }
 }
 
@@ -166,7 +183,14 @@ void Board::store_settings() {
   settings::Values values;
   if (!core_.take_settings(values)) return;
   watchdog_.allow(Watchdog::longest_us);
-  if (!store_.save(values)) core_.say("Settings could not be stored");
+  if (!storage_.save(values)) core_.say("Settings could not be stored");
+}
+
+void Board::store_kept() {
+  const machine::KeptProgram* kept = core_.take_kept();
+  if (kept == nullptr) return;
+  watchdog_.allow(Watchdog::longest_us);
+  if (!storage_.save(*kept)) core_.say("Offsets could not be stored");
 }
 
 void Board::enter_loader() {

@@ -3,7 +3,7 @@
 // In:  interrupts, by the handlers in board.cpp. Out: everything a machine does.
 // Who: main() makes one, in memory of its own, and calls run().
 //
-// One pass of the main loop takes bytes in, writes changed settings to flash, lets the core work,
+// One pass of the main loop takes bytes in, writes what has changed to flash, lets the core work,
 // hands answers out, looks at the switches, enters the boot loader if that was asked for and signs
 // for the watchdog. Then it sleeps: whatever it waits for comes with an interrupt, and the beat's
 // comes 100 us after the one before at the latest, or is a plan that core 1 has completed. Beat and
@@ -17,17 +17,17 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
-#include "firmware/boards/rp2040/flash.hpp"
 #include "firmware/boards/rp2040/interrupts.hpp"
 #include "firmware/boards/rp2040/last_run.hpp"
 #include "firmware/boards/rp2040/ports.hpp"
 #include "firmware/boards/rp2040/real_time.hpp"
+#include "firmware/boards/rp2040/storage.hpp"
 #include "firmware/boards/rp2040/uart/uart_hardware.hpp"
 #include "firmware/boards/rp2040/usb/usb_hardware.hpp"
 #include "firmware/boards/rp2040/watchdog.hpp"
 #include "firmware/machine/controller.hpp"
-#include "firmware/settings/store.hpp"
 
 namespace lamplock::rp2040 {
 
@@ -92,6 +92,9 @@ class Board {
 
   void start();
   void start_ports();
+  void say_rejected(std::string_view what, std::uint32_t records);
+  /// Hands over what was kept when the power went.
+  void start_kept();
   /// One round of the main loop; true if there is more to do at once.
   bool pass();
   void receive();
@@ -104,6 +107,7 @@ class Board {
   void sign();
   void transmit();
   void store_settings();
+  void store_kept();
   /// Beat interrupt, or main loop with it masked.
   void note_job() {
     const machine::JobMark mark = core_.job_mark();
@@ -111,10 +115,8 @@ class Board {
   }
   [[noreturn]] void enter_loader();
 
-  SettingsArea area_;
-  settings::Store<SettingsArea> store_{area_};
-  const settings::Values stored_ = store_.load();
-  const boards::PinMap map_ = static_cast<boards::PinMap>(stored_.whole(settings::Id::pin_map));
+  Storage storage_;
+  const boards::PinMap map_;
   const machine::InterruptMask mask_ = core_mask();
   machine::Controller core_;
   Ports ports_;

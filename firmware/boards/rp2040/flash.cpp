@@ -46,28 +46,28 @@ void exchange(std::span<std::uint8_t> bytes) {
 
 }  // namespace
 
-void SettingsArea::read(std::uint32_t at, std::span<std::uint8_t> out) const {
+void FlashArea::read(std::uint32_t at, std::span<std::uint8_t> out) const {
   // Past the cache: what was programmed is there at once.
-  const volatile std::uint8_t* from = xip_nocache() + offset + at;
+  const volatile std::uint8_t* from = xip_nocache() + offset_ + at;
   for (std::uint8_t& byte : out) byte = *from++;
 }
 
-void SettingsArea::erase(std::uint32_t at) {
+void FlashArea::erase(std::uint32_t at) {
   using RangeErase =
       void(std::uint32_t at, std::uint32_t size, std::uint32_t block, std::uint8_t block_command);
   // No larger block: what is erased is exactly one sector.
   constexpr std::uint32_t block = 1u << 16;
   constexpr std::uint8_t block_erase = 0xd8;
   const CommandState state;
-  rom_function<RangeErase>(rom_code('R', 'E'))(offset + at, settings::flash_sector, block,
+  rom_function<RangeErase>(rom_code('R', 'E'))(offset_ + at, settings::flash_sector, block,
                                                block_erase);
 }
 
-void SettingsArea::program(std::uint32_t at,
-                           std::span<const std::uint8_t, settings::flash_page> page) {
+void FlashArea::program(std::uint32_t at,
+                        std::span<const std::uint8_t, settings::flash_page> page) {
   using RangeProgram = void(std::uint32_t at, const std::uint8_t* data, std::uint32_t size);
   const CommandState state;
-  rom_function<RangeProgram>(rom_code('R', 'P'))(offset + at, page.data(), page.size());
+  rom_function<RangeProgram>(rom_code('R', 'P'))(offset_ + at, page.data(), page.size());
 }
 
 std::array<char, 16> flash_unique_number() {

@@ -1,4 +1,4 @@
-// The flash chip: the settings area for the settings store, and the unique number.
+// The flash chip: the areas of the stores, and the unique number.
 //
 // Who: main loop, at rest. An erase takes 45 to 400 ms, a page 0.4 to 3 ms (W25Q16JV data sheet),
 // and flash cannot be read meanwhile. Interrupts go on: they run from SRAM.
@@ -11,20 +11,26 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/settings/store.hpp"
+#include "firmware/settings/record_log.hpp"
 #include "shared/boards/pico_flash.hpp"
 
 namespace lamplock::rp2040 {
 
-/// The area of the settings store: SettingsFlash.
-class SettingsArea {
+/// The area of a store: SettingsFlash.
+class FlashArea {
  public:
-  static constexpr std::uint32_t offset = boards::settings_offset;
+  /// All have as many, so that one code serves all.
   static constexpr std::uint32_t sectors = boards::settings_sectors;
+  static_assert(sectors == boards::program_sectors);
 
+  /// Begins so many bytes behind the begin of the flash, at a sector.
+  explicit FlashArea(std::uint32_t offset) : offset_(offset) {}
   void read(std::uint32_t at, std::span<std::uint8_t> out) const;
   void erase(std::uint32_t at);
   void program(std::uint32_t at, std::span<const std::uint8_t, settings::flash_page> page);
+
+ private:
+  std::uint32_t offset_;
 };
 
 /// Unique number of the flash chip (command 4Bh), as 16 characters.

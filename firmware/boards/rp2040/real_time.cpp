@@ -20,6 +20,9 @@ constexpr std::uint32_t beat_period_us = 100;
 /// interrupt follows at once.
 constexpr std::uint32_t most_spans = 1;
 constexpr std::uint32_t all_spans = ~0u;
+/// A power is put out for the ticks to come up to the next beat interrupt, and is that at the end
+/// of its cell: with so many ticks on top of the present one it is right in their middle.
+constexpr std::uint32_t power_lead_ticks = beat_period_us / 2 - stepper::power_cell_ticks / 2;
 /// From the decision to start the lattice to its first tick: filling the rings takes longer than
 /// anything else.
 constexpr std::uint64_t start_margin_clocks = 2000 * clocks_per_us;
@@ -201,6 +204,9 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   ask_ = !ask_;
   if (!result && (ask_ || fire_.has_token())) fire_.handle_token(core, present);
   apply_beam(core);
+  if (beam_.laser_is_enabled())
+    beam_.set_power(
+        expander_.power(feed_.tick_near(static_cast<std::uint32_t>(present)) + power_lead_ticks));
   set_alarm(enough ? beat_period_us : least_wait_us);
   if (!result) call_for_token();
 }
@@ -258,10 +264,12 @@ void RealTime::apply_outputs(const machine::Controller& core) {
   if (may == pads_released_) return;
   pads_released_ = may;
   const AllMasked masked;  // the e-stop's interrupt must not come in between
-  if (may && !estop_.is_cut())
+  if (may && !estop_.is_cut()) {
     estop_.release_pads();
-  else
+  } else {
     estop_.hold_pads();
+    beam_.forget();  // the gate is its own
+  }
 }
 
 void RealTime::poll(machine::Controller& core) {

@@ -1,10 +1,15 @@
-// The beam's pins: shutters and attenuator out, photosensors in.
+// The beam's pins: shutters, attenuator, continuous laser out, photosensors in.
 //
-// In:  what the core wants open (outputs()), edges that the pins have caught.
-// Out: SHUTTER 1..4, LASER PWM (30 kHz); photosensors() of the core.
+// In:  what the core wants open (outputs()), the power of a continuous laser, edges that the pins
+//      have caught.
+// Out: SHUTTER 1..4, LASER PWM (30 kHz), whether LASER GATE may follow the lattice; photosensors()
+//      of the core.
 // Who: apply(): beat interrupt (priority 1), and the main loop with it masked, after anything that
-//      may have changed outputs(). answered(): beat interrupt, before the results of FIRE are read.
-//      close(): any level.
+//      may have changed outputs(). set_power(), answered(): beat interrupt, answered() before the
+//      results of FIRE are read. close(): any level.
+//
+// LASER PWM is the attenuator's, or, while the core enables the continuous laser, that one's power.
+// LASER GATE is held low at its pad but then.
 //
 // apply() touches the pins only where something else is wanted than the last time; after close() by
 // an e-stop forget() makes it put everything out again.
@@ -51,7 +56,8 @@ class BeamOutput {
   /// `is_cut()`: an e-stop has closed everything and is not in order yet.
   template <class IsCut>
   void apply(const machine::Outputs& outputs, IsCut&& is_cut) {
-    const std::uint32_t wanted = std::uint32_t{outputs.attenuator} << 8 | outputs.shutters;
+    const std::uint32_t wanted = (outputs.laser_enable ? laser_enabled : 0) |
+                                 std::uint32_t{outputs.attenuator} << 8 | outputs.shutters;
     if (wanted == applied_) return;
     const AllMasked masked;  // an e-stop in between would be undone
     if (is_cut()) return;
@@ -61,7 +67,20 @@ class BeamOutput {
       sio().gpio_out_clr = all_shutters & ~open;
       sio().gpio_out_set = open;
     }
-    pwm().slice[pwm_slice(pwm_gpio)].cc = duty(outputs.attenuator) << pwm_shift(pwm_gpio);
+    // Off at the pad first: what the lattice says then stays inside.
+    if (!outputs.laser_enable) force_low(gate_gpio);
+    power_ = 0;
+    put_duty(outputs.laser_enable ? std::uint16_t{0} : outputs.attenuator);
+    if (outputs.laser_enable) release(gate_gpio);
+  }
+
+  /// The continuous laser is enabled: its power is wanted.
+  bool laser_is_enabled() const { return applied_ != nothing && (applied_ & laser_enabled) != 0; }
+  /// While it is. An e-stop holds the pad low whatever is put here.
+  void set_power(std::uint16_t power) {
+    if (power == power_) return;
+    power_ = power;
+    put_duty(power);
   }
 
   /// The pins may be off by another hand.
@@ -90,6 +109,7 @@ class BeamOutput {
   static constexpr std::uint32_t period_counts = 4096;  ///< 30.5 kHz
   static constexpr unsigned channels = 4;
   static constexpr unsigned pwm_gpio = boards::gpio(boards::Role::laser_pwm);
+  static constexpr unsigned gate_gpio = boards::gpio(boards::Role::laser_gate);
   static constexpr unsigned first_shutter =
       *boards::find_gpio(boards::PinMap::glass, boards::Role::shutter_1);
   static_assert(*boards::find_gpio(boards::PinMap::glass, boards::Role::shutter_4) ==
@@ -112,6 +132,9 @@ class BeamOutput {
     return (edges(0) | edges(2)) != 0;
   }
 
+  static void put_duty(std::uint16_t value) {
+    pwm().slice[pwm_slice(pwm_gpio)].cc = duty(value) << pwm_shift(pwm_gpio);
+  }
   /// Keeps the pad's overrides.
   static void set_function(unsigned gpio, io_ctrl::Function function) {
     Register& ctrl = io_bank0().gpio[gpio].ctrl;
@@ -119,8 +142,10 @@ class BeamOutput {
   }
 
   static constexpr std::uint32_t nothing = ~0u;  ///< no wanted value
+  static constexpr std::uint32_t laser_enabled = 1u << 24;
 
-  std::uint32_t applied_ = nothing;  ///< at the pins: attenuator, shutters
+  std::uint32_t applied_ = nothing;  ///< at the pins: laser enabled, attenuator, shutters
+  std::uint16_t power_ = 0;          ///< of the continuous laser, at the pin
   const bool has_shutters_;
 };
 static_assert(BeamOutput::duty(65535) == 4096 && BeamOutput::duty(0) == 0 &&

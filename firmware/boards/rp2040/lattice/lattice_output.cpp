@@ -170,11 +170,6 @@ void LatticeOutput::prepare(std::uint32_t high_clocks) {
   bits_machine.enable();
 }
 
-void LatticeOutput::go() const {
-  const std::uint32_t both = tick_machine.mask() | stamp_machine.mask();
-  set_bits(pio1().ctrl, pio_ctrl::enable(both) | pio_ctrl::clkdiv_restart(both));
-}
-
 std::uint64_t LatticeOutput::ticks_begun(const TickFeed& feed) const {
   const std::uint32_t read = (dma().ch[tick_channel].read_addr - address(ticks_.words.data())) / 4;
   std::uint32_t in_ring = (feed.words() - read) % tick_ring_words;
@@ -190,10 +185,6 @@ std::uint64_t LatticeOutput::ticks_begun(const TickFeed& feed) const {
   if (word == 0) return feed.ticks_begun(taken, 0);                      // there was no word
   const bool just_pulled = place < tick_program.next;
   return feed.ticks_begun(taken, (just_pulled ? word & 0xffff : left) + 1);
-}
-
-std::uint32_t LatticeOutput::stamps() const {
-  return (dma().ch[stamp_channel].write_addr - address(stamps_.words.data())) / 4;
 }
 
 }  // namespace lamplock::rp2040

@@ -3,7 +3,8 @@
 // In:  rings; orders to start, to freeze.
 // Out: steps, lattice bits, tick line; how many ticks have begun when frozen.
 // Who: start(), prepare(), go(), ticks_begun(): main loop with beat and fill interrupts masked.
-//      freeze(): any level (e-stop interrupt: one store).
+//      freeze(): any level (e-stop interrupt: one store). stamps(): beat and edge interrupt too.
+// What is not in this header has time and runs from flash.
 //
 // DMA channels read their rings round and round by address wrap. A channel counts to 2^32 - 1 and
 // then would stop (TICK after more than an hour): each is chained to one small channel that
@@ -14,9 +15,11 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/boards/rp2040/allocation.hpp"
 #include "firmware/boards/rp2040/fire/stamp_reader.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_rings.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
+#include "firmware/boards/rp2040/registers/dma.hpp"
 #include "firmware/boards/rp2040/registers/pio.hpp"
 #include "shared/boards/pico_pins.hpp"
 
@@ -33,7 +36,10 @@ class LatticeOutput {
   /// tick. `high_clocks` is the high time of the tick line.
   void prepare(std::uint32_t high_clocks);
   /// TICK and STAMP start together with this store.
-  void go() const;
+  [[gnu::always_inline]] static void go() {
+    const std::uint32_t both = tick_machine.mask() | stamp_machine.mask();
+    set_bits(pio1().ctrl, pio_ctrl::enable(both) | pio_ctrl::clkdiv_restart(both));
+  }
   /// No further tick: TICK stands where it is. A STEP that is high stays so until prepare(), so
   /// that no step is cut short that ticks_begun() counts. Lattice bits stay: hold them at the pads.
   [[gnu::always_inline]] static void freeze() {
@@ -42,7 +48,10 @@ class LatticeOutput {
   /// Frozen: ticks that have begun since power-up, all of which AXIS has seen.
   std::uint64_t ticks_begun(const TickFeed& feed) const;
   /// Stamps written so far, modulo the ring.
-  std::uint32_t stamps() const;
+  [[gnu::always_inline]] std::uint32_t stamps() const {
+    const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(stamps_.words.data());
+    return (dma().ch[stamp_channel].write_addr - static_cast<std::uint32_t>(begin)) / 4;
+  }
   /// LAMP SYNC comes from this pin.
   void use_sync(unsigned gpio) const;
 

@@ -1,4 +1,5 @@
-// The rings between fill interrupt and DMA: steps of four axes, lattice bits.
+// The rings between fill interrupt and DMA: steps of four axes, lattice bits. And one that no DMA
+// reads: the power of a continuous laser, for the beat interrupt.
 //
 // In:  words of the StepExpander.
 // Out: the same words, read by DMA round and round.
@@ -28,6 +29,11 @@ static_assert(bits_ring_words * 4 == 1u << bits_ring_bits);
 /// What the state machines read ahead of the tick: eight words of FIFO and one being shifted.
 inline constexpr std::uint32_t prefetch_ticks = 9 * ticks_per_step_word;
 static_assert(prefetch_ticks == 144);
+
+/// As long as the others, a cell of the lattice an element: tick t is in t / power_cell_ticks,
+/// counted round. What is not told yet is what was there one round ago.
+inline constexpr std::uint32_t power_ring_cells = ring_ticks / stepper::power_cell_ticks;
+using PowerRing = std::array<std::uint16_t, power_ring_cells>;
 
 struct alignas(1u << bits_ring_bits) LatticeRings {
   std::array<std::uint32_t, bits_ring_words> bits{};

@@ -41,6 +41,8 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
   end_ = first;
   rows_ = {};
   bits_ = {};
+  power_.fill(0);
+  power_end_ = static_cast<std::uint32_t>(filled > first ? filled : first);
   steps_ = steps;
   if (filled <= first) return;
   const auto ticks = static_cast<std::uint32_t>(filled - first);
@@ -88,6 +90,17 @@ void StepExpander::put_bits(std::uint8_t bits, std::uint32_t ticks) {
   put_alike<ticks_per_bits_word>(rings_.bits, bits_.partial, lattice_nibble(bits) * 0x11111111u,
                                  bits_.place, ticks);
   bits_.place = (bits_.place + ticks) & place_mask;
+}
+
+void StepExpander::put_power(std::uint16_t power, std::uint32_t ticks) {
+  constexpr std::uint32_t cell = stepper::power_cell_ticks;
+  const std::uint32_t end = power_end_ + ticks;
+  // Darkness leaves a cell what shines in it before.
+  std::uint32_t at = power_end_ / cell * cell;
+  if (power == 0 && at != power_end_) at += cell;
+  for (; static_cast<std::int32_t>(end - at) > 0; at += cell)
+    power_[at / cell % power_ring_cells] = power;
+  power_end_ = end;
 }
 
 std::uint32_t StepExpander::word_of(int axis, std::uint32_t place) const {

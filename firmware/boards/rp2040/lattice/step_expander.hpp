@@ -1,8 +1,11 @@
 // From runs of ticks to words for the state machines.
 //
-// In:  runs of each axis and of the lattice bits, as the core's fill_axes() tells them.
-// Out: words in the LatticeRings, a fixed number of ticks each; how far the rings are filled.
-// Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked.
+// In:  runs of each axis, of the lattice bits and of the laser's power, as the core's fill_axes()
+//      tells them.
+// Out: words in the LatticeRings, a fixed number of ticks each; how far the rings are filled; the
+//      power of a tick.
+// Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked; power()
+//      by the beat interrupt (priority 1) too.
 // Budget: per axis and run some 200 cycles and at most 7 a tick, 2 where steps are rare; about a
 //      quarter of a cycle a tick where it stands.
 #pragma once
@@ -16,8 +19,9 @@ namespace lamplock::rp2040 {
 
 /// Levels of the pins of BITS, one nibble a tick.
 constexpr std::uint32_t lattice_nibble(std::uint8_t bits) {
-  constexpr std::uint32_t trigger_pin = 1, arm_pin = 4;
+  constexpr std::uint32_t trigger_pin = 1, gate_pin = 2, arm_pin = 4;
   return ((bits & stepper::trigger_bit) != 0 ? trigger_pin : 0) |
+         ((bits & stepper::gate_bit) != 0 ? gate_pin : 0) |
          ((bits & stepper::arm_bit) != 0 ? arm_pin : 0);
 }
 
@@ -34,9 +38,16 @@ class StepExpander {
   void put_still(int axis, std::uint32_t ticks);
   void put_axis(int axis, const stepper::AxisRun& run, std::uint32_t ticks);
   void put_bits(std::uint8_t bits, std::uint32_t ticks);
+  void put_power(std::uint16_t power, std::uint32_t ticks);
   void set_step(int axis, std::int32_t step) { steps_[index(axis)] = step; }
   /// So many ticks have been told of every axis and of the bits.
   void end_runs(std::uint32_t ticks) { end_ += ticks; }
+
+  /// Power of a continuous laser in the cell of a tick, lower half of its number: that of the last
+  /// tick in it that shines; 0 if none does.
+  std::uint16_t power(std::uint32_t tick) const {
+    return power_[tick / stepper::power_cell_ticks % power_ring_cells];
+  }
 
   /// First tick that has not been told.
   std::uint64_t end_tick() const { return end_; }
@@ -64,7 +75,9 @@ class StepExpander {
   std::uint64_t end_ = 0;
   PerAxis<Row> rows_{};
   Row bits_;
-  StepPosition steps_{};  ///< at end_
+  StepPosition steps_{};         ///< at end_
+  PowerRing power_;              ///< begin() clears it
+  std::uint32_t power_end_ = 0;  ///< first tick whose power has not been told, lower half
 };
 
 }  // namespace lamplock::rp2040

@@ -37,10 +37,11 @@ inline SsiRegisters& ssi() { return *reinterpret_cast<SsiRegisters*>(0x18000000)
 namespace ssi_field {
 inline constexpr std::uint32_t tmod_eeprom_read = 3u << 8;    // CTRLR0: command out, then data in
 inline constexpr std::uint32_t dfs_32_bits = 31u << 16;       // CTRLR0: data frame size less one
-inline constexpr std::uint32_t one_wire_each_way = 0u << 21;  // CTRLR0: SPI_FRF
+inline constexpr std::uint32_t data_on_two_wires = 1u << 21;  // CTRLR0: SPI_FRF
 inline constexpr std::uint32_t address_24_bits = 6u << 2;     // SPI_CTRLR0: in units of 4 bits
 inline constexpr std::uint32_t instruction_8_bits = 2u << 8;  // SPI_CTRLR0
-inline constexpr std::uint32_t instruction_shift = 24;        // SPI_CTRLR0: XIP_CMD
+inline constexpr std::uint32_t wait_8_clocks = 8u << 11;  // SPI_CTRLR0: between address and data
+inline constexpr std::uint32_t instruction_shift = 24;    // SPI_CTRLR0: XIP_CMD
 }  // namespace ssi_field
 
 }  // namespace lamplock::rp2040

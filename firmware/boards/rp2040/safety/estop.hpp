@@ -59,10 +59,9 @@ class Estop {
   bool seen() const { return seen_; }
   void in_order() { cut_ = false; }
   void told() { seen_ = false; }
-  /// Energy may reach the pads again (ARM is the fire unit's).
+  /// Energy may reach the pads again (ARM is the fire unit's, the gate the beam's).
   void release_pads() const {
     release(boards::gpio(boards::Role::q_switch));
-    release(boards::gpio(boards::Role::laser_gate));
     release(boards::gpio(boards::Role::laser_pwm));
   }
   void hold_pads() const {

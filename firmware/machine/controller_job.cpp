@@ -1,0 +1,147 @@
+// How a job begins: its settings against those of the machine, and what follows from them.
+#include "firmware/machine/controller.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using settings::Id;
+using wire::HoldReason;
+using wire::MachineState;
+
+/// The firmware's settings are the truth for what the machine is, for its limits and protections:
+/// true if a job asks for another machine or for more than the machine's own setting allows. With
+/// other steps/mm every limit would mean another length.
+bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
+  switch (id) {
+    case Id::step_pulse:
+    case Id::steps_per_mm_x:
+    case Id::steps_per_mm_y:
+    case Id::steps_per_mm_z:
+    case Id::steps_per_mm_a:
+    case Id::axes:
+    case Id::pin_map:
+      return asked != own;
+    case Id::soft_limits:
+    case Id::hard_limits:
+    case Id::lamp_warm_up:
+      return asked < own;
+    case Id::dead_man:
+    case Id::jerk_x:
+    case Id::jerk_y:
+    case Id::jerk_z:
+    case Id::jerk_a:
+      return own != 0 && (asked == 0 || asked > own);
+    case Id::max_shot_rate:
+    case Id::lamp_power:
+    case Id::speed_jump_x:
+    case Id::speed_jump_y:
+    case Id::speed_jump_z:
+    case Id::speed_jump_a:
+    case Id::period_tolerance:
+      return asked > own;
+    case Id::lamp_energy:
+    case Id::shutter_open:
+    case Id::shutter_close:
+    case Id::attenuator_settle:
+      return asked < own;
+    case Id::channels:
+      return ((asked / 1000) & ~(own / 1000)) != 0;
+    default:
+      return id >= Id::max_rate_x && id <= Id::travel_a && asked > own;
+  }
+}
+
+/// The work space of a job lies inside the machine's own.
+bool inside_work_space(const settings::Values& job, const settings::Values& own, int axis) {
+  const auto low = [axis](const settings::Values& v) { return v.milli(Id::min_corner_x, axis); };
+  const auto high = [&](const settings::Values& v) { return low(v) + v.milli(Id::travel_x, axis); };
+  return low(job) >= low(own) && high(job) <= high(own);
+}
+
+}  // namespace
+
+Result Controller::job_settings(const wire::JobHeader& header, settings::Values& values) {
+  values = stored_;
+  for (const wire::Override& item : header.used_overrides()) {
+    refused_value_ = item.number;
+    const Id id = settings::find_number(item.number);
+    if (id == Id::count) return Result::bad_value;
+    if (oversteps(id, item.value_milli, stored_.milli(id))) return Result::bad_value;
+    if (!values.set_milli(id, item.value_milli)) return Result::bad_value;
+  }
+  for (int axis = 0; axis < max_axes; ++axis) {
+    refused_value_ = settings::range(settings::for_axis(Id::min_corner_x, axis)).number;
+    if (!inside_work_space(values, stored_, axis)) return Result::bad_value;
+  }
+  refused_value_ = 0;
+  if (header.settings_hash != 0 && header.settings_hash != values.hash())
+    return Result::settings_mismatch;
+  if (header.axes != values.whole(Id::axes) || header.axes > board_axes_) {
+    refused_value_ = settings::range(Id::axes).number;
+    return Result::bad_value;
+  }
+  std::uint16_t setting = 0;
+  const Result r = check_settings(values, setting);
+  refused_value_ = setting;
+  return r;
+}
+
+Result Controller::check_settings(const settings::Values& values, std::uint16_t& setting) const {
+  motion::Limits limits;
+  const Result r = motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting);
+  if (r != Result::ok) return r;
+  setting = lamp::broken_protection(values);
+  return setting == 0 ? Result::ok : Result::bad_value;
+}
+
+lamp::ShotRules Controller::shot_rules(const settings::Values& values) const {
+  const auto count = [&values](Id id) { return static_cast<std::uint32_t>(values.whole(id)); };
+  const auto clocks = [&values](Id id) {
+    return static_cast<std::uint32_t>(std::int64_t{values.milli(id)} * clocks_per_us / 1000);
+  };
+  const std::int64_t rate = values.milli(Id::max_shot_rate);
+  lamp::ShotRules rules;
+  rules.least_beats =
+      static_cast<std::uint32_t>((values.milli(Id::lamp_frequency) + rate - 1) / rate);
+  rules.check = lamp::shot_check(values);
+  rules.answer_clocks = clocks(Id::q_switch_delay) + clocks(Id::sensor_time);
+  rules.repeats = count(Id::shot_repeats);
+  return rules;
+}
+
+Result Controller::on_begin(const wire::JobHeader& header) {
+  refused_value_ = 0;
+  if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  if (loader_requested_) return Result::busy;
+  if (door_open_) return Result::door_open;
+  if (!runner_.at_rest() || state_ == MachineState::run || check_ || asleep_) return Result::busy;
+  if (program_unfinished() || reader_.lines_wait()) return Result::busy;
+  if (shots_.undecided()) return Result::busy;  // a shot of the last job may still come
+  settings::Values values;
+  if (const Result r = job_settings(header, values); r != Result::ok) return r;
+  const lamp::ShotRules rules = shot_rules(values);
+  RunOptions options;
+  end_program();
+  reader_.lose_position();
+  planning_.recall();
+  {
+    const Masked masked(mask_);
+    overridden_ = !(values == stored_);
+    if (!(values == values_)) use_settings(values);
+    shots_.begin_job(rules);
+    options.shortest_tick_q16 = runner_.shortest_tick_q16();
+  }
+  options.mode = static_cast<motion::JoinMode>(header.mode);
+  options.dry = dry_ = header.dry;
+  options.points_total = points_total_ = header.points_total;
+  options.least_beats = static_cast<std::int32_t>(rules.least_beats);
+  runner_.begin(options, values, header.first_index);
+  decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_channels_);
+  job_ = true;
+  state_ = MachineState::run;
+  hold_reason_ = HoldReason::none;
+  last_byte_ = now_;
+  return Result::ok;
+}
+
+}  // namespace lamplock::machine

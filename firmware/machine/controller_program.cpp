@@ -1,0 +1,301 @@
+// Programs: lines in their turn, jogs, overrides, resets.
+#include "firmware/machine/controller.hpp"
+#include "firmware/machine/program_text.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using wire::HoldReason;
+using wire::MachineState;
+
+// Real-time bytes of grbl 1.1.
+constexpr std::uint8_t byte_reset = 0x18;
+constexpr std::uint8_t byte_door = 0x84;
+constexpr std::uint8_t byte_jog_cancel = 0x85;
+constexpr std::uint8_t byte_feed_full = 0x90;     // then +10, -10, +1, -1
+constexpr std::uint8_t byte_rapid_full = 0x95;    // then 50 %, 25 %
+constexpr std::uint8_t byte_spindle_full = 0x99;  // then as for the feed
+
+constexpr std::uint8_t full_percent = 100;
+constexpr int least_override = 10, most_override = 200;
+constexpr std::array<std::uint8_t, 3> rapid_percents{100, 50, 25};
+constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
+
+/// Lines of a program, in one round of the main loop: it has other things to do.
+constexpr int most_lines = 4;
+/// Room for answers; without it lines wait. Lists are answers to "$".
+constexpr std::size_t answer_room = 128, list_room = 2048;
+/// In the queue, instead of a line that was too long or spoilt.
+constexpr std::string_view lost_line = "\x01";
+
+}  // namespace
+
+std::size_t Controller::receive_room() const {
+  const std::size_t open = link_.line_size();
+  return reader_.free() > open ? reader_.free() - open : 0;
+}
+
+void Controller::on_line(std::string_view line) {
+  if (!reader_.push(line)) return answer(GcodeError::line_too_long);
+  work_lines();
+}
+
+void Controller::on_line_too_long() { on_line(lost_line); }
+
+void Controller::work_lines() {
+  for (int i = 0; i < most_lines; ++i) {
+    if (reader_.line_open() && !finish_line()) break;
+    if (reset_due_ || program_.cancelling()) break;
+    if (run_start_up_line()) continue;
+    if (!reader_.lines_wait()) break;
+    if (link_.room() < (reader_.front() == '$' ? list_room : answer_room)) break;
+    std::array<char, wire::max_line> room;
+    begin_line(reader_.take_line(room));
+  }
+  if (!reader_.lines_wait()) jogs_dropped_ = false;
+  const bool busy = reader_.line_open() || !program_.drained();
+  if (state_ == MachineState::idle && busy && !check_) state_ = MachineState::run;
+}
+
+/// Goes on with the line under way; false if it waits for something.
+bool Controller::finish_line() {
+  using Step = ProgramReader::Step;
+  for (;;) {
+    switch (reader_.step(values_, work_space_, now_, check_)) {
+      case Step::nothing:
+        return true;
+      case Step::waits:
+        return false;
+      case Step::done:
+        if (!own_line_) answer(GcodeError::none);
+        own_line_ = false;
+        return true;
+      case Step::outside:
+        answer(GcodeError::bad_target);
+        if (!check_) {
+          const Masked masked(mask_);
+          raise_alarm(alarm_soft_limit);
+        }
+        return true;
+      case Step::pauses: {
+        const Masked masked(mask_);
+        state_ = MachineState::hold;
+        hold_reason_ = HoldReason::realtime;
+        return false;
+      }
+      case Step::ended:
+        say("Pgm End");
+        end_overrides_of_program();
+        break;
+    }
+  }
+}
+
+void Controller::begin_line(std::string_view line) {
+  if (line.empty()) return answer(GcodeError::none);
+  if (line == lost_line) return answer(GcodeError::line_too_long);
+  const bool starts_up = line.starts_with("$N") && line.size() > 2;
+  if (line.front() == '$' && !starts_up && !line.starts_with("$J="))
+    return answer_system_command(line);
+  const GcodeError error = starts_up             ? keep_start_up_line(line)
+                           : line.front() == '$' ? begin_jog(line.substr(3))
+                                                 : begin_program_line(line);
+  if (error != GcodeError::none) return answer(error);
+  if (reader_.line_open())
+    finish_line();
+  else
+    answer(error);
+}
+
+/// A program may run, but for the planner: in a job, an alarm or asleep it may not.
+bool Controller::start_program() {
+  if (program_.begun()) {
+    if (program_.idle()) reader_.find_position(motion_.generator().state(), values_);
+    return true;
+  }
+  if (state_ != MachineState::idle || !motion_.at_rest() || loader_requested_) return false;
+  if (shots_.undecided() || overridden_) return false;
+  planning_.recall();
+  job_ = false;
+  std::uint32_t tick_q16 = 0;
+  {
+    const Masked masked(mask_);
+    tick_q16 = runner_.shortest_tick_q16();
+  }
+  // At rest interrupts change nothing of what this looks at.
+  if (program_.begin(values_, tick_q16) != Result::ok) return false;
+  reader_.find_position(motion_.generator().state(), values_);
+  return true;
+}
+
+GcodeError Controller::begin_program_line(std::string_view line) {
+  if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_ || jogging_)
+    return GcodeError::locked;
+  if (!start_program()) return GcodeError::not_idle;
+  return reader_.begin(line).error;
+}
+
+GcodeError Controller::begin_jog(std::string_view line) {
+  if (jogs_dropped_) return GcodeError::none;
+  if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_)
+    return GcodeError::locked;
+  const bool free = state_ == MachineState::idle && !check_;
+  if ((!free && !jogging_) || !start_program()) return GcodeError::not_idle;
+  const program::Fault fault = reader_.begin_jog(line, values_, work_space_);
+  if (!fault) jogging_ = true;
+  return fault.error;
+}
+
+/// "$N0=line": run, and then kept.
+GcodeError Controller::keep_start_up_line(std::string_view line) {
+  constexpr std::size_t head = 4;  // "$N0="
+  const std::size_t number = static_cast<std::size_t>(line[2] - '0');
+  if (line.size() < head || number >= start_up_lines || line[3] != '=')
+    return GcodeError::unknown_command;
+  if (state_ != MachineState::idle || program_unfinished() || check_) return GcodeError::not_idle;
+  const std::string_view text = line.substr(head);
+  if (text.size() > KeptText::capacity) return GcodeError::text_too_long;
+  if (!text.empty()) {
+    const GcodeError error = begin_program_line(text);
+    if (error != GcodeError::none) return error;
+  }
+  reader_.kept().start_up[number].set(text);
+  kept_due_ = true;
+  return GcodeError::none;
+}
+
+/// After power-up and a reset; false if there is none left, or none may run.
+bool Controller::run_start_up_line() {
+  if (start_up_next_ >= start_up_lines || reader_.line_open()) return false;
+  if (state_ == MachineState::alarm || state_ == MachineState::estop)
+    start_up_next_ = start_up_lines;
+  if (state_ != MachineState::idle || link_.room() < answer_room) return false;
+  const std::string_view text = reader_.kept().start_up[start_up_next_++].view();
+  if (text.empty()) return true;
+  const GcodeError error = begin_program_line(text);
+  own_line_ = error == GcodeError::none;
+  TextLine line;
+  write_start_up_result(line, text, static_cast<int>(error));
+  link_.send_text(line.view());
+  return true;
+}
+
+/// Nothing is under way.
+void Controller::end_program() { program_.end(); }
+
+/// Overrides end with the program, as in grbl.
+void Controller::end_overrides_of_program() {
+  overrides_ = {};
+  program_.set_overrides(overrides_.feed, overrides_.rapid, overrides_.spindle);
+}
+
+// Called with beat and fill interrupts masked, as all of commit() is.
+void Controller::settle_program() {
+  if (!program_.begun() || !program_.idle()) return;
+  if (reset_due_) return finish_reset();
+  if (reader_.line_open() || state_ != MachineState::run || job_) return;
+  jogging_ = false;
+  state_ = MachineState::idle;
+}
+
+void Controller::cancel_jog() {
+  jogs_dropped_ = reader_.lines_wait();
+  if (reader_.drop_line()) answer(GcodeError::none);
+  program_.cancel();
+  reader_.lose_position();
+}
+
+void Controller::toggle_check() {
+  if (!check_) {
+    say("Enabled");
+    check_ = true;
+    return;
+  }
+  say("Disabled");
+  check_ = false;
+  reader_.reset();
+  send_banner();
+}
+
+/// 0x18. In a job it may be one flipped bit: nothing is lost but time. Else it throws away what was
+/// typed and what is left of the program, and what still moves comes to rest on its path first.
+void Controller::reset() {
+  if (job_ && state_ == MachineState::run) return hold(HoldReason::reset);
+  if (job_ && (state_ == MachineState::hold || state_ == MachineState::door)) return;
+  link_.drop_line();
+  const bool moves = !motion_.at_rest();
+  reader_.clear();
+  jogs_dropped_ = false;
+  shots_.permit(false, idle_reason());
+  reset_due_ = true;
+  if (!program_.begun() || !moves) return finish_reset();
+  program_.resume();
+  program_.cancel();
+  state_ = MachineState::run;
+  moved_at_reset_ = true;
+}
+
+/// The machine is at rest.
+void Controller::finish_reset() {
+  const bool lost = moved_at_reset_ || asleep_;
+  reset_due_ = moved_at_reset_ = asleep_ = jogging_ = check_ = false;
+  reader_.reset();
+  reporter_.reset();
+  end_overrides_of_program();
+  if (state_ == MachineState::run || state_ == MachineState::hold) state_ = MachineState::idle;
+  hold_reason_ = HoldReason::none;
+  program_.end();
+  if (lost && state_ == MachineState::idle) raise_alarm(alarm_position_lost);
+  start_up_next_ = 0;
+  own_line_ = false;
+  send_banner();
+  if (state_ == MachineState::alarm) say("'$H'|'$X' to unlock");
+}
+
+void Controller::change_override(std::uint8_t& percent, int by) {
+  const int changed = by == 0 ? full_percent : percent + by;
+  percent = static_cast<std::uint8_t>(changed < least_override  ? least_override
+                                      : changed > most_override ? most_override
+                                                                : changed);
+}
+
+void Controller::override_byte(std::uint8_t byte) {
+  const std::size_t feed = byte - std::size_t{byte_feed_full};
+  const std::size_t rapid = byte - std::size_t{byte_rapid_full};
+  const std::size_t spindle = byte - std::size_t{byte_spindle_full};
+  if (feed < override_changes.size())
+    change_override(overrides_.feed, override_changes[feed]);
+  else if (rapid < rapid_percents.size())
+    overrides_.rapid = rapid_percents[rapid];
+  else if (spindle < override_changes.size())
+    change_override(overrides_.spindle, override_changes[spindle]);
+  else
+    return;
+  program_.set_overrides(overrides_.feed, overrides_.rapid, overrides_.spindle);
+}
+
+void Controller::on_realtime(std::uint8_t byte) {
+  if (byte == '?') return send_status_line();
+  const Masked masked(mask_);
+  switch (byte) {
+    case '!':
+    case byte_door:
+      hold(HoldReason::realtime);
+      break;
+    case '~':
+      // One flipped bit must not end a hold that the host has asked for by a frame.
+      if (hold_reason_ != HoldReason::host) resume();
+      break;
+    case byte_reset:
+      reset();
+      break;
+    case byte_jog_cancel:
+      if (jogging_) cancel_jog();
+      break;
+    default:
+      override_byte(byte);
+      break;
+  }
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,292 @@
+// What the machine says as text, and what it is told by lines that begin with "$".
+#include "firmware/machine/controller.hpp"
+#include "firmware/machine/program_text.hpp"
+#include "firmware/machine/settings_text.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using settings::Id;
+using wire::MachineState;
+
+constexpr std::string_view ok_line = "ok\r\n";
+constexpr std::string_view version_begin = "[VER:1.1h.20261122:", product = "lamplock";
+
+}  // namespace
+
+void Controller::tell_version() {
+  TextLine options;
+  options.add("[OPT:VN,")
+      .add(std::int64_t{motion::LineRing::capacity})
+      .add(",")
+      .add(std::int64_t{LineQueue::window})
+      .add("]\r\n");
+  const std::string_view text = reader_.kept().build_text.view();
+  TextLine version;
+  version.add(version_begin).add(text.empty() ? product : text).add("]\r\n");
+  link_.send_text(version.view());
+  link_.send_text(options.view());
+}
+
+void Controller::answer_system_command(std::string_view line) { answer(system_command(line)); }
+
+/// What every state allows; the rest wants a machine at rest.
+GcodeError Controller::system_command(std::string_view line) {
+  if (tell(line)) return GcodeError::none;
+  if (line == "$X") {
+    const Masked masked(mask_);
+    if (state_ == MachineState::estop) return GcodeError::emergency_stop;
+    unlock();
+    return GcodeError::none;
+  }
+  if (line.starts_with("$RST=") || line.starts_with("$I=") || line == "$BOOT" || line == "$C" ||
+      line == "$SLP")
+    return command_at_rest(line);
+  return change_setting(line);
+}
+
+/// Commands that only ask for something.
+bool Controller::tell(std::string_view command) {
+  TextLine line;
+  if (command == "$$")
+    list_settings();
+  else if (command == "$I")
+    tell_version();
+  else if (command == "$#")
+    tell_offsets();
+  else if (command == "$N")
+    tell_start_up_lines();
+  else if (command == "$G")
+    write_modes(line, reader_.interpreter().modal(), values_.whole(Id::report_inches) != 0);
+  else if (command == "$")
+    write_help(line, {.sleep = true, .check = true});
+  else
+    return false;
+  link_.send_text(line.view());
+  return true;
+}
+
+void Controller::tell_offsets() {
+  const ProbeResult none;
+  const ReportedOffsets offsets{reader_.kept().parameters, reader_.interpreter().modal(), none,
+                                values_.whole(Id::axes), values_.whole(Id::report_inches) != 0};
+  for (int i = 0; i < offset_lines; ++i) {
+    TextLine line;
+    write_offset(line, i, offsets);
+    link_.send_text(line.view());
+  }
+}
+
+void Controller::tell_start_up_lines() {
+  for (std::size_t i = 0; i < start_up_lines; ++i) {
+    TextLine line;
+    write_start_up_line(line, static_cast<int>(i), reader_.kept().start_up[i].view());
+    link_.send_text(line.view());
+  }
+}
+
+GcodeError Controller::keep_build_text(std::string_view text) {
+  if (!reader_.kept().build_text.set(text)) return GcodeError::text_too_long;
+  kept_due_ = true;
+  return GcodeError::none;
+}
+
+GcodeError Controller::command_at_rest(std::string_view line) {
+  if (!may_be_changed()) return GcodeError::not_idle;
+  if (line.starts_with("$I=")) return keep_build_text(line.substr(3));
+  if (line == "$BOOT") {
+    loader_requested_ = true;
+  } else if (line == "$C") {
+    if (state_ != MachineState::idle) return GcodeError::not_idle;
+    toggle_check();
+  } else if (line == "$SLP") {
+    say("Sleeping");
+    asleep_ = true;
+  } else if (line == "$RST=$") {
+    restore_defaults();
+  } else if (line == "$RST=#" || line == "$RST=*") {
+    reader_.kept().clear_places();
+    kept_due_ = true;
+    if (line != "$RST=#") restore_everything();
+  } else {
+    return GcodeError::unknown_command;
+  }
+  return GcodeError::none;
+}
+
+bool Controller::may_be_changed() const {
+  return (state_ == MachineState::idle || state_ == MachineState::alarm) && runner_.at_rest() &&
+         !shots_.undecided() && !program_unfinished() && !asleep_;
+}
+
+GcodeError Controller::change_setting(std::string_view line) {
+  const SettingLine asked = read_setting(line);
+  if (asked.error != GcodeError::none) return asked.error;
+  if (!may_be_changed()) return GcodeError::not_idle;
+  settings::Values values = stored_;
+  values.set_milli(asked.id, asked.milli);
+  std::uint16_t setting = 0;
+  if (check_settings(values, setting) != Result::ok) return GcodeError::setting_out_of_range;
+  if (!(values == stored_)) take_over(values);
+  return GcodeError::none;
+}
+
+/// Settings that the user has changed, at rest.
+void Controller::take_over(const settings::Values& values) {
+  end_program();
+  planning_.recall();
+  stored_ = values;
+  store_due_ = true;
+  reader_.configure(stored_);
+  reader_.lose_position();  // steps per mm may be others
+  const Masked masked(mask_);
+  use_settings(stored_);
+}
+
+void Controller::restore_defaults() {
+  say("Restoring defaults");
+  take_over(settings::Values{});
+}
+
+void Controller::restore_everything() {
+  for (KeptText& text : reader_.kept().start_up) text = {};
+  reader_.kept().build_text = {};
+  restore_defaults();
+}
+
+const KeptProgram* Controller::changed_kept() {
+  constexpr auto rows = static_cast<std::uint16_t>((1u << KeptProgramRecord::pieces) - 1);
+  program::Parameters& parameters = reader_.kept().parameters;
+  if ((parameters.changed & rows) != 0) kept_due_ = true;
+  parameters.changed = 0;
+  // Nothing may move while the flash is written.
+  if (!kept_due_ || !may_be_changed()) return nullptr;
+  kept_due_ = false;
+  return &reader_.kept();
+}
+
+void Controller::set_kept(const KeptProgram& kept) { reader_.kept() = kept; }
+
+void Controller::list_settings() {
+  for (std::size_t i = 0; i < settings::setting_count; ++i) {
+    TextLine line;
+    write_setting(line, static_cast<Id>(i), stored_);
+    link_.send_text(line.view());
+  }
+}
+
+void Controller::say(std::string_view text) {
+  TextLine line;
+  line.add("[MSG:").add(text).add("]\r\n");
+  link_.send_text(line.view());
+}
+
+void Controller::answer(GcodeError error) {
+  if (error == GcodeError::none) {
+    link_.send_text(ok_line);
+    return;
+  }
+  TextLine text;
+  text.add("error:").add(std::int64_t{static_cast<int>(error)}).add("\r\n");
+  link_.send_text(text.view());
+}
+
+void Controller::send_banner() { link_.send_text("\r\nGrbl 1.1h ['$' for help]\r\n"); }
+
+std::string_view Controller::state_name() const {
+  const bool rests = runner_.at_rest();
+  switch (state_) {
+    case MachineState::idle:
+      if (asleep_) return "Sleep";
+      return check_ ? std::string_view("Check") : std::string_view("Idle");
+    case MachineState::run:
+      return jogging_ ? std::string_view("Jog") : std::string_view("Run");
+    case MachineState::hold:
+      return rests ? "Hold:0" : "Hold:1";
+    case MachineState::door:
+      return rests ? "Door:1" : "Door:2";
+    default:
+      return "Alarm";
+  }
+}
+
+ReportedStatus Controller::reported_status() const {
+  stepper::MotionState motion;
+  ReportedStatus status;
+  std::uint32_t line = 0;
+  {
+    const Masked masked(mask_);
+    motion = runner_.generator().state();
+    status.state = state_name();
+    line = program_.line();
+  }
+  status.busy = job_unfinished();
+  status.axes = values_.whole(Id::axes);
+  std::uint64_t squares = 0;
+  for (int a = 0; a < status.axes; ++a) {
+    const stepper::AxisState& axis = motion.axis[index(a)];
+    const auto steps_per_mm_milli =
+        static_cast<std::uint32_t>(values_.milli(Id::steps_per_mm_x, a));
+    status.machine_e7[index(a)] =
+        axis.step() * (program::one_e7 * 1000) / std::int64_t{steps_per_mm_milli};
+    const std::int64_t steps_per_min =
+        (Int128::product(axis.speed_q62, 60 * std::int64_t{ticks_per_second}) >> 62).to_int64();
+    const std::int64_t um_min = mul_div(abs64(steps_per_min), 1'000'000, steps_per_mm_milli);
+    squares += wide_product(static_cast<std::uint32_t>(um_min), static_cast<std::uint32_t>(um_min));
+  }
+  status.feed_um_min = isqrt(squares);
+  const program::Interpreter& interpreter = reader_.interpreter();
+  const program::Modal& modal = interpreter.modal();
+  status.work_offset_e7 = interpreter.work_offset_e7();
+  status.free_lines = program_.free();
+  constexpr std::size_t beyond = LineQueue::capacity - LineQueue::window;
+  const std::size_t room = receive_room();
+  status.free_bytes = static_cast<std::uint32_t>(room > beyond ? room - beyond : 0);
+  status.line = line;
+  if (modal.spindle != program::Spindle::off) status.speed_milli = modal.speed_milli;
+  status.clockwise = modal.spindle == program::Spindle::constant;
+  status.counterclockwise = modal.spindle == program::Spindle::proportional;
+  status.flood = modal.flood;
+  status.mist = modal.mist;
+  status.overrides = overrides_;
+  constexpr std::uint16_t door_pin = 1u << pin_letters.find('D');
+  if (door_open_) status.pins |= door_pin;
+  return status;
+}
+
+void Controller::send_status_line() {
+  TextLine line;
+  reporter_.begin(line, reported_status(),
+                  static_cast<std::uint32_t>(values_.whole(Id::report_mask)),
+                  values_.whole(Id::report_inches) != 0);
+  add_beats(line);
+  line.add(">\r\n");
+  link_.send_text(line.view());
+}
+
+void Controller::add_beats(TextLine& line) const {
+  line.add(clock_.locked() ? "|Lamp:1," : "|Lamp:0,").add(std::int64_t{clock_.edges()});
+  wire::Status status;
+  fill_status(status);
+  const BeatsByReason &inside = status.beats_by_reason, &outside = status.beats_outside;
+  for (std::size_t i = 0; i < beat_reason_count; ++i)
+    line.add(i == 0 ? "|Beats:" : ",").add(std::int64_t{inside[i]} + outside[i]);
+}
+
+void Controller::fill_status(wire::Status& status) const {
+  const Masked masked(mask_);
+  static_cast<wire::Standing&>(status) = standing();
+  status.received = runner_.queue().end();
+  status.first_unfired = runner_.queue().begin();
+  status.shots = shots_.ledger().shots();
+  status.beats = shots_.ledger().beats();
+  status.beats_before = shots_.ledger().beats_before();
+  status.starvations = runner_.starvations();
+  status.beats_by_reason = shots_.ledger().by_reason();
+  status.beats_outside = shots_.ledger().outside();
+  status.shots_made = shots_.checks().made;
+  status.shots_not_made = shots_.checks().not_made;
+  status.repeats = shots_.checks().repeats;
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,136 @@
+#include "firmware/machine/kept_program.hpp"
+
+#include "shared/wire/bytes.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using program::Place;
+
+constexpr std::uint8_t version = 1;
+/// Kinds of pieces; those of places are the numbers of their rows (program::ParameterRow).
+constexpr std::uint8_t kind_g28 = static_cast<std::uint8_t>(program::ParameterRow::home_g28),
+                       kind_g30 = static_cast<std::uint8_t>(program::ParameterRow::home_g30),
+                       kind_start_up = 32, kind_build_text = 48;
+static_assert(kind_g30 + 1 == KeptProgramRecord::pieces);
+
+/// The place of a kind, null if it is none; of something that is const, a const one.
+template <class Kept>
+auto* place_of(Kept& kept, std::uint8_t kind) {
+  if (kind == kind_g28) return &kept.parameters.home_g28_e7;
+  if (kind == kind_g30) return &kept.parameters.home_g30_e7;
+  return kind < program::coordinate_systems ? &kept.parameters.systems_e7[kind] : nullptr;
+}
+template <class Kept>
+auto* text_of(Kept& kept, std::uint8_t kind) {
+  if (kind == kind_build_text) return &kept.build_text;
+  const bool start_up = kind >= kind_start_up && kind < kind_start_up + start_up_lines;
+  return start_up ? &kept.start_up[kind - kind_start_up] : nullptr;
+}
+
+/// How far a place may be off: the machine is within its own range, and an origin lies so that some
+/// place of the machine is within that of a program.
+std::int64_t range_of(std::uint8_t kind) {
+  return kind < program::coordinate_systems ? 2 * program::most_position_e7
+                                            : program::most_position_e7;
+}
+
+void put_place(wire::ByteWriter& out, std::uint8_t kind, const Place& place) {
+  if (program::same_place(place, Place{})) return;
+  out.put(kind);
+  out.put(static_cast<std::uint8_t>(KeptProgramRecord::place_size));
+  for (const std::int64_t value : place) out.put(value);
+}
+
+bool take_place(wire::ByteReader& in, std::size_t size, std::uint8_t kind, Place& place) {
+  if (size != KeptProgramRecord::place_size) return false;
+  Place read{};
+  for (std::int64_t& value : read) {
+    value = in.take<std::int64_t>();
+    if (value > range_of(kind) || value < -range_of(kind)) return false;
+  }
+  place = read;
+  return true;
+}
+
+void put_text(wire::ByteWriter& out, std::uint8_t kind, const KeptText& text) {
+  const std::string_view view = text.view();
+  if (view.empty()) return;
+  out.put(kind);
+  out.put(static_cast<std::uint8_t>(view.size()));
+  for (const char c : view) out.put(static_cast<std::uint8_t>(c));
+}
+
+bool take_text(std::span<const std::uint8_t> bytes, KeptText& text) {
+  std::array<char, KeptText::capacity> read;
+  if (bytes.size() > read.size()) return false;
+  for (std::size_t i = 0; i < bytes.size(); ++i) read[i] = static_cast<char>(bytes[i]);
+  return text.set({read.data(), bytes.size()});
+}
+
+/// False if it is not understood; nothing has changed then.
+bool take_piece(KeptProgram& kept, std::uint8_t kind, std::span<const std::uint8_t> bytes) {
+  if (Place* place = place_of(kept, kind)) {
+    wire::ByteReader in(bytes);
+    return take_place(in, bytes.size(), kind, *place);
+  }
+  KeptText* text = text_of(kept, kind);
+  return text != nullptr && take_text(bytes, *text);
+}
+
+}  // namespace
+
+bool KeptText::set(std::string_view text) {
+  if (text.size() > capacity) return false;
+  for (const char c : text)
+    if (c < ' ' || c > '~') return false;
+  for (std::size_t i = 0; i < text.size(); ++i) text_[i] = text[i];
+  size_ = static_cast<std::uint8_t>(text.size());
+  return true;
+}
+
+bool KeptText::same(const KeptText& other) const {
+  if (size_ != other.size_) return false;
+  for (std::size_t i = 0; i < size_; ++i)
+    if (text_[i] != other.text_[i]) return false;
+  return true;
+}
+
+void KeptProgram::clear_places() {
+  parameters.systems_e7 = {};
+  parameters.home_g28_e7 = parameters.home_g30_e7 = {};
+}
+
+bool KeptProgram::same(const KeptProgram& other) const {
+  for (std::uint8_t kind = 0; kind < KeptProgramRecord::pieces; ++kind)
+    if (!program::same_place(*place_of(*this, kind), *place_of(other, kind))) return false;
+  for (std::size_t i = 0; i < start_up_lines; ++i)
+    if (!(start_up[i] == other.start_up[i])) return false;
+  return build_text == other.build_text;
+}
+
+std::uint32_t KeptProgramRecord::put(const KeptProgram& kept, std::span<std::uint8_t> items) {
+  wire::ByteWriter out(items);
+  out.put(version);
+  for (std::uint8_t kind = 0; kind < pieces; ++kind) put_place(out, kind, *place_of(kept, kind));
+  for (std::uint8_t i = 0; i < start_up_lines; ++i)
+    put_text(out, static_cast<std::uint8_t>(kind_start_up + i), kept.start_up[i]);
+  put_text(out, kind_build_text, kept.build_text);
+  return static_cast<std::uint32_t>(out.size());
+}
+
+std::uint32_t KeptProgramRecord::take(KeptProgram& kept, std::span<const std::uint8_t> items) {
+  wire::ByteReader in(items);
+  if (in.take<std::uint8_t>() != version) return 1;
+  std::uint32_t unknown = 0;
+  while (in.left() != 0) {
+    const auto kind = in.take<std::uint8_t>();
+    const std::size_t size = in.take<std::uint8_t>();
+    if (!in.ok() || size > in.left()) return unknown + 1;
+    if (!take_piece(kept, kind, in.rest().first(size))) ++unknown;
+    in = wire::ByteReader(in.rest().subspan(size));
+  }
+  return unknown;
+}
+
+}  // namespace lamplock::machine

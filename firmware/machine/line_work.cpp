@@ -1,0 +1,81 @@
+#include "firmware/machine/line_work.hpp"
+
+#include "firmware/motion/line_slice.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+/// Lines taken for a batch: more than it uses, so that look-ahead fills up.
+constexpr std::uint32_t most_lines = 2 * LineWork::most_segments;
+
+constexpr std::uint32_t nm_per_milli_mm = 1000;
+
+}  // namespace
+
+Result LineWork::begin(const settings::Values& values, std::uint32_t beat_ticks,
+                       std::uint32_t tick_q16, const stepper::MotionState& at) {
+  std::uint16_t setting = 0;
+  const Result result = motion::make_limits(values, beat_ticks, tick_q16, limits_, setting);
+  if (result != Result::ok) return result;
+  std::int32_t coarsest = values.milli(settings::Id::steps_per_mm_x);
+  for (int a = 1; a < limits_.axes; ++a) {
+    const std::int32_t milli = values.milli(settings::Id::steps_per_mm_x, a);
+    if (milli < coarsest) coarsest = milli;
+  }
+  const auto deviation =
+      static_cast<std::uint32_t>(values.milli(settings::Id::junction_deviation)) * nm_per_milli_mm;
+  line_limits_ = motion::make_line_limits(limits_, coarsest, deviation);
+  inbox_.clear();
+  planner_.start(at);
+  start({});
+  marked_ = false;
+  feed_percent_ = rapid_percent_ = 0;
+  return Result::ok;
+}
+
+void LineWork::start(const LineOrders& orders) {
+  orders_ = orders;
+  count_ = 0;
+}
+
+void LineWork::obey() {
+  // Only what has changed: either makes the planner look through all of its lines again.
+  if (orders_.feed_percent != feed_percent_) planner_.set_feed_percent(orders_.feed_percent);
+  if (orders_.rapid_percent != rapid_percent_) planner_.set_rapid_percent(orders_.rapid_percent);
+  feed_percent_ = orders_.feed_percent;
+  rapid_percent_ = orders_.rapid_percent;
+  // The batch before may not have been begun at all.
+  if (orders_.rejoin) planner_.return_to(marked_ ? mark_ : planner_.mark(), orders_.at);
+  if (orders_.cancel) {
+    planner_.cancel();
+    inbox_.clear();
+  } else if (orders_.held) {
+    planner_.hold();
+  } else {
+    planner_.resume();
+  }
+}
+
+void LineWork::take_lines() {
+  for (std::uint32_t i = 0; i < most_lines && planner_.free() != 0 && !inbox_.empty(); ++i) {
+    planner_.push(inbox_.front());
+    inbox_.pop();
+  }
+}
+
+bool LineWork::advance() {
+  obey();
+  if (!orders_.cancel) take_lines();
+  mark_ = planner_.mark();
+  marked_ = true;
+  std::uint32_t ticks = 0;
+  while (count_ < most_segments && ticks < motion::line_slice_ticks) {
+    motion::LineSegment& made = made_[count_];
+    if (!planner_.next(made)) break;
+    ticks += made.segment.ticks;
+    ++count_;
+  }
+  return false;
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,82 @@
+// A batch of lines of a program, planned by whoever plans.
+//
+// In:  lines (inbox), orders: overrides, hold, resume, cancel, or where to begin anew.
+// Out: some segments, from where the batch before ended, and how the planner stands.
+// Called by the program runner while it is at home (hand_over.hpp), advance() by the main loop or
+// the core that plans: a batch of at most `most_segments` segments and `batch_ticks`, two to five
+// milliseconds on the board. The inbox alone may be filled meanwhile.
+//
+// A batch covers little time, for what is planned does not follow an override any more: with what
+// the program runner keeps ahead it is in force after 50 ms at most.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/machine/line_inbox.hpp"
+#include "firmware/motion/line_planner.hpp"
+#include "shared/result.hpp"
+#include "shared/settings_table.hpp"
+
+namespace lamplock::machine {
+
+/// What is wanted from the next batch on.
+struct LineOrders {
+  std::uint32_t feed_percent = 100, rapid_percent = 100;
+  bool held = false;
+  bool cancel = false;  ///< come to rest, forget all lines
+  bool rejoin = false;  ///< the batch before was not run: the machine has come to rest at `at`
+  stepper::MotionState at;
+  friend bool operator==(const LineOrders& a, const LineOrders& b) {
+    return a.feed_percent == b.feed_percent && a.rapid_percent == b.rapid_percent &&
+           a.held == b.held && a.cancel == b.cancel && a.rejoin == b.rejoin;
+  }
+};
+
+class LineWork {
+ public:
+  static constexpr std::uint32_t most_segments = 16;
+
+  // The main loop's; at home, but for the inbox.
+  /// A program begins: forgets everything. `at`: where the machine stands. Errors as make_limits().
+  Result begin(const settings::Values& values, std::uint32_t beat_ticks, std::uint32_t tick_q16,
+               const stepper::MotionState& at);
+  LineInbox& inbox() { return inbox_; }
+  const LineInbox& inbox() const { return inbox_; }
+  /// A new batch, with these orders.
+  void start(const LineOrders& orders);
+  /// What came of the batch will be run.
+  void accept() { marked_ = false; }
+  const motion::Limits& limits() const { return limits_; }
+
+  /// Goes on; false when the batch is complete.
+  bool advance();
+
+  // What came of it.
+  std::uint32_t count() const { return count_; }
+  const motion::LineSegment& segment(std::uint32_t i) const { return made_[i]; }
+  /// Nothing is left of what was known; the machine comes to rest with this batch.
+  bool drained() const { return planner_.idle() && inbox_.empty(); }
+  /// Behind this batch the machine is at rest.
+  bool ends_at_rest() const { return planner_.at_rest(); }
+  /// Lines known to the planner.
+  std::uint32_t lines() const { return planner_.lines(); }
+
+ private:
+  void obey();
+  void take_lines();
+
+  LineInbox inbox_;
+  motion::Limits limits_;
+  motion::LineLimits line_limits_;
+  motion::LineRing ring_;
+  motion::LinePlanner planner_{ring_, line_limits_, limits_};
+  motion::LinePlanner::Mark mark_{};  ///< where the batch begins
+  bool marked_ = false;               ///< there is one that was not accepted
+  LineOrders orders_;
+  std::uint32_t feed_percent_ = 0, rapid_percent_ = 0;  ///< in force; 0 = not set yet
+  std::array<motion::LineSegment, most_segments> made_{};
+  std::uint32_t count_ = 0;
+};
+
+}  // namespace lamplock::machine

@@ -1,0 +1,45 @@
+// Where motion goes out: the ring of segments and the tick generator that reads it.
+//
+// In:  segments, of the job runner or of the program runner: one of them at a time moves the
+//      machine.
+// Out: ticks, by the board's fill interrupt.
+// Who: the controller owns it; what is shared with interrupts is said in stepper/segment_queue.hpp
+//      and stepper/tick_generator.hpp.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/lamp/beat_clock.hpp"
+#include "firmware/stepper/segment_queue.hpp"
+#include "firmware/stepper/tick_generator.hpp"
+#include "shared/settings_table.hpp"
+
+namespace lamplock::machine {
+
+class MotionOutput {
+ public:
+  MotionOutput() = default;
+  MotionOutput(const MotionOutput&) = delete;
+  MotionOutput& operator=(const MotionOutput&) = delete;
+
+  stepper::SegmentQueue& segments() { return segments_; }
+  stepper::TickGenerator& generator() { return generator_; }
+  const stepper::TickGenerator& generator() const { return generator_; }
+
+  /// True if nothing moves and nothing is committed.
+  bool at_rest() const {
+    return !generator_.running() && segments_.empty() && segments_.released();
+  }
+
+  /// Lags of the drives, from the settings; in force with the next set_leads().
+  void set_lags(const settings::Values& values);
+  /// How far each axis is ahead of the lattice, in ticks as they are now; at rest only. Masked.
+  void set_leads(lamp::BeatClock& clock);
+
+ private:
+  stepper::SegmentQueue segments_;
+  stepper::TickGenerator generator_{segments_};
+  PerAxis<std::uint32_t> lag_clocks_{};
+};
+
+}  // namespace lamplock::machine

@@ -1,0 +1,108 @@
+// The program reader: lines of the host, one after the other, each done before the next is looked
+// at.
+//
+// In:  lines as they come (push), the time.
+// Out: lines for the planner (ProgramRunner), and what the host is to be told, step by step: the
+//      controller asks, answers, and knows what a "$" means.
+// Who: the controller, main loop, unmasked; some 7000 cycles a line and 2500 a piece of a curve.
+//
+// A line is done, and answered with "ok", when its last action was taken: of a move that is when
+// the planner has it, which may be seconds before it is run; a dwell, a pause and the end of a
+// program wait until the machine stands, as in grbl. Lines behind it wait in the queue, whose room
+// the host knows.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/machine/kept_program.hpp"
+#include "firmware/machine/line_queue.hpp"
+#include "firmware/machine/program_runner.hpp"
+#include "firmware/program/interpreter.hpp"
+#include "shared/settings_table.hpp"
+#include "shared/work_space.hpp"
+
+namespace lamplock::machine {
+
+class ProgramReader {
+ public:
+  /// What came of a step.
+  enum class Step : std::uint8_t {
+    nothing,  ///< no line is under way
+    waits,    ///< for room, a rest, time, or somebody who says go on
+    done,     ///< the line: to be answered
+    outside,  ///< the line wanted to leave the work space: the rest of it is dropped
+    pauses,   ///< M0, M1: waits for go_on() from now on
+    ended     ///< M2, M30; then done
+  };
+
+  explicit ProgramReader(ProgramRunner& runner) : runner_(runner) {}
+  ProgramReader(const ProgramReader&) = delete;
+  ProgramReader& operator=(const ProgramReader&) = delete;
+
+  /// Settings that the interpreter follows; at rest, nothing under way.
+  void configure(const settings::Values& values);
+
+  // Lines that wait.
+  /// False if it does not fit, which a host that counts never sees.
+  bool push(std::string_view line) { return queue_.push(line); }
+  bool lines_wait() const { return !queue_.empty(); }
+  std::uint32_t free() const { return queue_.free(); }
+  char front() const { return queue_.front(); }
+  std::string_view take_line(std::span<char> room) { return queue_.pop(room); }
+
+  // The line under way.
+  /// Begins a line of a program; with an error it is over and nothing has changed.
+  program::Fault begin(std::string_view line);
+  /// Begins what stands behind "$J=". Error 15 as well, if it would leave the work space.
+  program::Fault begin_jog(std::string_view line, const settings::Values& values,
+                           const StepLimits& space);
+  /// Goes on with it. With `check` nothing moves and nothing waits.
+  Step step(const settings::Values& values, const StepLimits& space, std::uint64_t clock,
+            bool check);
+  bool line_open() const { return open_; }
+  void go_on() { paused_ = false; }
+
+  /// Forgets the line under way; true if there was one.
+  bool drop_line();
+  /// The same, and those that wait.
+  void clear();
+  /// After power-up and a reset: the same, and the modal state is as it is by default.
+  void reset();
+  /// The machine is somewhere else than the program thinks.
+  void lose_position() { astray_ = true; }
+  /// Where it is, if that was lost; nothing is under way.
+  void find_position(const stepper::MotionState& at, const settings::Values& values);
+
+  const program::Interpreter& interpreter() const { return interpreter_; }
+  /// What programs leave behind; to be changed only while no line is under way.
+  KeptProgram& kept() { return kept_; }
+  const KeptProgram& kept() const { return kept_; }
+
+ private:
+  bool next_action();
+  Step act(const settings::Values& values, const StepLimits& space, std::uint64_t clock,
+           bool check);
+  Step move(const settings::Values& values, const StepLimits& space, bool check);
+  Step dwell(std::uint64_t clock);
+  Step stand();
+  Step taken();
+
+  ProgramRunner& runner_;
+  LineQueue queue_;
+  KeptProgram kept_;
+  program::Options options_;
+  program::Interpreter interpreter_{kept_.parameters, options_};
+  program::Action action_;
+  motion::LineTarget target_;  ///< of a move
+  bool open_ = false;          ///< a line is under way
+  bool pending_ = false;       ///< action_ was not taken yet
+  bool prepared_ = false;      ///< target_ is that of action_
+  bool paused_ = false;
+  bool astray_ = true;
+  bool dwells_ = false;
+  std::uint64_t dwell_end_ = 0;  ///< clock
+};
+
+}  // namespace lamplock::machine

@@ -1,0 +1,197 @@
+#include "firmware/machine/program_runner.hpp"
+
+#include "firmware/motion/pulse.hpp"
+#include "firmware/stepper/segment_power.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+constexpr std::uint32_t ticks_per_ms = ticks_per_second / 1000;
+/// Handed out ahead of the ticks that are filled: what a slow main loop and a batch may take
+/// together, and not more than overrides can wait.
+constexpr std::uint64_t horizon_ticks = 20 * ticks_per_ms;
+/// Motion is begun this long after the ticks already filled.
+constexpr std::uint64_t start_margin_ticks = ticks_per_ms / 2;
+
+}  // namespace
+
+Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q16) {
+  planning_.recall();
+  planning_.use_lines();
+  output_.set_lags(values);
+  stepper::MotionState at = generator_.state();
+  at.tick = 0;
+  const Result result = planning_.lines().begin(values, clock_.beat_ticks(), tick_q16, at);
+  if (result != Result::ok) return result;
+  brake_limits_ = planning_.lines().limits();
+  tick_q16_ = tick_q16;
+  begun_ = drained_ = resting_ = true;
+  lost_ = staged_ = false;
+  brakes_ = 0;
+  end_tick_ = offset_ticks_ = 0;
+  orders_.held = orders_.cancel = orders_.rejoin = false;
+  given_ = orders_;
+  lines_ = starvations_ = 0;
+  return Result::ok;
+}
+
+void ProgramRunner::end() {
+  planning_.hand_over().recall();
+  begun_ = false;
+  drained_ = true;
+}
+
+bool ProgramRunner::take(const motion::LineTarget& line) {
+  LineInbox& inbox = planning_.lines().inbox();
+  if (orders_.cancel || inbox.full()) return false;
+  inbox.push(line);
+  drained_ = false;
+  return true;
+}
+
+void ProgramRunner::set_overrides(std::uint32_t feed_percent, std::uint32_t rapid_percent,
+                                  std::uint32_t power_percent) {
+  orders_.feed_percent = feed_percent;
+  orders_.rapid_percent = rapid_percent;
+  power_percent_ = power_percent;
+}
+
+void ProgramRunner::cancel() {
+  if (begun_ && !idle()) orders_.cancel = true;
+}
+
+bool ProgramRunner::wants_batch() const {
+  if (drained_ && !orders_.cancel) return false;
+  // Held, at rest and told so: nothing comes of another one.
+  if (resting_ && given_.held && orders_ == given_ && !lost_) return false;
+  return resting_ || lost_ || end_tick_ < generator_.head() + horizon_ticks;
+}
+
+void ProgramRunner::hand_out() {
+  orders_.rejoin = lost_;
+  if (lost_) {
+    // The machine goes on from where the brake ends; in the planner's ticks.
+    orders_.at = rest_;
+    orders_.at.tick = rest_.tick - offset_ticks_;
+  }
+  planning_.lines().start(orders_);
+  given_ = orders_;
+  orders_.rejoin = false;
+  lost_ = staged_ = false;
+  planning_.hand_over().hand_out();
+}
+
+/// The brake has begun before the next batch was there.
+void ProgramRunner::miss() {
+  brakes_ = 0;
+  end_tick_ = rest_.tick;
+  resting_ = true;
+  lost_ = true;
+  ++starvations_;
+  staged_ = false;
+  planning_.hand_over().recall();
+}
+
+bool ProgramRunner::prepare() {
+  if (!begun_) return false;
+  if (brake_begun()) miss();
+  HandOver& hand_over = planning_.hand_over();
+  if (hand_over.at_home() && wants_batch()) hand_out();
+  return hand_over.asked();
+}
+
+/// Where a batch that begins at rest can begin.
+std::uint64_t ProgramRunner::start_tick() const {
+  const std::uint64_t head = generator_.head() + start_margin_ticks;
+  const std::uint64_t tick = end_tick_ > head ? end_tick_ : head;
+  // The lattice may hurry after the lamp while the machine stands, up to the next beat.
+  if (clock_.mode() != settings::LampMode::slave || !output_.at_rest()) return tick;
+  return clock_.tick_of_beat(clock_.beat_at_or_after(tick));
+}
+
+void ProgramRunner::write(std::uint32_t i, stepper::Segment& segment) const {
+  const motion::LineSegment& made = planning_.lines().segment(i);
+  segment = made.segment;
+  segment.start_tick += offset_ticks_;
+  segment.end.tick += offset_ticks_;
+  segment.ends_point = false;  // of a job
+  const auto power = [this](std::uint32_t planned) {
+    const std::uint32_t wanted = planned * power_percent_ / 100;
+    return static_cast<std::uint16_t>(wanted < motion::full_power ? wanted : motion::full_power);
+  };
+  stepper::set_power(segment,
+                     {power(made.power_start), power(made.power_cruise), power(made.power_end)});
+}
+
+void ProgramRunner::stage() {
+  if (!begun_ || staged_ || !planning_.hand_over().complete()) return;
+  const LineWork& work = planning_.lines();
+  const std::uint32_t count = work.count();
+  if (count == 0) return finish_batch();
+  // All of it or nothing: what is lost can be planned again from one place alone.
+  if (segments_.free() + brakes_ < count + 1) return;
+  if (resting_) offset_ticks_ = start_tick() - work.segment(0).segment.start_tick;
+  // The first one may take the place of a brake, which may still begin.
+  for (std::uint32_t i = 1; i < count; ++i) write(i, segments_.stage(i - brakes_));
+  stepper::MotionState end = work.segment(count - 1).segment.end;
+  end.tick += offset_ticks_;
+  stepper::Segment& brake = segments_.stage(count - brakes_);
+  if (work.ends_at_rest()) {
+    rest_ = end;
+  } else {
+    brake = motion::make_brake(end, brake_limits_);
+    rest_ = brake.end;
+  }
+  staged_ = true;
+}
+
+void ProgramRunner::finish_batch() {
+  LineWork& work = planning_.lines();
+  work.accept();
+  drained_ = work.drained();
+  lines_ = work.lines();
+  resting_ = work.ends_at_rest();
+  if (given_.cancel && drained_) orders_.cancel = orders_.held = false;
+  planning_.hand_over().recall();
+  staged_ = false;
+}
+
+bool ProgramRunner::commit() {
+  if (!begun_ || !staged_ || brake_begun()) return false;
+  const LineWork& work = planning_.lines();
+  const std::uint32_t count = work.count();
+  const std::uint64_t start = work.segment(0).segment.start_tick + offset_ticks_;
+  if (output_.at_rest()) output_.set_leads(clock_);
+  if (resting_ && start < generator_.head()) {
+    staged_ = false;  // for another time
+    return false;
+  }
+  if (resting_) clock_.set_least_tick(start, tick_q16_);
+  segments_.take_back(brakes_);
+  write(0, segments_.stage());
+  const bool ends = work.ends_at_rest();
+  brakes_ = ends ? 0 : 1;
+  for (std::uint32_t i = 0; i < count + brakes_; ++i) segments_.publish();
+  end_tick_ = segments_.at(segments_.begun() + segments_.size() - 1 - brakes_).end_tick();
+  clock_.set_motion_end(rest_.tick);
+  finish_batch();
+  return true;
+}
+
+void ProgramRunner::halt() {
+  end();
+  brakes_ = 0;
+  orders_.held = orders_.cancel = false;
+}
+
+std::uint32_t ProgramRunner::free() const {
+  if (!begun_) return motion::LineRing::capacity;
+  const std::uint32_t known = lines_ + planning_.lines().inbox().size();
+  return known < motion::LineRing::capacity ? motion::LineRing::capacity - known : 0;
+}
+
+std::uint32_t ProgramRunner::line() const {
+  return begun_ && generator_.running() ? generator_.segment().point : 0;
+}
+
+}  // namespace lamplock::machine

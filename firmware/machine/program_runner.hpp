@@ -1,0 +1,116 @@
+// The program runner: from lines of a program to committed motion, without a lamp.
+//
+// In:  lines in steps (take), orders: overrides, hold, resume, cancel; halt.
+// Out: segments for the tick generator.
+// Called from the main loop, as the job runner is, in four steps, so that interrupts are masked for
+// the short ones alone:
+//
+//   prepare()  masked     sees what was run; decides whether to plan a batch, and hands it out
+//   plan()     unmasked   the batch (line_work.hpp), by the main loop or by another core
+//   stage()    unmasked   copies it to the place it is handed out from, with a brake behind it
+//   commit()   masked     hands it out
+//
+// What is handed out always ends at rest: behind it stands a brake, which the next batch replaces.
+// A batch that comes too late, because the other core or the main loop was slow, finds it begun:
+// the machine brakes beside its path then, by little, and goes on from there to the end of the line
+// that it was on. Nothing else leaves the path: holds and overrides are the planner's.
+//
+//   time:  past | filled (2 ms ahead) | committed, at most `horizon_ticks` | end_ | brake
+//
+// So an order is in force after horizon_ticks and a batch, and the filled ticks: 40 ms at most.
+//
+// The planner counts ticks from the begin of the program; what it plans from rest is moved to where
+// the lattice is by then. Segments know nothing of beats. Where the lattice follows a lamp (slave)
+// ticks are as long as the lamp makes them, so that a program and the beats keep step.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/lamp/beat_clock.hpp"
+#include "firmware/machine/motion_output.hpp"
+#include "firmware/machine/planning.hpp"
+
+namespace lamplock::machine {
+
+/// Runs the lines of one program at a time.
+class ProgramRunner {
+ public:
+  ProgramRunner(lamp::BeatClock& clock, MotionOutput& output, Planning& planning)
+      : clock_(clock),
+        segments_(output.segments()),
+        output_(output),
+        generator_(output.generator()),
+        planning_(planning) {}
+  ProgramRunner(const ProgramRunner&) = delete;
+  ProgramRunner& operator=(const ProgramRunner&) = delete;
+
+  /// Lines may come from now on; the machine is at rest, nothing is planned. Errors as
+  /// motion::make_limits(). Not masked: some milliseconds.
+  Result begin(const settings::Values& values, std::uint32_t tick_q16);
+  bool begun() const { return begun_; }
+  /// Nothing is planned any more, at once; what was handed out goes on to its end, which is a rest.
+  void end();
+  /// Takes a line; false if there is no room now. Between begin() and end().
+  bool take(const motion::LineTarget& line);
+
+  /// 10 to 200, 1 to 100, 10 to 200.
+  void set_overrides(std::uint32_t feed_percent, std::uint32_t rapid_percent,
+                     std::uint32_t power_percent);
+  /// Comes to rest on the path and stays there.
+  void hold() { orders_.held = true; }
+  void resume() { orders_.held = false; }
+  /// Comes to rest on the path and forgets all lines; none are taken until idle().
+  void cancel();
+  bool cancelling() const { return orders_.cancel; }
+
+  /// True if there is a batch to be planned, or one to commit. Masked.
+  bool prepare();
+  void stage();
+  /// True if something was handed out. Masked.
+  bool commit();
+  /// Stops dead: what was taken is gone. Masked.
+  void halt();
+
+  /// Every line was run to its end, and the machine stands.
+  bool idle() const { return !begun_ || (drained_ && output_.at_rest()); }
+  /// As idle(), and what is handed out is at its end, or will be before anything could be planned.
+  bool drained() const { return !begun_ || drained_; }
+  /// Lines that can be taken before the planner is full, about.
+  std::uint32_t free() const;
+  /// N word of the line that is run; 0 = none.
+  std::uint32_t line() const;
+  /// How often a batch came too late.
+  std::uint32_t starvations() const { return starvations_; }
+
+ private:
+  bool brake_begun() const { return segments_.size() < brakes_; }
+  bool wants_batch() const;
+  void hand_out();
+  std::uint64_t start_tick() const;
+  void write(std::uint32_t i, stepper::Segment& segment) const;
+  void miss();
+  void finish_batch();
+
+  lamp::BeatClock& clock_;
+  stepper::SegmentQueue& segments_;
+  MotionOutput& output_;
+  stepper::TickGenerator& generator_;
+  Planning& planning_;
+  motion::BrakeLimits brake_limits_;
+  std::uint32_t tick_q16_ = full_tick_q16;  ///< shortest that limits were made for
+  bool begun_ = false;
+  bool drained_ = true;             ///< the planner has nothing left
+  bool resting_ = true;             ///< what is handed out ends at rest, without a brake
+  bool lost_ = false;               ///< the brake was run: the next batch rejoins the path
+  bool staged_ = false;             ///< the batch lies in the queue, but for its first segment
+  std::uint32_t brakes_ = 0;        ///< at the end of the queue: 0 or 1
+  std::uint64_t offset_ticks_ = 0;  ///< lattice over planner
+  std::uint64_t end_tick_ = 0;      ///< where what is handed out ends, without the brake
+  stepper::MotionState rest_;       ///< where the brake ends
+  std::uint32_t power_percent_ = 100;
+  LineOrders orders_, given_;  ///< wanted; those of the last batch
+  std::uint32_t lines_ = 0;    ///< known to the planner after the last batch
+  std::uint32_t starvations_ = 0;
+};
+
+}  // namespace lamplock::machine

@@ -1,0 +1,46 @@
+#include "firmware/stepper/segment_power.hpp"
+
+namespace lamplock::stepper {
+namespace {
+
+constexpr int none = -1;
+
+/// The first one that moves, or none.
+int moving_axis(const Segment& segment) {
+  for (int a = 0; a < max_axes; ++a)
+    if (!segment.axis[index(a)].stands()) return a;
+  return none;
+}
+
+/// From one power to another in so many ticks, rounded towards zero.
+std::uint32_t slope_q16(std::uint32_t from, std::uint32_t to, std::uint32_t ticks) {
+  if (ticks == 0) return 0;
+  return to < from ? 0 - ((from - to) << 16) / ticks : ((to - from) << 16) / ticks;
+}
+
+}  // namespace
+
+int power_axis(const Segment& segment) { return segment.shines ? moving_axis(segment) : none; }
+
+PowerStretch power_from(const SegmentPower& power, const AxisProfile& phases, std::uint32_t at) {
+  const std::uint32_t cruise_q16 = std::uint32_t{power.cruise} << 16, lead = phases.lead_ticks;
+  if (at < lead)
+    return {(std::uint32_t{power.start} << 16) + power.lead_slope_q16 * at, power.lead_slope_q16,
+            lead - at};
+  at -= lead;
+  if (at < phases.cruise_ticks) return {cruise_q16, 0, phases.cruise_ticks - at};
+  at -= phases.cruise_ticks;
+  return {cruise_q16 + power.tail_slope_q16 * at, power.tail_slope_q16, phases.tail_ticks - at};
+}
+
+void set_power(Segment& segment, const PowerPoints& power) {
+  const int axis = moving_axis(segment);
+  if (axis == none || (power.start | power.cruise | power.end) == 0) return;
+  const AxisProfile& phases = segment.axis[index(axis)];
+  segment.shines = true;
+  segment.power = {power.start, power.cruise,
+                   slope_q16(power.start, power.cruise, phases.lead_ticks),
+                   slope_q16(power.cruise, power.end, phases.tail_ticks)};
+}
+
+}  // namespace lamplock::stepper

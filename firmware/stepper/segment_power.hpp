@@ -1,0 +1,44 @@
+// The power of a continuous laser over a segment.
+//
+// In:  power at the start, in between and at the end of a segment, 65535 = full; it changes evenly
+//      over lead and tail. Out: its value at every tick.
+// Who: set_power() for whoever makes the segment (main loop, or the core that plans): two 32-bit
+//      divisions. The rest for the tick generator (fill interrupt): power_axis() once a segment,
+//      power_from() once a power cell, a product.
+//
+// Lead, cruise and tail are those of the first axis that moves; on a line all axes that move have
+// the same. Where no axis moves nothing shines: a beam that stands burns.
+//
+// Slopes are rounded towards zero, so that power never leaves the range between its ends: it is
+// counted modulo 2^32 and would come round. What is missing at the end of a phase is less than a
+// least bit for each 2^16 ticks of it.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/stepper/segment.hpp"
+
+namespace lamplock::stepper {
+
+/// Power at three moments, 65535 = full.
+struct PowerPoints {
+  std::uint16_t start = 0, cruise = 0, end = 0;
+};
+
+/// Writes power into a segment whose axes and ticks are there already, and which has no shot. With
+/// no power at all it stays as it is.
+void set_power(Segment& segment, const PowerPoints& power);
+
+/// The axis whose phases the power of a segment follows; none, below zero, if it does not shine.
+int power_axis(const Segment& segment);
+
+/// Ticks over which power changes evenly.
+struct PowerStretch {
+  std::uint32_t power_q16 = 0;  ///< where the first one begins, with a fraction of 16 bits
+  std::uint32_t slope_q16 = 0;  ///< per tick, modulo 2^32
+  std::uint32_t ticks = 0;
+};
+/// What begins at tick `at` of a segment that shines; `phases` are those of its power_axis().
+PowerStretch power_from(const SegmentPower& power, const AxisProfile& phases, std::uint32_t at);
+
+}  // namespace lamplock::stepper

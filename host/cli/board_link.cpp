@@ -1,0 +1,21 @@
+#include "host/cli/board_link.hpp"
+
+#include "host/cli/run_job.hpp"
+#include "host/link/simulated_transport.hpp"
+
+namespace lamplock::cli {
+
+BoardLink::BoardLink(const BoardOptions& options, const settings::Values& stored)
+    : transport_(open_port(options)) {
+  check_image(options.board, options.image);
+  if (!transport_) {
+    sim::WorldConfig world;
+    world.lamp = options.faults.lamp(stored);
+    world.drives = options.drives.drives();
+    simulated_ = make_board(options.board, options.image, stored, world);
+    transport_ = std::make_unique<link::SimulatedTransport>(*simulated_.board);
+  }
+  port_ = std::make_unique<link::LinePort>(*transport_);
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,85 @@
+// `lamplock console`: a terminal to a board, for people and for scripts.
+#include <memory>
+
+#include "host/cli/board_link.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/keyboard.hpp"
+#include "host/cli/options.hpp"
+#include "host/link/line_console.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+struct Options {
+  BoardOptions board;
+  MachineOptions machine;
+};
+
+/// A simulated board runs while we wait: about as fast as a real one when somebody sits there.
+constexpr std::chrono::milliseconds pace{20};
+
+/// Typed lines by hand: a wrong word is told, and that is all.
+void take_typed(link::LineConsole& talk, Console& console, const std::string& line) {
+  try {
+    talk.type(line);
+  } catch (const Error& error) {
+    console.line(error.what());
+  }
+}
+
+Exit by_hand(BoardLink& board, Console& console) {
+  link::LineConsole talk(board.port(), false,
+                         [&console](const std::string& text) { console.line(text); });
+  Keyboard keyboard;
+  const auto wait = board.simulated() != nullptr ? pace : std::chrono::milliseconds(0);
+  while (!keyboard.ended()) {
+    for (const std::string& line : keyboard.lines(wait)) take_typed(talk, console, line);
+    talk.step();
+  }
+  return Exit::done;
+}
+
+/// The first error or alarm ends it: what follows may count on the line that failed.
+Exit in_order(BoardLink& board, Console& console) {
+  link::LineConsole talk(board.port(), true,
+                         [&console](const std::string& text) { console.line(text); });
+  Keyboard keyboard;
+  while (!talk.failure() && !(keyboard.ended() && talk.done())) {
+    if (!keyboard.ended())
+      for (const std::string& line : keyboard.lines(std::chrono::milliseconds(0))) talk.type(line);
+    talk.step();
+  }
+  if (!talk.failure()) return Exit::done;
+  throw Error(Exit::job_failed, fmt::format("line {}", talk.failure()->line), talk.failure()->text,
+              "nothing behind it was sent");
+}
+
+Exit talk(const Options& options) {
+  Console console(false);
+  BoardLink board(options.board, options.machine.profile().settings);
+  return Keyboard::at_terminal() ? by_hand(board, console) : in_order(board, console);
+}
+
+}  // namespace
+
+void add_console(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand(
+      "console", "A terminal to a board: lines go to it, what it says is shown");
+  app->footer(
+      "Words for bytes that act at once: ? ! ~ or :status :hold :resume :reset :jogcancel,\n"
+      ":feed 100 (+10 -10 +1 -1), :rapid 100 (50 25), :power 100 (+10 -10). Ctrl-D or Ctrl-C "
+      "leaves;\n"
+      "the machine goes on with what it does. Lines that come from a file or a pipe are sent one\n"
+      "after the other, each when the one before has been answered, until the first error or "
+      "alarm,\n"
+      "which is an error of the command. A simulated board starts with the settings of --machine.\n"
+      "Example:\n  lamplock console --board /dev/ttyACM0\n"
+      "  echo '$$' | lamplock console --board virtual");
+  const auto options = std::make_shared<Options>();
+  options->board.add_choice(*app);
+  options->machine.add_machine(*app);
+  app->callback([options, &action] { action = [options] { return talk(*options); }; });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,241 @@
+#include "host/cli/run_program.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <iostream>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "host/cli/board_files.hpp"
+#include "host/cli/board_link.hpp"
+#include "host/cli/line_steering.hpp"
+#include "host/cli/progress.hpp"
+#include "host/file.hpp"
+#include "host/link/board_settings.hpp"
+#include "host/link/line_sender.hpp"
+#include "host/program/program_run.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using link::LineEnd;
+using link::LineResult;
+
+constexpr std::array program_extensions{".gcode", ".nc", ".ngc", ".gc", ".tap", ".cnc"};
+constexpr std::string_view axis_names = "XYZA";
+
+/// A program and what is known of it before it is sent.
+struct Program {
+  std::string file, text;
+  std::vector<link::ProgramLine> lines;
+  std::optional<double> planned_s;
+};
+
+/// What belongs to jobs makes no sense here.
+void check_options(const BoardOptions& options) {
+  const std::array<std::pair<const char*, bool>, 8> of_jobs{
+      {{"--from", options.from != 0},
+       {"--fired", options.fired != 0},
+       {"--job-speed", options.job_speed != 100},
+       {"--dry", options.dry},
+       {"--hold-at", options.hold_at != 0},
+       {"--report", !options.report.empty()},
+       {"--timing", !options.timing.empty()},
+       {"--plot", options.plot.any()}}};
+  for (const auto& [name, given] : of_jobs)
+    if (given)
+      throw Error(Exit::bad_input, name, "is for jobs, not for programs of G-code", "leave it out");
+}
+
+/// A machine that moves, and a laser, need somebody's word.
+void ask_permission(const Program& program, const BoardOptions& options) {
+  if (options.yes || options.is_simulated()) return;
+  fmt::print(stderr,
+             "{}: {} lines on {}: the machine will move, its laser may fire. Type yes to start: ",
+             program.file, program.lines.size(), options.board);
+  std::fflush(stderr);
+  std::string answer;
+  if (!std::getline(std::cin, answer) || answer != "yes")
+    throw Error(Exit::interrupted, program.file, "not permitted, nothing was sent",
+                "answer yes, or give --yes");
+}
+
+/// What `lamplock check` says for the settings that the board has; nothing where the program or the
+/// board does not allow to tell.
+std::optional<double> planned_time(const Program& program, link::LinePort& port) {
+  try {
+    const link::BoardSettings settings = link::read_settings(port);
+    if (settings.known.none()) return std::nullopt;
+    const auto run = program_run::run_program(program.text, settings.values, 1);
+    if (run.problems.empty()) return run.seconds();
+  } catch (const Error& error) {
+    if (error.exit() == Exit::no_device) throw;
+  }
+  return std::nullopt;
+}
+
+std::string place_text(const link::BoardStatus& status) {
+  std::string text;
+  for (std::size_t a = 0; a < status.position.size() && a < axis_names.size(); ++a)
+    text += fmt::format("{}{}{:.3f}", a == 0 ? "" : " ", axis_names[a], status.position[a]);
+  return text.empty() ? "an unknown place" : text;
+}
+
+std::string error_line(const std::string& file, const link::LineError& error) {
+  return fmt::format("{}:{}: {}", file, error.line, link::error_text(error.error));
+}
+
+/// Lines that were refused while the program goes on.
+class RefusedLines {
+ public:
+  RefusedLines(const std::string& file, Progress& progress) : file_(file), progress_(progress) {}
+  void tell(const std::vector<link::LineError>& errors) {
+    for (; told_ < errors.size(); ++told_) progress_.note(error_line(file_, errors[told_]));
+  }
+
+ private:
+  const std::string& file_;
+  Progress& progress_;
+  std::size_t told_ = 0;
+};
+
+LineResult send(const Program& program, BoardLink& board, bool go_on) {
+  Progress progress("sending", program.lines.size());
+  link::LineOptions sending;
+  sending.go_on = go_on;
+  sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
+  link::LineSender sender(board.port(), program.lines, sending);
+  LineSteering steering(sender, progress, board.clocking(), program.planned_s);
+  RefusedLines refused(program.file, progress);
+  while (sender.step()) {
+    try {
+      steering.look();
+      if (go_on) refused.tell(sender.errors());
+    } catch (...) {  // a terminal that has gone must not leave the machine running
+      sender.fail(std::current_exception());
+    }
+  }
+  if (go_on) refused.tell(sender.errors());
+  return sender.result();
+}
+
+const char* end_name(LineEnd end) {
+  constexpr std::array names{"done", "error",      "stopped",  "alarm",
+                             "lost", "unanswered", "restarted"};
+  return names[static_cast<std::size_t>(end)];
+}
+
+Json document(const Program& program, const LineResult& result) {
+  Json errors = Json::array();
+  for (const link::LineError& e : result.errors)
+    errors.push_back({{"line", e.line}, {"error", e.error}, {"text", link::error_text(e.error)}});
+  const auto or_null = [](bool there, auto value) { return there ? Json(value) : Json(nullptr); };
+  return {
+      {"program", program.file},
+      {"end", end_name(result.end)},
+      {"lines", program.lines.size()},
+      {"answered", result.answered},
+      {"last_line", or_null(result.last_line != 0, result.last_line)},
+      {"errors", errors},
+      {"alarm", or_null(result.alarm != 0, result.alarm)},
+      {"seconds", std::chrono::duration<double>(result.elapsed).count()},
+      {"planned_seconds", or_null(program.planned_s.has_value(), program.planned_s.value_or(0))},
+      {"state", result.status.state},
+      {"position", result.status.position},
+      {"of_work", result.status.of_work},
+      {"work_offset", result.status.work_offset}};
+}
+
+/// How far it came. What the machine has taken is not all done: it plans ahead.
+std::string reach_text(const Program& program, const LineResult& result) {
+  if (result.last_line == 0) return "no line was taken";
+  return fmt::format("line {} of {} was the last one it took, at {}", result.last_line,
+                     program.file, place_text(result.status));
+}
+
+[[noreturn]] void fail(const std::string& where, const std::string& what,
+                       const std::string& remedy) {
+  throw Error(Exit::job_failed, where, what, remedy);
+}
+
+std::string alarm_of(const LineResult& result) {
+  return result.alarm == 0 ? "alarm" : link::alarm_text(result.alarm);
+}
+
+/// One line if the program did not end well; gives the exit status.
+Exit tell_end(const Program& program, const LineResult& result, const std::string& board) {
+  const std::string reach = reach_text(program, result);
+  switch (result.end) {
+    case LineEnd::done:
+      if (result.errors.empty()) return Exit::done;
+      fail(program.file,
+           fmt::format("{} of {} lines were refused", result.errors.size(), program.lines.size()),
+           "the list above says which and why");
+    case LineEnd::error:
+      fail(fmt::format("{}:{}", program.file, result.errors.front().line),
+           link::error_text(result.errors.front().error),
+           fmt::format("correct the line; the machine stands, {}", reach));
+    case LineEnd::stopped:
+      fmt::print(stderr, "stopped: {}\n", reach);
+      return Exit::interrupted;
+    case LineEnd::alarm:
+      fail(board, fmt::format("{}, {}", alarm_of(result), reach),
+           "see what stopped it, then unlock it with $X or home it with $H");
+    case LineEnd::lost:
+      fail(board,
+           fmt::format("connection lost, so that the machine could not be stopped; {}", reach),
+           "see that it stands and check the cable");
+    case LineEnd::unanswered:
+      fail(board, fmt::format("rests, and does not answer lines that were sent; {}", reach),
+           "check the cable, and that nothing else uses the port");
+    case LineEnd::restarted:
+      fail(board, fmt::format("has restarted, its position may be lost; {}", reach),
+           "home it and begin again");
+  }
+  return Exit::job_failed;
+}
+
+Program read_program(const std::string& file) {
+  Program program{file, read_file(file), {}, {}};
+  program.lines = link::program_lines(program.text, file);
+  if (program.lines.empty())
+    throw Error(Exit::bad_input, file, "has no line to send", "is this the right file?");
+  return program;
+}
+
+}  // namespace
+
+bool is_program(const std::string& file) {
+  const std::string extension = lower_extension(file);
+  return std::find(program_extensions.begin(), program_extensions.end(), extension) !=
+         program_extensions.end();
+}
+
+Exit send_program(const std::string& file, const BoardOptions& options,
+                  const ProgramOptions& asked) {
+  Console console(options.json);
+  check_options(options);
+  options.check();
+  Program program = read_program(file);
+  const settings::Values values = asked.machine.profile().settings;
+  BoardLink board(options, values);
+  ask_permission(program, options);
+  link::greet(board.port());
+  program.planned_s = planned_time(program, board.port());
+  std::optional<PinTrace> trace;
+  if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
+  const LineResult result = send(program, board, asked.go_on);
+  if (trace) trace->finish();
+  if (!options.shots.empty()) write_shots(options.shots, *board.simulated(), values);
+  console.say("{:<8}  {} of {} lines in {:.1f} s, at {}", end_name(result.end), result.answered,
+              program.lines.size(), std::chrono::duration<double>(result.elapsed).count(),
+              place_text(result.status));
+  console.document(document(program, result));
+  return tell_end(program, result, options.board);
+}
+
+}  // namespace lamplock::cli

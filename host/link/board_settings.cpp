@@ -1,0 +1,203 @@
+#include "host/link/board_settings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "firmware/machine/settings_text.hpp"
+#include "host/error.hpp"
+#include "host/units.hpp"
+
+namespace lamplock::link {
+namespace {
+
+using settings::Id;
+
+std::optional<std::uint32_t> whole_number(std::string_view text) {
+  std::uint32_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+Id row_of(std::uint32_t number) {
+  if (number > std::numeric_limits<std::uint16_t>::max()) return Id::count;
+  return settings::find_number(static_cast<std::uint16_t>(number));
+}
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t";
+  const auto first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
+}
+
+std::string command(std::uint32_t number, std::string_view value) {
+  return fmt::format("${}={}", number, value);
+}
+
+[[noreturn]] void refuse_value(const settings::Row& row, std::string_view value,
+                               const std::string& where, GcodeError error) {
+  if (error == GcodeError::setting_out_of_range)
+    throw Error(
+        Exit::bad_input, where, fmt::format("{} = {} is out of range", row.name, value),
+        fmt::format("it is {:g} to {:g} {}{}", row.min_milli / milli_per_unit,
+                    row.max_milli / milli_per_unit, row.unit, row.whole ? ", a whole number" : ""));
+  throw Error(Exit::bad_input, where, fmt::format("{} = '{}' is not a number", row.name, value),
+              "write digits with up to three decimals");
+}
+
+/// A value for a setting that only the board knows: printable, nothing that the board takes for a
+/// command.
+void check_unknown(std::uint32_t number, std::string_view value, const std::string& where) {
+  const bool plain = !value.empty() && std::all_of(value.begin(), value.end(), [](char c) {
+    return c >= ' ' && c < 0x7F && !wire::is_realtime(static_cast<std::uint8_t>(c));
+  });
+  if (!plain)
+    throw Error(Exit::bad_input, where, fmt::format("${} = '{}' is not a value", number, value),
+                "write what $$ of the board shows");
+}
+
+std::optional<double> number_of(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// The same value, however it is written.
+bool has_value(const BoardSettings& board, const Change& change) {
+  const std::string& text = board.texts.at(change.number);
+  const machine::SettingLine ours = machine::read_setting(command(change.number, change.text));
+  const machine::SettingLine theirs = machine::read_setting(command(change.number, text));
+  if (ours.error == GcodeError::none && theirs.error == GcodeError::none)
+    return ours.milli == theirs.milli;
+  const auto one = number_of(text), other = number_of(change.text);
+  return one && other ? *one == *other : text == change.text;
+}
+
+/// Sends changes until all are taken or none of those left is; gives these and their last error.
+std::vector<std::pair<Change, int>> send_changes(LinePort& port, std::vector<Change> changes,
+                                                 std::vector<Change>& taken) {
+  for (;;) {
+    std::vector<std::pair<Change, int>> refused;
+    for (const Change& change : changes)
+      if (const int error = ask(port, command(change.number, change.text)).error; error != 0)
+        refused.emplace_back(change, error);
+      else
+        taken.push_back(change);
+    if (refused.empty() || refused.size() == changes.size()) return refused;
+    changes.clear();
+    for (const auto& [change, error] : refused) changes.push_back(change);
+  }
+}
+
+}  // namespace
+
+bool take_setting(std::string_view line, BoardSettings& settings) {
+  const auto equals = line.find('=');
+  if (!line.starts_with('$') || equals == std::string_view::npos) return false;
+  const auto number = whole_number(line.substr(1, equals - 1));
+  if (!number) return false;
+  settings.texts[*number] = line.substr(equals + 1);
+  const machine::SettingLine row = machine::read_setting(line);
+  if (row.error == GcodeError::none && settings.values.set_milli(row.id, row.milli))
+    settings.known.set(static_cast<std::size_t>(row.id));
+  return true;
+}
+
+BoardSettings read_settings(LinePort& port) {
+  const Answer answer = ask(port, "$$");
+  if (answer.error != 0)
+    throw Error(Exit::job_failed, "machine", "refuses $$: " + error_text(answer.error),
+                "wait until it is idle and try again");
+  BoardSettings settings;
+  for (const std::string& line : answer.lines) take_setting(line, settings);
+  return settings;
+}
+
+std::optional<std::uint32_t> find_number(std::string_view name) {
+  name = trimmed(name);
+  if (const Id id = settings::find_name(name); id != Id::count) return settings::row(id).number;
+  if (name.starts_with('$')) name.remove_prefix(1);
+  return whole_number(name);
+}
+
+Id find_setting(std::string_view name) {
+  const auto number = find_number(name);
+  return number ? row_of(*number) : Id::count;
+}
+
+std::string setting_name(std::uint32_t number) {
+  const Id id = row_of(number);
+  return id == Id::count ? fmt::format("${}", number)
+                         : fmt::format("${} {}", number, settings::row(id).name);
+}
+
+std::string value_text(Id id, std::int32_t milli) {
+  constexpr std::int32_t milli_per_whole = 1000;
+  if (settings::row(id).whole) return fmt::format("{}", milli / milli_per_whole);
+  return fmt::format("{:.3f}", milli / milli_per_unit);
+}
+
+Change parse_change(std::string_view text, const std::string& where) {
+  const auto equals = text.find('=');
+  if (equals == std::string_view::npos)
+    throw Error(Exit::bad_input, where, fmt::format("'{}' changes nothing", text),
+                "write NAME=VALUE or NUMBER=VALUE");
+  const std::string_view name = trimmed(text.substr(0, equals));
+  const std::string_view value = trimmed(text.substr(equals + 1));
+  const auto number = find_number(name);
+  if (!number)
+    throw Error(Exit::bad_input, where, fmt::format("there is no setting '{}'", name),
+                "lamplock settings list shows their names and numbers");
+  const Id id = row_of(*number);
+  if (id == Id::count) {
+    check_unknown(*number, value, where);
+    return {*number, std::string(value)};
+  }
+  const machine::SettingLine line = machine::read_setting(command(*number, value));
+  if (line.error != GcodeError::none) refuse_value(settings::row(id), value, where, line.error);
+  return {*number, value_text(id, line.milli)};
+}
+
+std::vector<Change> differing(const BoardSettings& board, const std::vector<Change>& wanted) {
+  std::vector<Change> result;
+  for (const Change& change : wanted) {
+    if (!board.texts.contains(change.number))
+      throw Error(Exit::bad_input, setting_name(change.number), "the board has no such setting",
+                  "leave it out");
+    if (!has_value(board, change)) result.push_back(change);
+  }
+  return result;
+}
+
+BoardSettings change_settings(LinePort& port, const BoardSettings& before,
+                              const std::vector<Change>& changes) {
+  std::vector<Change> taken;
+  const auto refused = send_changes(port, changes, taken);
+  if (!refused.empty()) {
+    std::vector<Change> back, ignored;
+    for (auto change = taken.rbegin(); change != taken.rend(); ++change)
+      back.push_back({change->number, before.texts.at(change->number)});
+    const bool restored = send_changes(port, back, ignored).empty();
+    const auto& [change, error] = refused.front();
+    throw Error(Exit::job_failed, setting_name(change.number),
+                fmt::format("the board refuses {}: {}; {}", change.text, error_text(error),
+                            restored ? "nothing was changed" : "some settings were changed"),
+                "see that the value goes with the other settings");
+  }
+  BoardSettings after = read_settings(port);
+  for (const Change& change : changes)
+    if (!after.texts.contains(change.number) || !has_value(after, change))
+      throw Error(Exit::job_failed, setting_name(change.number),
+                  fmt::format("was set to {} and is not", change.text),
+                  "list the settings and try again");
+  return after;
+}
+
+}  // namespace lamplock::link

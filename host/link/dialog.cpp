@@ -1,0 +1,143 @@
+#include "host/link/dialog.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "host/error.hpp"
+
+namespace lamplock::link {
+namespace {
+
+using Time = std::chrono::microseconds;
+
+/// Waiting is cut into slices of this length.
+constexpr Time slice{5'000};
+/// When `$I` was sent more than once, the board may still be answering: until it is quiet so long.
+constexpr Time quiet{300'000};
+/// grbl's receive buffer, for boards that do not tell.
+constexpr std::size_t usual_window_bytes = 127;
+
+double seconds(Time time) { return std::chrono::duration<double>(time).count(); }
+
+/// The next line, waited for until `until`.
+std::optional<std::string> receive_until(LinePort& port, Time until) {
+  for (;;) {
+    port.flush();
+    if (auto line = port.receive()) return line;
+    expect_connected(port);
+    const Time now = port.transport().now();
+    if (now >= until) return std::nullopt;
+    port.transport().wait(std::min(slice, until - now));
+  }
+}
+
+/// One greeting: what has come of it so far.
+class Asked {
+ public:
+  Asked(LinePort& port, const Patience& patience) : port_(port), patience_(patience) {}
+
+  Greeting answer() {
+    const Time give_up = port_.transport().now() + patience_.give_up;
+    while (!complete()) {
+      send();
+      const Time again = std::min(give_up, port_.transport().now() + patience_.again);
+      while (!complete())
+        if (const auto line = receive_until(port_, again))
+          take(*line);
+        else
+          break;
+      if (!complete() && port_.transport().now() >= give_up) refuse();
+    }
+    if (asked_ > 1) drain();
+    return result();
+  }
+
+ private:
+  bool complete() const { return answered_ && status_.has_value(); }
+
+  void send() {
+    port_.send_realtime(realtime::status);
+    port_.send_line("$I");
+    ++asked_;
+  }
+
+  void take(const std::string& line) {
+    heard_ = true;
+    if (auto status = parse_status(line)) status_ = std::move(status);
+    take_identity(line, identity_);
+    // An ok before the version belongs to somebody else's line.
+    if (parse_answer(line) && !identity_.version.empty()) answered_ = true;
+  }
+
+  void drain() {
+    while (receive_until(port_, port_.transport().now() + quiet)) {
+    }
+  }
+
+  Greeting result() const {
+    Greeting greeting{identity_, *status_, identity_.window_bytes};
+    if (greeting.window_bytes == 0) greeting.window_bytes = usual_window_bytes;
+    // grblHAL tells the size of its buffer by $I, which holds a byte less.
+    if (status_->rests() && status_->free_bytes && *status_->free_bytes > 0)
+      greeting.window_bytes = std::min(greeting.window_bytes, *status_->free_bytes);
+    return greeting;
+  }
+
+  [[noreturn]] void refuse() const {
+    const double s = seconds(patience_.give_up);
+    if (!heard_)
+      throw Error(Exit::no_device, "machine", fmt::format("does not answer within {:g} s", s),
+                  "check power, cable and the name of the port");
+    if (identity_.version.empty())
+      throw Error(
+          Exit::no_device, "machine",
+          fmt::format("talks, but tells no version ([VER:]) within {:g} s", s),
+          "check that it is a board of lamplock or grbl and that nothing else uses the port");
+    throw Error(Exit::no_device, "machine", "does not report its status", "reset it and try again");
+  }
+
+  LinePort& port_;
+  const Patience& patience_;
+  BoardIdentity identity_;
+  std::optional<BoardStatus> status_;
+  bool answered_ = false, heard_ = false;
+  int asked_ = 0;
+};
+
+/// Said at any time, no part of an answer.
+bool is_aside(const std::string& line) {
+  return line.starts_with("[MSG:") || line.front() == '<' || is_banner(line);
+}
+
+}  // namespace
+
+void expect_connected(LinePort& port) {
+  if (!port.transport().connected())
+    throw Error(Exit::no_device, "machine", "the connection broke",
+                "check the cable and try again");
+}
+
+Greeting greet(LinePort& port, const Patience& patience) { return Asked(port, patience).answer(); }
+
+Answer ask(LinePort& port, const std::string& line, const Patience& patience) {
+  port.send_line(line);
+  Answer answer;
+  Time until = port.transport().now() + patience.give_up;
+  while (auto heard = receive_until(port, until)) {
+    if (const auto end = parse_answer(*heard)) {
+      answer.error = *end;
+      return answer;
+    }
+    if (is_aside(*heard)) continue;
+    until = port.transport().now() + patience.give_up;
+    answer.lines.push_back(std::move(*heard));
+  }
+  throw Error(Exit::no_device, "machine",
+              fmt::format("does not answer '{}' within {:g} s", line, seconds(patience.give_up)),
+              "check the cable, reset the machine and try again");
+}
+
+}  // namespace lamplock::link

@@ -1,0 +1,169 @@
+#include "host/link/line_console.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/link/board_text.hpp"
+#include "host/link/dialog.hpp"
+
+namespace lamplock::link {
+namespace {
+
+using Time = std::chrono::microseconds;
+
+struct Word {
+  std::string_view name;
+  std::uint8_t byte;
+};
+constexpr std::array words{Word{"?", realtime::status},
+                           Word{"!", realtime::hold},
+                           Word{"~", realtime::resume},
+                           Word{":status", realtime::status},
+                           Word{":hold", realtime::hold},
+                           Word{":resume", realtime::resume},
+                           Word{":reset", realtime::reset},
+                           Word{":jogcancel", realtime::jog_cancel},
+                           Word{":feed 100", realtime::feed_full},
+                           Word{":feed +10", realtime::feed_plus_10},
+                           Word{":feed -10", realtime::feed_minus_10},
+                           Word{":feed +1", realtime::feed_plus_1},
+                           Word{":feed -1", realtime::feed_minus_1},
+                           Word{":rapid 100", realtime::rapid_full},
+                           Word{":rapid 50", realtime::rapid_half},
+                           Word{":rapid 25", realtime::rapid_quarter},
+                           Word{":power 100", realtime::power_full},
+                           Word{":power +10", realtime::power_plus_10},
+                           Word{":power -10", realtime::power_minus_10}};
+
+constexpr Time longest_wait{20'000};
+/// While an answer is awaited the board is asked whether it still lives.
+constexpr Time alive_interval{1'000'000};
+constexpr Time silence_limit{5'000'000};
+/// A report or a banner that does not come in this time is not waited for.
+constexpr Time sign_timeout{2'000'000};
+
+/// Without blanks at the ends, and with one between words.
+std::string squeezed(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    const bool blank = c == ' ' || c == '\t' || c == '\r';
+    if (!blank)
+      result += c;
+    else if (!result.empty() && result.back() != ' ')
+      result += ' ';
+  }
+  if (!result.empty() && result.back() == ' ') result.pop_back();
+  return result;
+}
+
+}  // namespace
+
+std::optional<std::uint8_t> realtime_word(std::string_view typed) {
+  const std::string word = squeezed(typed);
+  for (const Word& known : words)
+    if (known.name == word) return known.byte;
+  if (word.starts_with(':'))
+    throw Error(Exit::bad_input, word, "no such word", "there are " + realtime_words());
+  return std::nullopt;
+}
+
+std::string realtime_words() {
+  std::string text;
+  for (const Word& word : words) text += (text.empty() ? "" : ", ") + std::string(word.name);
+  return text;
+}
+
+void LineConsole::type(const std::string& line) {
+  const auto byte = realtime_word(line);
+  ++typed_;
+  if (byte && !in_order_) return send_byte(*byte);
+  std::string text = line;
+  if (!text.empty() && text.back() == '\r') text.pop_back();
+  queue_.push_back({typed_, std::move(text)});
+}
+
+bool LineConsole::done() const {
+  return queue_.empty() && waiting_ == Waiting::nothing && port_.backlog() == 0;
+}
+
+void LineConsole::step() {
+  while (const auto line = port_.receive()) {
+    heard_at_ = port_.transport().now();
+    take(*line);
+  }
+  expect_connected(port_);
+  check_silence();
+  if (waiting_ == Waiting::nothing && !(in_order_ && failure_)) send_next();
+  port_.flush();
+  port_.transport().wait(longest_wait);
+}
+
+void LineConsole::take(const std::string& line) {
+  if (parse_status(line)) {
+    if (reports_asked_ == 0) return;
+    --reports_asked_;
+    if (waiting_ == Waiting::status) waiting_ = Waiting::nothing;
+    return show_(line);
+  }
+  if (const auto error = parse_answer(line)) {
+    if (waiting_ == Waiting::answer) waiting_ = Waiting::nothing;
+    if (*error == 0) return show_(line);
+    return fail(error_text(*error));
+  }
+  if (const auto alarm = parse_alarm(line)) return fail(alarm_text(*alarm));
+  // A board that has begun anew answers nothing that was sent before.
+  if (is_banner(line) && waiting_ == Waiting::banner) waiting_ = Waiting::nothing;
+  show_(line);
+}
+
+void LineConsole::fail(const std::string& text) {
+  show_(text);
+  if (!failure_) failure_ = ConsoleFailure{current_.number, text};
+}
+
+void LineConsole::send_next() {
+  if (queue_.empty()) return;
+  current_ = std::move(queue_.front());
+  queue_.pop_front();
+  sent_at_ = heard_at_ = asked_at_ = port_.transport().now();
+  if (const auto byte = realtime_word(current_.text)) return send_byte(*byte);
+  port_.send_line(current_.text);
+  waiting_ = Waiting::answer;
+}
+
+void LineConsole::send_byte(std::uint8_t byte) {
+  port_.send_realtime(byte);
+  sent_at_ = heard_at_ = port_.transport().now();
+  if (byte == realtime::status) {
+    ++reports_asked_;
+    if (in_order_) waiting_ = Waiting::status;
+  } else if (byte == realtime::reset) {
+    // Whatever was under way will not be answered.
+    if (!in_order_) queue_.clear();
+    port_.drop_lines();
+    waiting_ = Waiting::banner;
+  }
+}
+
+void LineConsole::check_silence() {
+  const Time now = port_.transport().now();
+  if (waiting_ == Waiting::nothing) return;
+  if (waiting_ != Waiting::answer) {
+    if (now - sent_at_ < sign_timeout) return;
+    waiting_ = Waiting::nothing;
+    reports_asked_ = 0;
+    return;
+  }
+  if (now - heard_at_ >= silence_limit)
+    throw Error(Exit::no_device, "machine", fmt::format("does not answer '{}'", current_.text),
+                "check power, cable and the name of the port");
+  if (now - asked_at_ < alive_interval) return;
+  asked_at_ = now;
+  port_.send_realtime(realtime::status);
+}
+
+}  // namespace lamplock::link

@@ -1,0 +1,291 @@
+#include "host/link/line_sender.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "host/error.hpp"
+
+namespace lamplock::link {
+namespace {
+
+using Time = std::chrono::microseconds;
+
+constexpr Time longest_wait{20'000};
+constexpr Time shortest_wait{1'000};
+/// Reports in a row that make an end: an idle one may come between an ok and the motion.
+constexpr int idle_reports_at_end = 2;
+constexpr double us_per_s = 1e6;
+/// Words that some program has for something else than a dwell do not make anybody wait for days.
+constexpr double longest_dwell_us = 3'600 * us_per_s;
+
+/// What a line takes in the board's buffer: its end, too.
+std::size_t size_of(const std::string& text) { return text.size() + 1; }
+
+/// Changes the board's memory or state: nothing else is sent until it is answered.
+bool goes_alone(const std::string& text) { return text.starts_with('$'); }
+
+}  // namespace
+
+LineSender::LineSender(LinePort& port, std::vector<ProgramLine> lines, LineOptions options)
+    : port_(port), lines_(std::move(lines)), options_(std::move(options)) {}
+
+bool LineSender::step() {
+  if (phase_ == Phase::ended) return false;
+  if (phase_ == Phase::greeting) {
+    begin();
+    return true;
+  }
+  receive();
+  if (phase_ != Phase::ended) check_connection();
+  if (phase_ == Phase::streaming) fill_window();
+  if (phase_ == Phase::streaming) check_end();
+  if (phase_ == Phase::streaming) check_answers();
+  if (phase_ == Phase::stopping) insist_on_stop();
+  if (phase_ == Phase::ended) {
+    if (stop_error_) std::rethrow_exception(stop_error_);
+    return false;
+  }
+  poll();
+  port_.flush();
+  port_.transport().wait(port_.backlog() > 0 ? shortest_wait : longest_wait);
+  return true;
+}
+
+void LineSender::begin() {
+  greeting_ = greet(port_, options_.greeting);
+  status_ = greeting_.status;
+  if (status_.is("Alarm"))
+    throw Error(Exit::job_failed, "machine", "is in alarm",
+                "see what stopped it, then unlock it with $X or home it with $H");
+  if (!status_.rests())
+    throw Error(Exit::job_failed, "machine", "is busy: " + status_.state,
+                "wait until it is idle, or reset it");
+  check_lengths();
+  const Time now = port_.transport().now();
+  started_at_ = heard_at_ = now;
+  asked_at_ = now - options_.status_interval;
+  phase_ = Phase::streaming;
+}
+
+void LineSender::check_lengths() const {
+  for (const ProgramLine& line : lines_)
+    if (size_of(line.text) > greeting_.window_bytes)
+      throw Error(Exit::bad_input, fmt::format("line {}", line.number),
+                  fmt::format("has {} characters, the board's buffer {}", size_of(line.text),
+                              greeting_.window_bytes),
+                  "make it shorter");
+}
+
+void LineSender::receive() {
+  while (phase_ != Phase::ended) {
+    const auto line = port_.receive();
+    if (!line) return;
+    heard_at_ = port_.transport().now();
+    take(*line);
+  }
+}
+
+void LineSender::take(const std::string& line) {
+  if (auto status = parse_status(line)) return take_status(std::move(*status));
+  if (const auto answer = parse_answer(line)) return take_answer(*answer);
+  if (const auto alarm = parse_alarm(line)) return take_alarm(*alarm);
+  if (is_banner(line)) return take_banner();
+  if (options_.on_text) options_.on_text(line);
+}
+
+void LineSender::take_status(BoardStatus status) {
+  if (status.work_offset.empty()) status.work_offset = std::move(status_.work_offset);
+  status_ = std::move(status);
+  status_of_ = asked_;
+  status_open_ = false;
+  idle_reports_ = fresh() && status_.rests() ? idle_reports_ + 1 : 0;
+  if (status_.is("Alarm") && phase_ == Phase::streaming) end(LineEnd::alarm);
+}
+
+void LineSender::take_answer(int error) {
+  if (answered_ == sent_) return;  // of nobody's line
+  bytes_under_way_ -= size_of(lines_[answered_].text);
+  ++answered_;
+  asked_before_ = asked_;
+  idle_reports_ = 0;
+  idle_short_ = false;
+  if (error != 0) take_error(error);
+}
+
+/// What follows an error until the board has stopped is its consequence, and not told.
+void LineSender::take_error(int error) {
+  if (phase_ == Phase::stopping) return;
+  errors_.push_back({lines_[answered_ - 1].number, error});
+  if (!options_.go_on) begin_stop(LineEnd::error);
+}
+
+void LineSender::take_alarm(int number) {
+  alarm_ = number;
+  end(LineEnd::alarm);
+}
+
+void LineSender::take_banner() {
+  if (phase_ == Phase::stopping && reset_) return finish_stop();
+  end(LineEnd::restarted);
+}
+
+void LineSender::poll() {
+  const Time since = port_.transport().now() - asked_at_;
+  if (since < (status_open_ ? options_.status_timeout : options_.status_interval)) return;
+  port_.send_realtime(realtime::status);
+  asked_at_ = port_.transport().now();
+  ++asked_;
+  status_open_ = true;
+}
+
+bool LineSender::fits(const std::string& text) const {
+  const bool alone = sent_ == answered_;
+  if (goes_alone(text) && !alone) return false;
+  if (!alone && goes_alone(lines_[sent_ - 1].text)) return false;
+  return bytes_under_way_ + size_of(text) <= greeting_.window_bytes;
+}
+
+void LineSender::fill_window() {
+  while (sent_ < lines_.size() && fits(lines_[sent_].text)) {
+    const std::string& text = lines_[sent_].text;
+    port_.send_line(text);
+    bytes_under_way_ += size_of(text);
+    ++sent_;
+  }
+}
+
+void LineSender::check_connection() {
+  const Time silence = port_.transport().now() - heard_at_;
+  if (port_.transport().connected() && silence < options_.silence_limit) return;
+  end(LineEnd::lost);
+}
+
+void LineSender::check_end() {
+  if (answered_ == lines_.size() && idle_reports_ >= idle_reports_at_end) end(LineEnd::done);
+}
+
+/// A board that rests while answers are missing has lost them, or never had the lines.
+void LineSender::check_answers() {
+  const bool idle_short = status_.rests() && answered_ < sent_;
+  const Time now = port_.transport().now();
+  if (idle_short && !idle_short_) idle_since_ = now;
+  idle_short_ = idle_short;
+  if (idle_short && now - idle_since_ > answers_due()) begin_stop(LineEnd::unanswered);
+}
+
+LineSender::Time LineSender::answers_due() const {
+  double dwell_us = 0;
+  for (std::size_t i = answered_; i < sent_; ++i)
+    dwell_us += longest_dwell_s(lines_[i].text) * us_per_s;
+  return options_.answer_timeout +
+         Time(static_cast<Time::rep>(std::min(dwell_us, longest_dwell_us)));
+}
+
+void LineSender::hold() {
+  if (phase_ == Phase::streaming) port_.send_realtime(realtime::hold);
+}
+
+void LineSender::resume() {
+  if (phase_ != Phase::streaming) return;
+  port_.send_realtime(realtime::resume);
+  asked_held_ = asked_before_ = asked_;
+  idle_reports_ = 0;
+}
+
+void LineSender::stop() {
+  if (phase_ == Phase::greeting) return end(LineEnd::stopped);
+  if (phase_ == Phase::streaming) begin_stop(LineEnd::stopped);
+}
+
+void LineSender::fail(std::exception_ptr error) {
+  if (phase_ == Phase::streaming) return begin_stop(LineEnd::stopped, std::move(error));
+  if (phase_ != Phase::stopping) std::rethrow_exception(error);
+  if (!stop_error_) stop_error_ = std::move(error);
+}
+
+bool LineSender::waits() const {
+  return phase_ == Phase::streaming && status_.waits() && status_of_ > asked_held_;
+}
+
+std::size_t LineSender::next_line() const {
+  return answered_ < lines_.size() ? lines_[answered_].number : 0;
+}
+
+/// Some boards answer the line of a pause before it, some after it.
+bool LineSender::at_pause() const {
+  const bool next = answered_ < sent_ && is_pause(lines_[answered_].text);
+  return next || (answered_ > 0 && is_pause(lines_[answered_ - 1].text));
+}
+
+/// From here on only one thing matters: that the machine stands.
+void LineSender::begin_stop(LineEnd how, std::exception_ptr error) {
+  phase_ = Phase::stopping;
+  stop_end_ = how;
+  stop_error_ = std::move(error);
+  port_.drop_lines();
+  port_.send_realtime(realtime::hold);
+  const Time now = port_.transport().now();
+  urged_at_ = now;
+  asked_before_ = asked_;
+  stop_by_ = now + options_.stop_timeout;
+  if (!status_open_) asked_at_ = now - options_.status_interval;  // ask at once
+}
+
+/// Holds until the machine stands, then resets until it says that it has begun anew.
+void LineSender::insist_on_stop() {
+  const Time now = port_.transport().now();
+  if (status_.is("Alarm") && fresh()) return finish_stop();
+  if (now >= stop_by_) throw_not_stopped();
+  if (!held_ && status_.stands() && fresh()) {
+    held_ = true;
+    urged_at_ = now - options_.repeat;
+  }
+  if (now - urged_at_ < options_.repeat) return;
+  urged_at_ = now;
+  port_.send_realtime(held_ ? realtime::reset : realtime::hold);
+  reset_ = held_;
+}
+
+void LineSender::finish_stop() { end(status_.is("Alarm") ? LineEnd::alarm : stop_end_); }
+
+void LineSender::end(LineEnd how) {
+  if (phase_ == Phase::ended) return;
+  port_.drop_lines();
+  elapsed_ = elapsed();
+  end_ = how;
+  phase_ = Phase::ended;
+}
+
+void LineSender::throw_not_stopped() {
+  end(stop_end_);
+  const std::string why = errors_.empty() ? ""
+                                          : fmt::format(" after line {}, {}", errors_.back().line,
+                                                        error_text(errors_.back().error));
+  throw Error(Exit::job_failed, "machine",
+              fmt::format("could not be stopped{}; it may still move and fire; the last line it "
+                          "answered is {}",
+                          why, result().last_line),
+              "press its emergency stop or switch it off");
+}
+
+Time LineSender::elapsed() const {
+  if (phase_ == Phase::greeting) return Time{0};
+  return phase_ == Phase::ended ? elapsed_ : port_.transport().now() - started_at_;
+}
+
+LineResult LineSender::result() const {
+  LineResult result;
+  result.end = end_;
+  result.sent = sent_;
+  result.answered = answered_;
+  result.last_line = answered_ == 0 ? 0 : lines_[answered_ - 1].number;
+  result.errors = errors_;
+  result.alarm = alarm_;
+  result.status = status_;
+  result.elapsed = elapsed();
+  return result;
+}
+
+}  // namespace lamplock::link

@@ -1,0 +1,182 @@
+// Sends a program of G-code line by line and sees it through until the machine rests.
+//
+// In:  the lines of a program, a port, the wishes of the user (hold, resume, stop, real-time
+// bytes). Out: lines and real-time bytes; progress; at the end how it went. Who: the command line.
+// Not thread-safe.
+//
+// Characters are counted ("Grbl v1.1 Interface", streaming protocol): a line is sent when it fits
+// into what is left of the board's receive buffer, and leaves it with its ok or error. So the
+// buffer never overflows, and the board always has the next lines.
+//
+// The end of a program is two status reports in a row, asked for after the last answer, that say
+// Idle: an ok alone means that a line was understood, not that it was run.
+//
+// Whatever ends a program early - the user, an error, a fault of our own - the board is held (`!`)
+// and reset (0x18) once it stands, which drops the lines in its buffers without losing its
+// position. Only when it has begun anew, or is in alarm, the sender is at its end.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/link/board_text.hpp"
+#include "host/link/dialog.hpp"
+#include "host/link/line_port.hpp"
+#include "host/link/program_lines.hpp"
+
+namespace lamplock::link {
+
+/// How patient the sender is. All times are times of the transport.
+struct LineOptions {
+  Patience greeting;
+  std::chrono::microseconds status_interval{200'000};   ///< between `?`
+  std::chrono::microseconds status_timeout{1'000'000};  ///< until a `?` counts as lost
+  std::chrono::microseconds silence_limit{5'000'000};   ///< until the connection counts as cut
+  std::chrono::microseconds repeat{500'000};            ///< between `!` or resets not obeyed
+  std::chrono::microseconds stop_timeout{15'000'000};   ///< until a machine has to stand
+  /// An idle board with answers missing: they are lost after this and what the lines may dwell.
+  std::chrono::microseconds answer_timeout{10'000'000};
+  bool go_on = false;                               ///< after errors
+  std::function<void(const std::string&)> on_text;  ///< messages of the board
+};
+
+/// How a program ended.
+enum class LineEnd : std::uint8_t {
+  done,        ///< everything run; with go_on there may have been errors
+  error,       ///< at the first error
+  stopped,     ///< by the user
+  alarm,       ///< the board has stopped by itself
+  lost,        ///< no connection any more
+  unanswered,  ///< the board rests, and answers to lines never came
+  restarted,   ///< the board has forgotten the program: its power, or somebody's reset
+};
+
+/// A line that the board refused.
+struct LineError {
+  std::size_t line = 0;  ///< number in the file
+  int error = 0;
+};
+
+/// Result of a program that was begun.
+struct LineResult {
+  LineEnd end = LineEnd::done;
+  std::size_t sent = 0;       ///< lines
+  std::size_t answered = 0;   ///< lines
+  std::size_t last_line = 0;  ///< number in the file of the last line answered; 0 = none
+  std::vector<LineError> errors;
+  int alarm = 0;       ///< 0 = not told
+  BoardStatus status;  ///< last one received
+  std::chrono::microseconds elapsed{0};
+};
+
+/// Sends one program. Construct, step() until false, read the result.
+class LineSender {
+ public:
+  /// The port must outlive the sender.
+  LineSender(LinePort& port, std::vector<ProgramLine> lines, LineOptions options = {});
+
+  /// One round: read, answer, send, wait a little. False once the program has ended. Throws Error:
+  /// no_device (no answer), job_failed (busy, in alarm, not heard to stand after a stop), bad_input
+  /// (a line does not fit into the board's buffer).
+  bool step();
+
+  /// Something else has gone wrong while the program was looked after: steps go on until the
+  /// machine stands, then step() throws `error`. Thrown at once if there is nothing to stop.
+  void fail(std::exception_ptr error);
+
+  /// Wishes of the user.
+  void hold();
+  void resume();
+  void stop();
+  /// An override or another real-time byte, as it is.
+  void realtime(std::uint8_t byte) { port_.send_realtime(byte); }
+
+  /// The board waits for resume(): a pause of the program, a hold, a door.
+  bool waits() const;
+  /// Number in the file of the line that is answered next; 0 behind the last one.
+  std::size_t next_line() const;
+  /// It waits, or is about to, because of M0 or M1.
+  bool at_pause() const;
+
+  std::size_t lines() const { return lines_.size(); }
+  std::size_t answered() const { return answered_; }
+  const std::vector<LineError>& errors() const { return errors_; }
+  const BoardStatus& status() const { return status_; }
+  /// Since the first line, by the transport's clock.
+  std::chrono::microseconds elapsed() const;
+  const Greeting& greeting() const { return greeting_; }
+  LineResult result() const;
+
+ private:
+  using Time = std::chrono::microseconds;
+  enum class Phase : std::uint8_t { greeting, streaming, stopping, ended };
+
+  void begin();
+  void check_lengths() const;
+
+  // What comes in.
+  void receive();
+  void take(const std::string& line);
+  void take_status(BoardStatus status);
+  bool fresh() const { return status_of_ > asked_before_; }
+  void take_answer(int error);
+  void take_error(int error);
+  void take_alarm(int number);
+  void take_banner();
+
+  // What goes out.
+  void poll();
+  void fill_window();
+  bool fits(const std::string& text) const;
+
+  // The end.
+  void check_connection();
+  void check_end();
+  void check_answers();
+  Time answers_due() const;
+  void begin_stop(LineEnd how, std::exception_ptr error = {});
+  void insist_on_stop();
+  void finish_stop();
+  void end(LineEnd how);
+  [[noreturn]] void throw_not_stopped();
+
+  LinePort& port_;
+  std::vector<ProgramLine> lines_;
+  LineOptions options_;
+  Greeting greeting_;
+  Phase phase_ = Phase::greeting;
+
+  std::size_t sent_ = 0;             ///< lines, counted as in lines_
+  std::size_t answered_ = 0;         ///< the same
+  std::size_t bytes_under_way_ = 0;  ///< of lines_[answered_ .. sent_)
+  std::vector<LineError> errors_;
+
+  BoardStatus status_;
+  bool status_open_ = false;        ///< a `?` is not answered yet
+  Time asked_at_{};                 ///< when the last `?` was sent
+  std::uint64_t asked_ = 0;         ///< how many `?` were sent
+  std::uint64_t status_of_ = 0;     ///< which of them status_ answers
+  std::uint64_t asked_before_ = 0;  ///< of them before the last answer or wish: their news is old
+  std::uint64_t asked_held_ = 0;    ///< of them before the last `~`: they do not know of it
+  Time idle_since_{};               ///< idle with answers missing
+  bool idle_short_ = false;
+  int idle_reports_ = 0;
+  Time heard_at_{};
+  Time started_at_{}, elapsed_{};
+
+  LineEnd end_ = LineEnd::done;
+  LineEnd stop_end_ = LineEnd::stopped;
+  std::exception_ptr stop_error_;
+  Time stop_by_{}, urged_at_{};
+  bool held_ = false;   ///< while stopping: a report asked for after `!` says that it stands
+  bool reset_ = false;  ///< while stopping: 0x18 has been sent
+  int alarm_ = 0;
+};
+
+}  // namespace lamplock::link

@@ -1,0 +1,112 @@
+#include "host/link/program_lines.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <system_error>
+
+#include "host/error.hpp"
+#include "shared/wire/framing.hpp"
+
+namespace lamplock::link {
+namespace {
+
+constexpr unsigned char del = 0x7F;
+
+/// Takes the next line off the front, without its end.
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = text.find_first_of("\r\n");
+  const std::string_view line = text.substr(0, end);
+  if (end == std::string_view::npos)
+    text = {};
+  else
+    text.remove_prefix(end + (text.substr(end, 2) == "\r\n" ? 2 : 1));
+  return line;
+}
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t";
+  const auto first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
+}
+
+/// As the firmware reads comments: a bracket that is not closed makes the rest of the line one.
+std::string without_comments(std::string_view line) {
+  std::string result;
+  while (!line.empty()) {
+    const auto start = line.find_first_of("(;");
+    result += line.substr(0, start);
+    if (start == std::string_view::npos || line[start] == ';') break;
+    const auto end = line.find(')', start);
+    if (end == std::string_view::npos) break;
+    line.remove_prefix(end + 1);
+  }
+  return result;
+}
+
+void check(const std::string& line, const std::string& file, std::size_t number) {
+  for (const char c : line) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (wire::is_realtime(byte) || byte >= 0x80 || byte == del || (byte < ' ' && byte != '\t'))
+      throw Error(
+          Exit::bad_input, fmt::format("{}:{}", file, number),
+          fmt::format("the byte 0x{:02X} outside of a comment is a command to the board", byte),
+          "take it out; is this a program of G-code?");
+  }
+}
+
+/// The number behind a letter, white space between allowed.
+std::optional<double> number_at(std::string_view text) {
+  text = trimmed(text);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{}) return std::nullopt;
+  return value;
+}
+
+/// Calls `use` with the number of each word of this letter.
+template <class Use>
+void each_word(std::string_view line, char letter, Use use) {
+  const char small = static_cast<char>(letter - 'A' + 'a');
+  for (std::size_t i = 0; i < line.size(); ++i)
+    if (line[i] == letter || line[i] == small)
+      if (const auto number = number_at(line.substr(i + 1))) use(*number);
+}
+
+}  // namespace
+
+std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  std::vector<ProgramLine> lines;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view whole = trimmed(take_line(text));
+    const bool system = whole.starts_with('$');
+    const std::string stripped = system ? std::string(whole) : without_comments(whole);
+    std::string line(trimmed(stripped));
+    if (line.find_first_not_of("% \t") == std::string::npos) continue;
+    check(line, file, number);
+    lines.push_back({number, std::move(line)});
+  }
+  return lines;
+}
+
+bool is_pause(std::string_view line) {
+  constexpr double optional_pause = 1, pallet_pause = 60;
+  bool pause = false;
+  each_word(line, 'M', [&](double number) {
+    pause = pause || number == 0 || number == optional_pause || number == pallet_pause;
+  });
+  return pause;
+}
+
+double longest_dwell_s(std::string_view line) {
+  double sum = 0;
+  each_word(line, 'P', [&](double number) { sum += std::max(0.0, number); });
+  return sum;
+}
+
+}  // namespace lamplock::link

@@ -1,0 +1,155 @@
+// Golden runs of programs, as tests/board/program_golden/README.txt has them: text to cases.
+//
+// In:  the text of a file. Out: its cases, in order; a line that is not understood throws, with its
+//      number.
+// Who: program_golden_test.cpp.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace lamplock::test {
+
+using MmPoint = std::array<double, 3>;
+
+/// A line to be sent and what it is answered with; or, without text, a pause that is ended.
+struct GoldenLine {
+  std::string text, answer;
+  bool resume = false;
+};
+
+/// A piece of the way.
+struct GoldenWay {
+  enum class Kind { line, arc, pass, end };
+  Kind kind = Kind::line;
+  MmPoint to{};
+  std::array<std::size_t, 2> plane{0, 1};  ///< of an arc: first and second axis
+  std::array<double, 2> centre{};
+  int sense = 1;                  ///< 1 counterclockwise
+  int turns = 1;                  ///< begun
+  std::array<double, 2> light{};  ///< lowest and highest
+};
+
+struct GoldenCase {
+  std::string name;
+  std::vector<std::string> covers;
+  std::vector<GoldenLine> lines;
+  std::vector<GoldenWay> ways;
+  std::vector<std::string> says;
+  bool looks_at_light = false;
+  std::optional<double> ms;
+  double slack_ms = 0;
+};
+
+/// Reads one file.
+class GoldenReader {
+ public:
+  static std::vector<GoldenCase> read(const std::string& text) {
+    GoldenReader reader;
+    std::istringstream lines(text);
+    std::string line;
+    for (int number = 1; std::getline(lines, line); ++number) {
+      if (line.empty() || line.front() == '#') continue;
+      if (!reader.take(line))
+        throw std::runtime_error("line " + std::to_string(number) + ": " + line);
+    }
+    return reader.cases_;
+  }
+
+ private:
+  bool take(const std::string& line) {
+    std::istringstream words(line);
+    std::string what, word;
+    words >> what;
+    const std::string rest = line.size() > what.size() ? line.substr(what.size() + 1) : "";
+    if (what == "case") {
+      cases_.emplace_back().name = rest;
+      light_ = {};
+      return !rest.empty();
+    }
+    if (cases_.empty()) return false;
+    GoldenCase& now = cases_.back();
+    if (what == "covers") {
+      while (words >> word) now.covers.push_back(word);
+      return !now.covers.empty();
+    }
+    if (what == ">" || what == ">>") return take_line(now, what == ">>", rest);
+    if (what == "resume") {
+      now.lines.push_back({"", "", true});
+      return true;
+    }
+    if (what == "says") {
+      now.says.push_back(rest);
+      return true;
+    }
+    if (what == "light") {
+      now.looks_at_light = true;
+      return take_light(words);
+    }
+    if (what == "time") return take_time(now, words);
+    return take_way(now, what, words);
+  }
+
+  static bool take_line(GoldenCase& now, bool lengthened, const std::string& rest) {
+    GoldenLine line{rest, "ok", false};
+    const std::size_t behind = rest.rfind(" = ");
+    if (behind != std::string::npos) {
+      line.text = rest.substr(0, behind);
+      line.answer = rest.substr(behind + 3);
+    }
+    if (lengthened) {
+      std::istringstream words(line.text);
+      std::size_t more = 0;
+      if (!(words >> more)) return false;
+      line.text = line.text.substr(line.text.find(' ') + 1) + std::string(more, 'x');
+    }
+    now.lines.push_back(line);
+    return true;
+  }
+
+  static bool take_time(GoldenCase& now, std::istringstream& words) {
+    double ms = 0;
+    if (!(words >> ms)) return false;
+    now.ms = ms;
+    if (!(words >> now.slack_ms)) now.slack_ms = 0.1 + ms * 0.004;
+    return true;
+  }
+
+  bool take_light(std::istringstream& words) {
+    if (!(words >> light_[0])) return false;
+    if (!(words >> light_[1])) light_[1] = light_[0];
+    return true;
+  }
+
+  bool take_way(GoldenCase& now, const std::string& what, std::istringstream& words) const {
+    GoldenWay way;
+    way.light = light_;
+    if (what == "cw" || what == "ccw") {
+      way.kind = GoldenWay::Kind::arc;
+      way.sense = what == "cw" ? -1 : 1;
+      std::string plane;
+      if (!(words >> plane >> way.centre[0] >> way.centre[1]) || plane.size() != 2) return false;
+      for (std::size_t i = 0; i < 2; ++i) way.plane[i] = static_cast<std::size_t>(plane[i] - 'X');
+    } else if (what == "via") {
+      way.kind = GoldenWay::Kind::pass;
+    } else if (what == "end") {
+      way.kind = GoldenWay::Kind::end;
+    } else if (what != "to") {
+      return false;
+    }
+    if (!(words >> way.to[0] >> way.to[1] >> way.to[2])) return false;
+    words >> way.turns;
+    if (words.fail()) way.turns = 1;
+    now.ways.push_back(way);
+    return true;
+  }
+
+  std::vector<GoldenCase> cases_;
+  std::array<double, 2> light_{};
+};
+
+}  // namespace lamplock::test

@@ -1,0 +1,215 @@
+// Golden runs: programs on the virtual board against answers, ways, times and light that were
+// worked out by hand (tests/board/program_golden). Every code and every error of docs/gcode.md that
+// a line of a program can cause has a case.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <regex>
+#include <set>
+
+#include "sim/virtual_board/motion_trace.hpp"
+#include "tests/board/program_host.hpp"
+#include "tests/board/step_path.hpp"
+#include "tests/docs/page.hpp"
+
+namespace lamplock::test {
+namespace {
+
+const std::vector<std::string>& files() {
+  static const std::vector<std::string> names{"moves", "places", "cycles", "outputs", "errors"};
+  return names;
+}
+
+std::vector<GoldenCase> all_cases() {
+  std::vector<GoldenCase> all;
+  for (const std::string& name : files()) {
+    const std::string text =
+        read_repository_file(fmt::format("tests/board/program_golden/{}.golden", name));
+    const std::vector<GoldenCase> cases = GoldenReader::read(text);
+    EXPECT_FALSE(cases.empty()) << name;
+    all.insert(all.end(), cases.begin(), cases.end());
+  }
+  return all;
+}
+
+/// One case on a board of its own.
+class GoldenRun {
+ public:
+  explicit GoldenRun(const GoldenCase& golden) : case_(golden) {}
+
+  void run() {
+    sim::MotionTrace trace(rig_.board, {-most_beats, most_beats},
+                           sim::MotionTrace::Zero::first_motion);
+    StepRecord record(rig_.board);
+    send();
+    EXPECT_TRUE(host_.stand());
+    host_.run_ms(10);  // what is filled is put out
+    places_ = record.places();
+    expect_answers();
+    expect_ways();
+    expect_time(trace);
+    for (const std::string& text : case_.says)
+      EXPECT_THAT(host_.said(), testing::Contains(testing::HasSubstr(text)));
+    EXPECT_EQ(rig_.board.world().drives().total_faults(), 0u);
+    EXPECT_EQ(rig_.board.controller().program().starvations(), 0u);
+    EXPECT_FALSE(rig_.board.controller().runner().generator().underrun());
+    EXPECT_EQ(rig_.shots().size(), 0u);
+  }
+
+ private:
+  static constexpr std::int64_t most_beats = 1'000'000;
+  static constexpr double most_ms = 30'000;
+
+  void send() {
+    std::string text;
+    std::size_t answers = 0;
+    for (const GoldenLine& line : case_.lines) {
+      if (!line.resume) {
+        text += line.text + "\n";
+        ++answers;
+        continue;
+      }
+      host_.send(text);
+      text.clear();
+      // The pause itself is answered when it is over.
+      run_until([&] { return rig_.state() == MachineState::hold; });
+      EXPECT_EQ(host_.answers().size(), answers - 1);
+      host_.run_ms(5);  // what is filled is put out
+      const StepPosition stood = rig_.board.world().drives().position();
+      host_.run_ms(20);
+      EXPECT_EQ(rig_.state(), MachineState::hold);
+      EXPECT_EQ(rig_.board.world().drives().position(), stood);
+      EXPECT_FALSE(rig_.board.world().beam().at(rig_.board.now()).shines());
+      host_.send("~");
+    }
+    host_.send(text);
+    run_until([&] { return host_.answers().size() >= answers; });
+  }
+  template <class Done>
+  void run_until(Done done) {
+    for (double ms = 0; ms < most_ms && !done(); ms += 1) host_.run_ms(1);
+  }
+
+  void expect_answers() const {
+    std::vector<std::string> wanted;
+    for (const GoldenLine& line : case_.lines)
+      if (!line.resume) wanted.push_back(line.answer);
+    EXPECT_EQ(host_.answers(), wanted);
+  }
+
+  void expect_ways() const {
+    WayFollower follower(places_);
+    for (const GoldenWay& way : case_.ways) {
+      const std::string what = fmt::format("way to {} {} {}", way.to[0], way.to[1], way.to[2]);
+      ASSERT_EQ(follower.follow(way), "") << what;
+      if (case_.looks_at_light) expect_light(way, follower, what);
+    }
+    EXPECT_TRUE(follower.at_end()) << "goes on from " << follower.text_of(follower.last());
+  }
+
+  void expect_light(const GoldenWay& way, const WayFollower& follower,
+                    const std::string& what) const {
+    const std::size_t quarter = (follower.last() - follower.first()) / 4;
+    const std::vector<sim::BeamChange> changes = rig_.board.world().beam().changes();
+    double least = 1, most = 0;
+    for (std::size_t i = follower.first() + quarter; i + quarter < follower.last(); ++i) {
+      const auto behind = std::upper_bound(
+          changes.begin(), changes.end(), places_[i].at,
+          [](sim::Picoseconds at, const sim::BeamChange& change) { return at < change.at; });
+      const double light = behind == changes.begin() ? 0 : std::prev(behind)->light() / 65535.0;
+      least = std::min(least, light);
+      most = std::max(most, light);
+    }
+    EXPECT_NEAR(least, way.light[0], 0.01) << what;
+    EXPECT_NEAR(most, way.light[1], way.light[1] == 0 ? 0 : 0.01) << what;
+  }
+
+  void expect_time(const sim::MotionTrace& trace) const {
+    if (!case_.ms) return;
+    std::uint64_t first = 0, end = 0;
+    for (const sim::MotionPiece& piece : trace.pieces()) {
+      if (!piece.moves()) continue;
+      if (end == 0) first = piece.first_tick;
+      end = piece.end_tick();
+    }
+    const double ms = static_cast<double>(end - first) * 1000 / ticks_per_second;
+    EXPECT_GE(ms, *case_.ms - 0.1);
+    EXPECT_LE(ms, *case_.ms + case_.slack_ms);
+  }
+
+  const GoldenCase& case_;
+  job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
+  Rig rig_{profile_};
+  ProgramHost host_{rig_};
+  std::vector<PassedPlace> places_;
+};
+
+TEST(ProgramGolden, RunsAsWorkedOut) {
+  for (const GoldenCase& golden : all_cases()) {
+    SCOPED_TRACE(fmt::format("case {}", golden.name));
+    GoldenRun(golden).run();
+  }
+}
+
+/// First cells of the rows of a table.
+std::vector<std::string> first_cells(const std::string& heading) {
+  const std::string page = read_repository_file("docs/gcode.md");
+  const std::size_t from = page.find(fmt::format("\n## {}\n", heading));
+  if (from == std::string::npos) return {};
+  const std::string text = page.substr(from, page.find("\n## ", from + 1) - from);
+  const std::regex row("\n\\| ([GM0-9][^|]*) \\|");
+  std::vector<std::string> cells;
+  for (std::sregex_iterator r(text.begin(), text.end(), row), last; r != last; ++r)
+    cells.push_back((*r)[1]);
+  return cells;
+}
+
+/// Errors that no line of a program can cause here, and why.
+const std::set<std::string> not_of_lines{
+    "error:5",   // $H
+    "error:6",   // settings
+    "error:7",   // settings, at the start
+    "error:8",   // $ commands; lines only in a job or while the beat is not decided
+    "error:10",  // settings
+    "error:12",  // settings
+    "error:13",  // $ commands
+    "error:14",  // $N, $I
+    "error:17",  // settings
+    "error:18",  // a reset comes in between
+    "error:40",  // there is no tool change
+    "error:45",  // homing
+    "error:46",  // homing
+    "error:50",  // $ commands while the emergency stop is active
+    "error:52",  // settings
+    "error:53",  // settings
+};
+
+TEST(ProgramGolden, HasACaseForEveryCodeAndEveryError) {
+  std::set<std::string> covered, wanted;
+  for (const GoldenCase& golden : all_cases()) {
+    for (const std::string& what : golden.covers) {
+      covered.insert(what);
+      const bool error = what.starts_with("error:");
+      // A code may stand before another word, but not before a digit or a point.
+      const std::regex code(fmt::format("(^|[^A-Z]){}($|[^0-9.])", what));
+      const bool there =
+          std::any_of(golden.lines.begin(), golden.lines.end(), [&](const GoldenLine& line) {
+            return error ? line.answer == what : std::regex_search(line.text, code);
+          });
+      EXPECT_TRUE(there) << golden.name << " has no " << what;
+    }
+  }
+  const std::regex code("[GM][0-9.]+");
+  for (const std::string& cell : first_cells("Codes"))
+    for (std::sregex_iterator c(cell.begin(), cell.end(), code), last; c != last; ++c)
+      wanted.insert(c->str());
+  for (const std::string& cell : first_cells("Errors")) {
+    const std::string error = fmt::format("error:{}", cell);
+    if (not_of_lines.count(error) == 0) wanted.insert(error);
+  }
+  EXPECT_GT(wanted.size(), 100u);
+  EXPECT_EQ(covered, wanted);
+}
+
+}  // namespace
+}  // namespace lamplock::test

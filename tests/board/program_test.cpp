@@ -1,0 +1,280 @@
+// Programs of G-code on the virtual board: answers, where they end, how long they take, holds,
+// overrides, jogs, resets, the end of the work space.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "host/program/program_run.hpp"
+#include "tests/board/program_host.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr double steps_per_mm = 200;
+
+StepPosition at_mm(double x, double y, double z = 0) {
+  const auto steps = [](double mm) {
+    return static_cast<std::int32_t>(std::lround(mm * steps_per_mm));
+  };
+  return {steps(x), steps(y), steps(z), 0};
+}
+
+class Program : public testing::Test {
+ protected:
+  void TearDown() override {
+    const stepper::TickGenerator& generator = rig_.board.controller().runner().generator();
+    EXPECT_FALSE(generator.underrun());
+    EXPECT_EQ(rig_.shots().size(), shots_);
+  }
+
+  job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
+  Rig rig_{profile_};
+  ProgramHost host_{rig_};
+  std::size_t shots_ = 0;
+};
+
+TEST_F(Program, RunsToItsEndInTheTimeThatCheckSays) {
+  const std::string program =
+      "G21 G90\nG0 X10 Y5\nG1 X20 F3000\nG2 X30 Y15 I0 J10\nG1 Z-2 F600\nG91 G1 X-3.5 Y0.25\n"
+      "G90 G0 X0 Y0 Z0\n";
+  const auto plan = program_run::run_program(program, profile_.settings, 1);
+  ASSERT_TRUE(plan.problems.empty());
+  const auto begin = rig_.board.now();
+  ASSERT_TRUE(host_.stream(program));
+  EXPECT_THAT(host_.answers(), AllOf(testing::SizeIs(7), Each("ok")));
+  EXPECT_EQ(host_.position(), at_mm(0, 0));
+  const double seconds = static_cast<double>(rig_.board.now() - begin) / 1e12;
+  EXPECT_GE(seconds, plan.seconds());
+  EXPECT_LE(seconds, plan.seconds() + 0.010);
+  EXPECT_EQ(rig_.board.controller().program().starvations(), 0u);
+}
+
+TEST_F(Program, AnswersEveryLineOnceAndGoesOnAfterAnError) {
+  EXPECT_THAT(host_.ask("G1 X1\n\nG41 D1\nG1 X1 F600\nG99999\n(a comment)\n"),
+              ElementsAre("error:22", "ok", "error:20", "ok", "error:20", "ok"));
+  ASSERT_TRUE(host_.stand());
+  EXPECT_EQ(host_.position(), at_mm(1, 0));
+}
+
+TEST_F(Program, DwellsPausesAndEnds) {
+  const auto begin = rig_.board.now();
+  EXPECT_THAT(host_.ask("G1 X1 F6000\nG4 P0.5\nM0\n", 0.9), Contains("ok").Times(2));
+  EXPECT_THAT(host_.status(), StartsWith("<Hold:0|MPos:1.000,"));
+  EXPECT_GT(rig_.board.now() - begin, ps_per_s / 2);
+  host_.send("~");
+  host_.run_ms(2);
+  EXPECT_EQ(host_.answers().size(), 3u);
+  EXPECT_THAT(host_.ask("G1 X2\nM30\n"), ElementsAre("ok", "[MSG:Pgm End]", "ok"));
+  EXPECT_EQ(host_.position(), at_mm(2, 0));
+  EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
+}
+
+TEST_F(Program, HoldsAtAnyMomentAndEndsWhereItShould) {
+  std::mt19937 random(7);
+  for (int i = 0; i < static_cast<int>(scaled(20)); ++i) {
+    Rig rig(profile_);
+    ProgramHost host(rig);
+    host.send("G1 X8 F9000\nG3 X0 Y16 I-8 J8\nG1 X-20 Y3\nX0 Y0\n");
+    host.run_ms(std::uniform_real_distribution<>(1, 400)(random));
+    host.send("!");
+    host.run_ms(400);
+    EXPECT_THAT(host.status(), StartsWith("<Hold:0|"));
+    const StepPosition stood = host.position();
+    host.run_ms(100);
+    EXPECT_EQ(host.position(), stood);
+    host.send("~");
+    ASSERT_TRUE(host.stand());
+    EXPECT_EQ(host.position(), at_mm(0, 0));
+    EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
+  }
+}
+
+TEST_F(Program, OverridesAreInForceWithin50Milliseconds) {
+  host_.send("G1 X45 F3000\n");
+  host_.run_ms(200);
+  EXPECT_THAT(host_.status(), HasSubstr("|FS:3000,"));
+  for (int i = 0; i < 5; ++i) host_.send(std::uint8_t{0x92});  // -10 %
+  host_.run_ms(48);
+  EXPECT_THAT(host_.status(), HasSubstr("|FS:1500,"));
+  host_.send(std::uint8_t{0x90});
+  host_.run_ms(70);
+  EXPECT_THAT(host_.status(), HasSubstr("|FS:3000,"));
+  host_.run_ms(20);
+  ASSERT_TRUE(host_.stand());
+  EXPECT_EQ(host_.position(), at_mm(45, 0));
+}
+
+TEST_F(Program, JogsAndCancels) {
+  EXPECT_THAT(host_.ask("$J=G91 X5 F1200\n"), ElementsAre("ok"));
+  host_.run_ms(50);
+  EXPECT_THAT(host_.status(), StartsWith("<Jog|"));
+  EXPECT_THAT(host_.ask("G1 X1 F100\n"), ElementsAre("error:9"));
+  ASSERT_TRUE(host_.stand());
+  EXPECT_EQ(host_.position(), at_mm(5, 0));
+  EXPECT_THAT(host_.ask("$J=X200 F1200\n"), ElementsAre("error:15"));
+  EXPECT_THAT(host_.ask("$J=X40 F6000\n"), ElementsAre("ok"));
+  host_.run_ms(100);
+  host_.send(std::uint8_t{0x85});
+  host_.run_ms(200);
+  EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
+  const StepPosition stopped = host_.position();
+  EXPECT_GT(stopped[0], at_mm(5, 0)[0]);
+  EXPECT_LT(stopped[0], at_mm(30, 0)[0]);
+  // The program goes on from where the machine is.
+  EXPECT_THAT(host_.ask("G91 G1 Y1 F600\n"), ElementsAre("ok"));
+  ASSERT_TRUE(host_.stand());
+  EXPECT_EQ(host_.position(), (StepPosition{stopped[0], 200, 0, 0}));
+}
+
+TEST_F(Program, ResetInMotionStopsOnThePathAndLocks) {
+  host_.send("G1 X40 Y20 F6000\nG1 X0 Y0\n");
+  host_.run_ms(150);
+  host_.send(std::uint8_t{0x18});
+  host_.run_ms(400);
+  EXPECT_TRUE(host_.has_said("ALARM:3"));
+  EXPECT_TRUE(host_.has_said("Grbl 1.1h ['$' for help]"));
+  EXPECT_THAT(host_.status(), StartsWith("<Alarm|"));
+  const StepPosition stopped = host_.position();
+  EXPECT_NEAR(stopped[0], 2 * stopped[1], 2);
+  EXPECT_THAT(host_.ask("G1 X1\n$X\nG1 X0 Y0 F600\n"), Contains("error:9"));
+  ASSERT_TRUE(host_.stand());
+  EXPECT_EQ(host_.position(), at_mm(0, 0));
+}
+
+TEST_F(Program, ResetInAHoldKeepsThePosition) {
+  host_.send("G1 X40 F6000\n");
+  host_.run_ms(150);
+  host_.send("!");
+  host_.run_ms(300);
+  host_.send(std::uint8_t{0x18});
+  host_.run_ms(20);
+  EXPECT_FALSE(host_.has_said("ALARM:3"));
+  EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
+  EXPECT_THAT(host_.ask("G1 X0 F3000\n"), ElementsAre("ok"));
+  ASSERT_TRUE(host_.stand());
+  EXPECT_EQ(host_.position(), at_mm(0, 0));
+}
+
+TEST_F(Program, LeavesNotTheWorkSpace) {
+  host_.send("G1 X10 F6000\nG1 X60\nG1 X0\n");
+  host_.run_ms(1000);
+  EXPECT_THAT(host_.answers(), ElementsAre("ok", "error:33", "error:9"));
+  EXPECT_TRUE(host_.has_said("ALARM:2"));
+  EXPECT_EQ(host_.position(), at_mm(10, 0));
+}
+
+TEST_F(Program, AcceptsNoMoreThanItsWindow) {
+  std::string text;
+  for (int i = 0; i < 4000; ++i) text += i % 2 == 0 ? "G1 X1.234 F600\n" : "G1 X-1.234 F600\n";
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
+  std::size_t taken = 0;
+  for (int i = 0; i < 200; ++i) {
+    taken += rig_.board.write({bytes + taken, text.size() - taken});
+    host_.run_ms(1);
+  }
+  EXPECT_LT(taken, text.size());
+  EXPECT_LT(rig_.board.controller().receive_room(), 20u);
+}
+
+TEST_F(Program, ChecksWithoutMoving) {
+  EXPECT_THAT(host_.ask("$C\nG1 X10 F600\nG41\nM30\n"),
+              AllOf(Contains("[MSG:Enabled]"), Contains("error:20")));
+  EXPECT_THAT(host_.status(), StartsWith("<Check|MPos:0.000,"));
+  EXPECT_THAT(host_.ask("$C\n"), Contains("[MSG:Disabled]"));
+  EXPECT_EQ(host_.position(), at_mm(0, 0));
+}
+
+/// M4: power as the speed, nothing in rapids and where the machine stands.
+TEST_F(Program, ShinesAlongItsMovesAsFastAsTheyAre) {
+  EXPECT_THAT(host_.ask("$32=1\n"), ElementsAre("ok"));
+  host_.send("M4 S500\nG0 X5\nG1 X25 F3000\nG0 X30\nM3 S250\nG1 X35 F600\nG4 P0.1\nM5\n");
+  const auto begin = rig_.board.now();
+  double highest = 0;
+  for (int i = 0; i < 2000 && !(i > 100 && rig_.state() == MachineState::idle); ++i) {
+    host_.run_ms(1);
+    const sim::BeamChange beam = rig_.board.world().beam().at(rig_.board.now());
+    const double mm = host_.position()[0] / steps_per_mm;
+    const double power = beam.light() / 65535.0;
+    highest = std::max(highest, power);
+    // The position is what is filled, some milliseconds ahead.
+    const bool cuts = (mm > 6 && mm < 25) || (mm > 31 && mm < 35);
+    const bool rests = mm < 4.9 || (mm > 25.5 && mm < 29.9);
+    EXPECT_TRUE(!rests || power == 0) << power << " at " << mm;
+    EXPECT_TRUE(!cuts || power > 0) << mm;
+    EXPECT_TRUE(mm < 10 || mm > 20 || std::abs(power - 0.5) < 0.01) << power << " at " << mm;
+    EXPECT_TRUE(mm < 31 || mm > 34 || std::abs(power - 0.25) < 0.01) << power << " at " << mm;
+  }
+  EXPECT_NEAR(highest, 0.5, 0.01);
+  EXPECT_EQ(host_.position(), at_mm(35, 0));
+  host_.run_ms(10);
+  EXPECT_FALSE(rig_.board.world().beam().shone(rig_.board.now() - ps_per_ms, rig_.board.now()));
+  // 20 mm at 50 mm/s and half power, 5 mm at 10 mm/s and a quarter.
+  EXPECT_NEAR(rig_.board.world().beam().energy(begin, rig_.board.now()), 0.2 + 0.125, 0.005);
+}
+
+TEST_F(Program, TheLaserIsOffWhenTheDoorOpens) {
+  EXPECT_THAT(host_.ask("$32=1\n"), ElementsAre("ok"));
+  host_.send("M3 S1000\nG1 X40 F1200\n");
+  host_.run_ms(300);
+  EXPECT_TRUE(rig_.board.world().beam().at(rig_.board.now()).shines());
+  rig_.board.world().schedule(sim::Pin::door, true, rig_.board.now());
+  host_.run_ms(5);
+  EXPECT_FALSE(rig_.board.world().beam().at(rig_.board.now()).shines());
+  host_.run_ms(200);
+  EXPECT_THAT(host_.status(), StartsWith("<Door:1|"));
+}
+
+TEST_F(Program, TellsItsState) {
+  EXPECT_THAT(host_.ask("$G\n"), ElementsAre("[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]", "ok"));
+  EXPECT_THAT(host_.ask("G10 L2 P1 X1 Y2\nG91 G20\n$#\n"), Contains("[G54:1.000,2.000,0.000]"));
+  EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr("G20 G91")));
+  EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
+  EXPECT_THAT(host_.ask("$N0=G21 G90\n$N\n"), ElementsAre("ok", "$N0=G21 G90", "$N1=", "ok"));
+  host_.run_ms(2);
+  // A board that starts with what this one kept.
+  sim::VirtualBoard next(rig_.board.stored_settings(), world_for(profile_),
+                         rig_.board.kept_program());
+  next.run_until(5 * ps_per_ms);
+  EXPECT_EQ(next.controller().reader().kept().parameters.systems_e7[0][1], 20'000'000);
+}
+
+/// One after the other, each from where the other has left the machine.
+TEST_F(Program, AndJobsTakeTurns) {
+  const job::Job job = job::make_job({{1, 0, 0}, {1, 2, 0}, {3, 2, 0}}, profile_, {});
+  for (const double x : {5.0, -7.0}) {
+    host_.send(fmt::format("G90 G1 X{} Y1 F3000\n", x));
+    host_.run_ms(20);
+    EXPECT_ANY_THROW(run_job(rig_, job));
+    ASSERT_TRUE(host_.stand());
+    EXPECT_EQ(host_.position(), at_mm(x, 1));
+    const std::size_t before = rig_.shots().size();
+    link::SenderOptions options;
+    options.session = static_cast<std::uint32_t>(100 + x);
+    EXPECT_EQ(run_job(rig_, job, options).end, link::JobEnd::done);
+    EXPECT_EQ(rig_.shots().size(), before + 3);
+    EXPECT_THAT(host_.ask("G91 G1 X-0.5 F600\n"), Contains("ok"));
+    ASSERT_TRUE(host_.stand());
+    EXPECT_EQ(host_.position(), at_mm(2.5, 2));
+  }
+  shots_ = 6;
+}
+
+TEST_F(Program, WakesFromSleepByAReset) {
+  EXPECT_THAT(host_.ask("$SLP\nG1 X1 F100\n"), Contains("error:9"));
+  EXPECT_THAT(host_.status(), StartsWith("<Sleep|"));
+  EXPECT_FALSE(rig_.board.controller().outputs().drives_enable);
+  host_.send(std::uint8_t{0x18});
+  host_.run_ms(5);
+  EXPECT_THAT(host_.status(), StartsWith("<Alarm|"));
+}
+
+}  // namespace
+}  // namespace lamplock::test

@@ -1,0 +1,192 @@
+// `lamplock send` with programs of G-code, to a model of grbl behind a TCP port.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "sim/endpoint/tcp_endpoint.hpp"
+#include "tests/cli/program.hpp"
+#include "tests/link/grbl_model.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using namespace std::chrono_literals;
+using lamplock::test::GrblModel;
+using testing::HasSubstr;
+
+/// The model at the pace of the wall clock. Its state is to be looked at after stop() only.
+class Served {
+ public:
+  explicit Served(std::unique_ptr<GrblModel> model = std::make_unique<GrblModel>())
+      : model_(std::move(model)), thread_([this] { serve(); }) {}
+  ~Served() { stop(); }
+  std::string address() const { return port_->address(); }
+  GrblModel& stop() {
+    end_ = true;
+    if (thread_.joinable()) thread_.join();
+    return *model_;
+  }
+  /// The cable is pulled.
+  void cut() {
+    stop();
+    port_.reset();
+  }
+
+ private:
+  void serve() {
+    std::array<std::uint8_t, 512> bytes{};
+    while (!end_) {
+      const std::size_t count = port_->read(bytes);
+      model_->write(std::span(bytes).first(count));
+      model_->wait(1ms);
+      const std::size_t said = model_->read(bytes);
+      port_->write(std::span(bytes).first(said));
+      std::this_thread::sleep_for(1ms);
+    }
+  }
+
+  std::optional<sim::TcpEndpoint> port_{std::in_place, "127.0.0.1:0"};
+  std::unique_ptr<GrblModel> model_;
+  std::atomic<bool> end_{false};
+  std::thread thread_;
+};
+
+std::string many_moves(int count) {
+  std::string text = "G21 (units)\n";
+  for (int i = 1; i < count; ++i) text += "G1 X" + std::to_string(i) + "\n";
+  return text;
+}
+
+TEST(SendProgram, sends_it_and_tells) {
+  const Folder folder;
+  const std::string file = folder.write("a.ngc", "%\n(a?)\nG21\nG1 X1 ; one!\n\nM30\n%\n");
+  Served board;
+  const Finished done = run({"send", file, "--board", board.address(), "--yes", "--json"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  const auto document = nlohmann::json::parse(done.out);
+  EXPECT_EQ(document["end"], "done");
+  EXPECT_EQ(document["lines"], 3);
+  EXPECT_EQ(document["answered"], 3);
+  EXPECT_EQ(document["last_line"], 6);
+  EXPECT_EQ(document["errors"], nlohmann::json::array());
+  EXPECT_EQ(document["position"], (nlohmann::json{1.5, -2, 0}));
+  EXPECT_GT(document["seconds"].get<double>(), 0);
+  EXPECT_EQ(board.stop().lines, (std::vector<std::string>{"G21", "G1 X1", "M30"}));
+}
+
+TEST(SendProgram, tells_the_line_of_an_error) {
+  const Folder folder;
+  const std::string file = folder.write("a.nc", "G21\n\nG1 X2\n" + many_moves(100));
+  auto model = std::make_unique<GrblModel>();
+  model->refused["G1 X2"] = 22;
+  Served board(std::move(model));
+  const Finished wrong = run({"send", file, "--board", board.address(), "--yes"});
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_THAT(wrong.err,
+              HasSubstr("error: " + file + ":3: error:22 the feed is zero or has not been set; "));
+  EXPECT_EQ(lines(wrong.err).size(), 1u) << wrong.err;
+  EXPECT_EQ(board.stop().resets, 1);
+}
+
+TEST(SendProgram, goes_on_after_errors_if_told) {
+  const Folder folder;
+  const std::string file = folder.write("a.nc", "G21\nbad\nG1 X1\nbad\nM30\n");
+  auto model = std::make_unique<GrblModel>();
+  model->refused["bad"] = 1;
+  Served board(std::move(model));
+  const Finished wrong = run({"send", file, "--board", board.address(), "--yes", "--go-on"});
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_THAT(wrong.err, HasSubstr(file + ":2: error:1 "));
+  EXPECT_THAT(wrong.err, HasSubstr(file + ":4: error:1 "));
+  EXPECT_THAT(wrong.err, HasSubstr("2 of 5 lines were refused"));
+  EXPECT_EQ(board.stop().lines.size(), 5u);
+}
+
+TEST(SendProgram, an_alarm_is_told) {
+  const Folder folder;
+  const std::string file = folder.write("a.nc", "G21\nG1 X2\n");
+  auto model = std::make_unique<GrblModel>();
+  model->alarm_line = "G1 X2";
+  Served board(std::move(model));
+  const Finished ended = run({"send", file, "--board", board.address(), "--yes"});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.err, HasSubstr("ALARM:1 a limit switch engaged"));
+}
+
+TEST(SendProgram, ctrl_c_holds_and_resets) {
+  const Folder folder;
+  const std::string file = folder.write("a.gcode", many_moves(400));
+  Served board;
+  Running sending({"send", file, "--board", board.address(), "--yes"});
+  ASSERT_TRUE(sending.wait_for("sending: "));
+  sending.interrupt();
+  const Finished stopped = sending.finish();
+  EXPECT_EQ(stopped.status, 130);
+  EXPECT_THAT(stopped.err, HasSubstr("stopped: line "));
+  GrblModel& model = board.stop();
+  EXPECT_THAT(model.bytes_seen, testing::ElementsAre('!', 0x18));
+  EXPECT_FALSE(model.reset_in_motion);
+  EXPECT_FALSE(model.moving());
+  EXPECT_FALSE(model.overrun);
+}
+
+TEST(SendProgram, a_pause_waits_for_its_user) {
+  const Folder folder;
+  const std::string file = folder.write("a.tap", "G1 X1\nM0\nG1 X2\n");
+  Served board;
+  InTerminal sending({"send", file, "--board", board.address(), "--yes"});
+  ASSERT_TRUE(sending.wait_for("the program pauses (M0), before line 2; Enter goes on"));
+  sending.type("\n");
+  ASSERT_TRUE(sending.wait_for("resuming"));
+  const Finished done = sending.finish();
+  EXPECT_EQ(done.status, 0) << done.out;
+  EXPECT_THAT(done.out, HasSubstr("3 of 3 lines"));
+}
+
+TEST(SendProgram, a_pulled_cable_is_one_error) {
+  const Folder folder;
+  const std::string file = folder.write("a.cnc", many_moves(400));
+  Served board;
+  Running sending({"send", file, "--board", board.address(), "--yes"});
+  ASSERT_TRUE(sending.wait_for("sending: "));
+  board.cut();
+  const Finished lost = sending.finish();
+  EXPECT_EQ(lost.status, 1);
+  EXPECT_THAT(lost.err, HasSubstr("connection lost, so that the machine could not be stopped"));
+}
+
+TEST(SendProgram, nothing_is_sent_without_permission) {
+  const Folder folder;
+  Served board;
+  const Finished refused = run({"send", folder.write("a.gc", "G21\n"), "--board", board.address()});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_TRUE(board.stop().lines.empty());
+}
+
+TEST(SendProgram, what_cannot_be_sent) {
+  const Folder folder;
+  const auto refused = [](const std::vector<std::string>& arguments) {
+    std::vector<std::string> all{"send"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Finished ended = run(all);
+    EXPECT_EQ(ended.status, 2) << ended.out;
+    EXPECT_EQ(lines(ended.err).size(), 1u) << ended.err;
+    return ended.err;
+  };
+  const std::string good = folder.write("good.ngc", "G21\n");
+  EXPECT_THAT(refused({folder / "none.ngc"}), HasSubstr("no such file"));
+  EXPECT_THAT(refused({folder.write("e.ngc", "(nothing)\n")}), HasSubstr("no line to send"));
+  EXPECT_THAT(refused({folder.write("x.ngc", "G21\nG1 !\n")}), HasSubstr("x.ngc:2: "));
+  EXPECT_THAT(refused({good, "--from", "3"}), HasSubstr("--from: is for jobs"));
+  EXPECT_THAT(refused({good, "--dry"}), HasSubstr("--dry: is for jobs"));
+  EXPECT_THAT(refused({folder.write("a.llj", "x"), "--go-on"}), HasSubstr("--go-on: is for prog"));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test

@@ -1,0 +1,111 @@
+// `lamplock settings` on the virtual board and over a port, where changes stay.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/settings_table.hpp"
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::vector<std::string> settings(const std::vector<std::string>& arguments) {
+  std::vector<std::string> all{"settings"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  return all;
+}
+
+TEST(Settings, lists_the_whole_table) {
+  const Finished listed = run(settings({"list", "--json"}));
+  ASSERT_EQ(listed.status, 0) << listed.err;
+  const auto document = nlohmann::json::parse(listed.out);
+  ASSERT_EQ(document.size(), lamplock::settings::setting_count);
+  for (const auto& row : document) EXPECT_EQ(row["value"], row["default"]) << row;
+  EXPECT_EQ(document[0]["name"], "step_pulse");
+  const Finished text = run(settings({"list"}));
+  EXPECT_THAT(text.out, HasSubstr("lamp_frequency"));
+  EXPECT_THAT(text.out, HasSubstr("nominal lamp frequency"));
+}
+
+TEST(Settings, gets_one) {
+  const Folder folder;
+  const std::string machine = folder.write("m.toml", "lamp_frequency = 55\n");
+  EXPECT_EQ(run(settings({"get", "lamp_frequency", "--machine", machine})).out, "55.000\n");
+  EXPECT_EQ(run(settings({"get", "$901"})).out, "100.000\n");
+  const Finished none = run(settings({"get", "colour"}));
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.err, HasSubstr("no such setting"));
+  EXPECT_EQ(run(settings({"get", "12345"})).status, 2);
+}
+
+TEST(Settings, sets_several_or_none) {
+  const Finished done = run(settings({"set", "acceleration_x=500", "901=50", "axes=3"}));
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(lines(done.out)[0], "$120 acceleration_x: 4000.000 -> 500.000 mm/s2");
+  EXPECT_EQ(lines(done.out)[1], "$901 lamp_frequency: 100.000 -> 50.000 Hz");
+  EXPECT_THAT(done.out, Not(HasSubstr("axes")));
+  const Finished wrong = run(settings({"set", "acceleration_x=500", "axes=9"}));
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("axes = 9 is out of range"));
+  EXPECT_EQ(wrong.out, "");
+  EXPECT_EQ(run(settings({"set", "120=1", "acceleration_x=2"})).status, 2);
+}
+
+TEST(Settings, come_back_from_files) {
+  const Folder folder;
+  const std::string machine = folder.write("m.toml", "travel = [300, 200, 100]\nlamp_mode = 2\n");
+  for (const char* name : {"b.toml", "b.txt"}) {
+    const std::string file = folder / name;
+    EXPECT_EQ(run(settings({"backup", file, "--machine", machine})).status, 0);
+    const Finished same = run(settings({"restore", file, "--machine", machine}));
+    EXPECT_EQ(same.status, 0) << same.err;
+    EXPECT_EQ(same.out, "nothing differs\n");
+    const Finished other = run(settings({"restore", file, "--json"}));
+    EXPECT_EQ(other.status, 0) << other.err;
+    const auto changes = nlohmann::json::parse(other.out);
+    ASSERT_EQ(changes.size(), 3u) << other.out;
+    EXPECT_EQ(changes[0]["number"], 130);
+    EXPECT_EQ(changes[0]["after"], "300.000");
+  }
+  EXPECT_EQ(
+      run({"check", folder.write("a.ngc", "G0 X140\n"), "--machine", folder / "b.toml"}).status, 0)
+      << "a backup is a machine profile";
+}
+
+TEST(Settings, wrong_files_are_told_by_line) {
+  const Folder folder;
+  const auto restore = [&](const char* name, const char* text) {
+    const Finished ended = run(settings({"restore", folder.write(name, text)}));
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_EQ(lines(ended.err).size(), 1u) << ended.err;
+    return ended.err;
+  };
+  EXPECT_THAT(restore("a.txt", "$100=200 (x, step/mm)\n\n$120=quick\n"), HasSubstr("a.txt:3: "));
+  EXPECT_THAT(restore("b.txt", "hello\n"), HasSubstr("b.txt:1: 'hello' is no setting"));
+  EXPECT_THAT(restore("c.toml", "axes = 3\nlamp_mode = 7\n"), HasSubstr("c.toml:2: "));
+  EXPECT_THAT(restore("f.txt", "$100=200\n$100=300\n"), HasSubstr("f.txt:2: the setting is given"));
+  EXPECT_THAT(restore("d.txt", "; nothing\n"), HasSubstr("has no settings"));
+  EXPECT_THAT(restore("e.txt", "$100=200\n$31=0\n"), HasSubstr("$31: the board has no such"));
+}
+
+TEST(Settings, stay_on_a_board_behind_a_port) {
+  const Folder folder;
+  const Running sim({"sim", "--pty", folder / "port"});
+  ASSERT_TRUE(sim.wait_for("Ctrl-C"));
+  const std::string port = folder / "port";
+  const Finished done = run(settings({"set", "lamp_frequency=50", "--board", port}));
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(run(settings({"get", "901", "--board", port})).out, "50.000\n");
+}
+
+TEST(Settings, without_a_board) {
+  const Finished none = run(settings({"list", "--board", "/dev/no-such-port"}));
+  EXPECT_EQ(none.status, 3);
+  EXPECT_THAT(none.err, HasSubstr("cannot open"));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test

@@ -1,0 +1,123 @@
+// Conversations with a model of grbl, by hand and in order.
+#include "host/link/line_console.hpp"
+
+#include <gmock/gmock.h>
+
+#include "host/error.hpp"
+#include "tests/error_of.hpp"
+#include "tests/link/grbl_model.hpp"
+
+namespace lamplock::link {
+namespace {
+
+using namespace std::chrono_literals;
+using test::error_of;
+using test::GrblModel;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// A conversation and what it has shown.
+struct Talk {
+  Talk(GrblModel& board_in, bool in_order)
+      : board(board_in),
+        port(board),
+        console(port, in_order, [this](const std::string& line) { shown.push_back(line); }) {}
+  void until_done() {
+    while (!console.done() && !console.failure()) console.step();
+  }
+  void run_for(std::chrono::microseconds time) {
+    const auto until = board.now() + time;
+    while (board.now() < until) console.step();
+  }
+
+  GrblModel& board;
+  LinePort port;
+  std::vector<std::string> shown;
+  LineConsole console;
+};
+
+TEST(LineConsole, lines_are_answered_one_by_one) {
+  GrblModel board;
+  board.settings = {{100, "200.000"}};
+  Talk talk(board, true);
+  for (const char* line : {"$$", "G1 X1\r", "G4 P30", "?"}) talk.console.type(line);
+  talk.until_done();
+  EXPECT_THAT(talk.shown, ElementsAre("$100=200.000", "ok", "ok", "ok", StartsWith("<Idle|")));
+  EXPECT_THAT(board.lines, ElementsAre("G1 X1", "G4 P30"));
+  EXPECT_GT(board.polls, 20) << "it asks whether the board lives";
+  EXPECT_FALSE(talk.console.failure());
+}
+
+TEST(LineConsole, in_order_nothing_follows_an_error) {
+  GrblModel board;
+  board.refused["bad"] = 1;
+  Talk talk(board, true);
+  for (const char* line : {"G1 X1", "bad", "G1 X2"}) talk.console.type(line);
+  talk.until_done();
+  talk.run_for(1s);
+  ASSERT_TRUE(talk.console.failure());
+  EXPECT_EQ(talk.console.failure()->line, 2u);
+  EXPECT_THAT(talk.console.failure()->text, HasSubstr("error:1 a word begins"));
+  EXPECT_THAT(board.lines, ElementsAre("G1 X1", "bad"));
+}
+
+TEST(LineConsole, an_alarm_is_a_failure) {
+  GrblModel board;
+  board.alarm_line = "G1 X9";
+  Talk talk(board, true);
+  talk.console.type("G1 X9");
+  talk.until_done();
+  ASSERT_TRUE(talk.console.failure());
+  EXPECT_THAT(talk.console.failure()->text, StartsWith("ALARM:1 "));
+}
+
+TEST(LineConsole, by_hand_it_goes_on_after_errors_and_a_hold_waits_for_nobody) {
+  GrblModel board;
+  board.longest_move = 5s;
+  board.planner_blocks = 1;
+  board.refused["bad"] = 1;
+  Talk talk(board, false);
+  for (const char* line : {"bad", "G1 X1", "G1 X2", "G1 X3"}) talk.console.type(line);
+  talk.run_for(500ms);
+  EXPECT_EQ(board.state, "Run");
+  talk.console.type(" :hold ");
+  talk.run_for(500ms);
+  EXPECT_EQ(board.state, "Hold:0");
+  talk.console.type("~");
+  talk.console.type(":feed  +10");
+  talk.run_for(30s);
+  EXPECT_TRUE(talk.console.done());
+  EXPECT_THAT(board.bytes_seen, ElementsAre('!', '~', 0x91));
+  EXPECT_EQ(board.lines.size(), 4u);
+}
+
+TEST(LineConsole, a_reset_answers_for_everything) {
+  GrblModel board;
+  Talk talk(board, true);
+  talk.console.type(":reset");
+  talk.console.type("G1 X1");
+  talk.until_done();
+  EXPECT_THAT(talk.shown, ElementsAre(StartsWith("Grbl"), "ok"));
+}
+
+TEST(LineConsole, a_silent_board_is_an_error) {
+  GrblModel board;
+  board.deaf = true;
+  Talk talk(board, true);
+  talk.console.type("$$");
+  EXPECT_THROW(talk.until_done(), Error);
+  EXPECT_LT(board.now(), 6s);
+}
+
+TEST(LineConsole, words) {
+  EXPECT_EQ(realtime_word(" ! "), '!');
+  EXPECT_EQ(realtime_word(":reset"), 0x18);
+  EXPECT_EQ(realtime_word(":power -10"), 0x9B);
+  EXPECT_FALSE(realtime_word("G1 X1"));
+  EXPECT_FALSE(realtime_word(""));
+  EXPECT_THAT(error_of([] { realtime_word(":holdd"); }), HasSubstr(":hold,"));
+}
+
+}  // namespace
+}  // namespace lamplock::link

@@ -1,0 +1,173 @@
+// The line planner where segments come too late: back to a mark, from where the machine stands.
+#include <gtest/gtest.h>
+
+#include "tests/motion/line_machine.hpp"
+#include "tests/motion/line_paths.hpp"
+#include "tests/motion/line_reference.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::test {
+namespace {
+
+void expect_at_end(const LineRig& rig) {
+  ASSERT_FALSE(testing::Test::HasFatalFailure());
+  ASSERT_TRUE(rig.at().at_rest());
+  for (int a = 0; a < rig.machine().axes; ++a)
+    ASSERT_LT(std::fabs(steps_off_middle(rig.at().axis[index(a)].position_q64,
+                                         rig.targets().back().steps[index(a)])),
+              2e-6);
+}
+
+/// No line is left out: in order, and every one that has a length ends.
+void expect_all_lines(const LineRig& rig) {
+  const auto is_nothing = [&](std::uint32_t line) {
+    const StepPosition from = line == 0 ? StepPosition{} : rig.targets()[line - 1].steps;
+    return rig.targets()[line].steps == from;
+  };
+  std::uint32_t line = 0;
+  for (const LineSegment& s : rig.segments()) {
+    if (s.settles) continue;
+    while (line < s.line && is_nothing(line)) ++line;
+    ASSERT_EQ(s.line, line);
+    if (s.ends_line) ++line;
+  }
+}
+
+class Returns : public testing::TestWithParam<bool> {};
+
+TEST_P(Returns, AtRandomMomentsLimitsAreKeptAndTheEndIsExact) {
+  for (int i = 0; i < scaled(GetParam() ? 4 : 12); ++i) {
+    SCOPED_TRACE(testing::Message() << "path " << i);
+    LineRandom random(static_cast<std::uint64_t>(i) + 9900);
+    LineMachine m = random_machine(random);
+    if (GetParam()) limit_jerk(random, m);
+    const auto targets = random_lines(random, m, 20 + random() % 100, between(random, 0.02, 10));
+    LineRig rig(m);
+    rig.look_at_ticks(20'000);
+    std::size_t pushed = 0;
+    const std::uint64_t every = 3 + random() % 100;
+    for (bool going = true; going;) {
+      while (pushed < targets.size() && rig.push(targets[pushed])) ++pushed;
+      if (random() % (2 * every) == 0)
+        rig.planner().set_feed_percent(static_cast<std::uint32_t>(between(random, 20, 250)));
+      if (random() % every == 0) {
+        rig.miss(random() % 9, [&] {
+          if (random() % 4 == 0) rig.planner().set_feed_percent(50);
+          if (random() % 4 == 0) rig.planner().hold();
+        });
+        if (random() % 4 == 0) rig.miss(random() % 9);
+        if (rig.planner().held()) {
+          ASSERT_FALSE(rig.step());
+          rig.planner().resume();
+        }
+      }
+      going = rig.step() || pushed < targets.size();
+      ASSERT_FALSE(testing::Test::HasFatalFailure());
+    }
+    ASSERT_TRUE(rig.planner().idle());
+    ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
+    ASSERT_NO_FATAL_FAILURE(expect_all_lines(rig));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Jerk, Returns, testing::Bool());
+
+/// What is left of a path from where the machine stands; its own first line only to be begun at.
+std::vector<LineTarget> rest_of(const LineRig& rig, const std::vector<LineTarget>& targets,
+                                std::size_t first) {
+  LineTarget here;
+  here.rapid = here.exact_stop = true;
+  for (std::size_t a = 0; a < max_axes; ++a) here.steps[a] = rig.at().axis[a].step();
+  std::vector<LineTarget> rest{here};
+  rest.insert(rest.end(), targets.begin() + static_cast<std::ptrdiff_t>(first), targets.end());
+  return rest;
+}
+
+TEST(LineReturn, CornersBehindItAreJudgedFromWhereTheMachineStands) {
+  for (int i = 0; i < scaled(30); ++i) {
+    SCOPED_TRACE(testing::Message() << "path " << i);
+    LineRandom random(static_cast<std::uint64_t>(i) + 9950);
+    const LineMachine m = random_machine(random);
+    const auto targets = random_lines(random, m, 30, between(random, 0.1, 5));
+    LineRig rig(m);
+    // The ring holds all lines, or the one under way and little more.
+    const std::size_t known = random() % 2 == 0 ? targets.size() : 1 + random() % 2;
+    for (std::size_t k = 0; k < known; ++k) rig.push(targets[k]);
+    const std::uint64_t count = 1 + random() % (known > 2 ? 40 : 4);
+    for (std::uint64_t k = 0; k < count; ++k) rig.step();
+    const LineSegment& last = rig.segments().back();
+    const std::size_t first = last.line + (last.ends_line ? 1 : 0);
+    rig.miss(random() % 9);
+    const std::size_t before = rig.segments().size();
+    for (std::size_t k = known; k < targets.size(); ++k) rig.push(targets[k]);
+    const auto rest = rest_of(rig, targets, first);
+    const LineReference best(m, rest, false);
+    rig.run();
+    ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
+    for (std::size_t k = before; k < rig.segments().size(); ++k) {
+      const LineSegment& s = rig.segments()[k];
+      if (!s.ends_line) continue;
+      const auto line = static_cast<std::uint32_t>(s.line - first + 1);
+      ASSERT_LE(rig.speed_mm_s(s), best.end_mm_s(line) * (1 + 1e-4) + 0.05 * rig.tick_of_accel());
+    }
+  }
+}
+
+TEST(LineReturn, ATimedLineTakesWhatWasLeftOfItsTime) {
+  for (int i = 0; i < scaled(20); ++i) {
+    SCOPED_TRACE(testing::Message() << "path " << i);
+    LineRandom random(static_cast<std::uint64_t>(i) + 9970);
+    LineMachine m;
+    LineTarget t;
+    t.steps = {static_cast<std::int32_t>(between(random, 4000, 40000)), 3000, -500};
+    t.timed = true;
+    const double seconds = between(random, 4, 8);
+    t.time_us = static_cast<std::uint32_t>(seconds * 1e6);
+    LineRig rig(m);
+    rig.push(t);
+    while (rig.seconds() < 0.5 * seconds) rig.step();
+    const double before = rig.seconds();
+    rig.miss(1 + random() % 8);
+    const double missed = rig.seconds() - before;
+    rig.run();
+    ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
+    // What the brake and the way to the middle of the step took comes on top.
+    ASSERT_NEAR(rig.seconds(), seconds + missed, 0.002 * seconds + 0.01);
+  }
+}
+
+TEST(LineReturn, ACancelMeanwhileStaysACancel) {
+  for (int i = 0; i < scaled(30); ++i) {
+    SCOPED_TRACE(testing::Message() << "path " << i);
+    LineRandom random(static_cast<std::uint64_t>(i) + 9990);
+    const LineMachine m = random_machine(random);
+    LineRig rig(m);
+    rig.look_at_ticks(20'000);
+    for (int part = 0; part < 3; ++part) {
+      for (const LineTarget& t : random_lines(random, m, 60, between(random, 0.05, 10)))
+        rig.push(t);
+      const std::uint64_t count = random() % 60;
+      for (std::uint64_t k = 0; k < count; ++k) rig.step();
+      if (random() % 2 == 0) {
+        rig.planner().cancel();
+        rig.miss(random() % 2 == 0 ? 1000 : random() % 9);
+      } else {
+        rig.miss(random() % 9, [&] { rig.planner().cancel(); });
+      }
+      rig.run();
+      ASSERT_FALSE(testing::Test::HasFatalFailure());
+      ASSERT_TRUE(rig.planner().idle());
+      ASSERT_FALSE(rig.planner().held());
+      for (int a = 0; a < m.axes; ++a) {
+        const Int128 at = rig.at().axis[index(a)].position_q64;
+        ASSERT_LT(std::fabs(steps_off_middle(at, static_cast<std::int32_t>(at.hi()))), 2e-6);
+      }
+    }
+    for (const LineTarget& t : random_lines(random, m, 10, 1)) rig.push(t);
+    rig.run();
+    ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test

@@ -1,0 +1,336 @@
+// The continuous laser: its gate and its power at every tick, against exact fractions.
+#include "firmware/stepper/segment_power.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "firmware/stepper/tick_generator.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::stepper {
+namespace {
+
+/// What a segment was made of.
+struct Lit {
+  Segment segment;
+  PowerPoints power;  ///< all 0: it does not shine
+  std::uint32_t lead = 0, cruise = 0, tail = 0;
+
+  bool shines() const { return (power.start | power.cruise | power.end) != 0; }
+  /// Power where tick `at` of it begins.
+  double exact(std::uint32_t at) const {
+    const auto between = [](double from, double to, double part) {
+      return from + (to - from) * part;
+    };
+    if (at < lead) return between(power.start, power.cruise, double{1} * at / lead);
+    if (at < lead + cruise) return power.cruise;
+    return between(power.cruise, power.end, double{1} * (at - lead - cruise) / tail);
+  }
+};
+
+class Segments {
+ public:
+  explicit Segments(std::uint64_t seed) : random_(seed) {}
+
+  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(random_() % n); }
+  /// Of any length up to `most` in each phase; some phases are not there.
+  Lit next(std::uint64_t start, std::uint32_t most, bool shines) {
+    Lit lit;
+    do {
+      lit.lead = phase(most), lit.cruise = phase(most), lit.tail = phase(most);
+    } while (lit.lead + lit.cruise + lit.tail == 0);
+    Segment& s = lit.segment;
+    s.start_tick = start;
+    s.ticks = lit.lead + lit.cruise + lit.tail;
+    s.end.tick = s.end_tick();
+    for (AxisProfile& p : s.axis) p.cruise_ticks = s.ticks;  // stands
+    // The axis that moves: any of them; the others may stand.
+    const std::size_t first = below(max_axes);
+    for (std::size_t a = first; a < max_axes; ++a)
+      if (a == first || below(2) == 0) s.axis[a] = profile(lit);
+    if (shines) {
+      // A power that is at no tick is none.
+      while (!lit.shines()) {
+        lit.power = {power(), power(), power()};
+        if (lit.lead == 0) lit.power.start = lit.power.cruise;
+        if (lit.tail == 0) lit.power.end = lit.power.cruise;
+      }
+    }
+    set_power(s, lit.power);
+    return lit;
+  }
+
+ private:
+  std::uint32_t phase(std::uint32_t most) { return below(3) == 0 ? 0 : 1 + below(most); }
+  std::uint16_t power() {
+    const std::uint32_t kind = below(6);
+    if (kind < 2) return kind == 0 ? 0 : 65535;
+    return static_cast<std::uint16_t>(random_());
+  }
+  AxisProfile profile(const Lit& lit) {
+    AxisProfile p;
+    p.lead_ticks = lit.lead, p.cruise_ticks = lit.cruise, p.tail_ticks = lit.tail;
+    p.speed_q62 = std::int64_t{1} << (40 + below(18));
+    if (lit.lead != 0) p.lead_accel_q62 = 2 * (p.speed_q62 / 2 / lit.lead);
+    if (lit.tail != 0) p.tail_accel_q62 = -2 * (p.speed_q62 / 4 / lit.tail);
+    return p;
+  }
+  std::mt19937_64 random_;
+};
+
+/// Every tick that was told, in blocks or axis by axis.
+class LightBoard {
+ public:
+  void play(const TickBlock& block) {
+    ASSERT_EQ(block.first_tick, tick());
+    const bool gate = (block.bits & gate_bit) != 0;
+    for (std::uint32_t i = 0; i < block.ticks; ++i) {
+      bits.push_back(block.bits);
+      power.push_back(gate ? block.power(i) : std::uint16_t{0});
+    }
+    if (!gate) {
+      ASSERT_EQ(block.power_q16 | block.power_slope_q16, 0u);
+    }
+  }
+  void put_axis(int, const AxisRun&, std::uint32_t) {}
+  void put_still(int, std::uint32_t) {}
+  void set_step(int, std::int32_t) {}
+  void put_bits(std::uint8_t b, std::uint32_t ticks) { bits.insert(bits.end(), ticks, b); }
+  void put_power(std::uint16_t p, std::uint32_t ticks) {
+    ASSERT_GT(ticks, 0u);
+    const std::uint64_t from = power.size(), last = from + ticks - 1;
+    if (p != 0) {
+      ASSERT_EQ(from / power_cell_ticks, last / power_cell_ticks) << "over the end of a cell";
+    }
+    power.insert(power.end(), ticks, p);
+  }
+  std::uint64_t tick() const { return bits.size(); }
+
+  std::vector<std::uint8_t> bits;
+  std::vector<std::uint16_t> power;
+};
+
+struct Machine {
+  SegmentQueue queue;
+  TickGenerator generator{queue};
+  LightBoard board;
+  std::size_t fed = 0;
+
+  void feed(const std::vector<Lit>& segments) {
+    while (fed < segments.size() && queue.free() != 0) queue.push(segments[fed++].segment);
+  }
+  void run_blocks(const std::vector<Lit>& segments, std::uint64_t tick, std::uint32_t most) {
+    TickBlock block;
+    while (board.tick() < tick) {
+      feed(segments);
+      generator.fill(
+          block, static_cast<std::uint32_t>(std::min<std::uint64_t>(most, tick - board.tick())));
+      ASSERT_NO_FATAL_FAILURE(board.play(block));
+    }
+  }
+  void run_axes(const std::vector<Lit>& segments, std::uint64_t tick, std::uint32_t most,
+                std::mt19937_64& random) {
+    while (board.tick() < tick) {
+      feed(segments);
+      const auto ticks = static_cast<std::uint32_t>(
+          std::min<std::uint64_t>(tick - board.tick(), 1 + random() % most));
+      generator.fill_axes(ticks, board);
+      ASSERT_FALSE(::testing::Test::HasFatalFailure());
+      ASSERT_EQ(board.power.size(), board.bits.size());
+    }
+  }
+};
+
+/// Some shine, some do not, with and without a pause between them.
+std::vector<Lit> program(Segments& make, std::size_t count, std::uint32_t most) {
+  std::vector<Lit> segments;
+  std::uint64_t tick = 10 + make.below(300);
+  for (std::size_t i = 0; i < count; ++i) {
+    segments.push_back(make.next(tick, most, make.below(3) != 0));
+    tick = segments.back().segment.end_tick() + (make.below(3) == 0 ? make.below(500) : 0);
+  }
+  return segments;
+}
+
+/// The segment that tick `tick` lies in; nothing if there is none.
+const Lit* lit_at(const std::vector<Lit>& segments, std::uint64_t tick) {
+  const auto behind =
+      std::upper_bound(segments.begin(), segments.end(), tick,
+                       [](std::uint64_t t, const Lit& lit) { return t < lit.segment.start_tick; });
+  if (behind == segments.begin() || tick >= (behind - 1)->segment.end_tick()) return nullptr;
+  return &*(behind - 1);
+}
+
+/// Gate and power of ticks [from, to); with `in_cells` the power is that of a later tick of the
+/// same cell and segment.
+void expect_light(const LightBoard& board, const std::vector<Lit>& segments, std::uint64_t from,
+                  std::uint64_t to, bool in_cells) {
+  for (std::uint64_t t = from; t < to; ++t) {
+    const Lit* lit = lit_at(segments, t);
+    const bool shines = lit != nullptr && lit->shines();
+    ASSERT_EQ((board.bits[t] & gate_bit) != 0, shines) << "tick " << t;
+    if (!shines) {
+      ASSERT_EQ(board.power[t], 0) << "tick " << t;
+      continue;
+    }
+    const auto at = static_cast<std::uint32_t>(t - lit->segment.start_tick);
+    const std::uint64_t cell_end = (t / power_cell_ticks + 1) * power_cell_ticks;
+    const auto last = static_cast<std::uint32_t>(std::min({cell_end, lit->segment.end_tick(), to}) -
+                                                 1 - lit->segment.start_tick);
+    if (!in_cells || board.power[t] == board.power[lit->segment.start_tick + last]) {
+      ASSERT_LE(std::fabs(board.power[t] - lit->exact(in_cells ? last : at)), 1) << "tick " << t;
+    } else {
+      // A piece that ended inside the cell: between the two.
+      const double a = lit->exact(at), b = lit->exact(last);
+      double low = std::min(a, b), high = std::max(a, b);
+      for (const std::uint32_t knee : {lit->lead, lit->lead + lit->cruise})
+        if (knee >= at && knee <= last)
+          low = std::min(low, lit->exact(knee)), high = std::max(high, lit->exact(knee));
+      ASSERT_GE(board.power[t], low - 1) << "tick " << t;
+      ASSERT_LE(board.power[t], high + 1) << "tick " << t;
+    }
+  }
+}
+
+TEST(SegmentPower, IsWithinOneLeastBitOfExactFractions) {
+  Segments make(1);
+  for (int i = 0; i < test::scaled(300); ++i) {
+    const std::uint32_t most = i % 4 == 0 ? 5 : i % 4 == 1 ? 65'535 : 6000;
+    const Lit lit = make.next(0, most, true);
+    ASSERT_TRUE(lit.segment.shines);
+    const int axis = power_axis(lit.segment);
+    ASSERT_GE(axis, 0);
+    const AxisProfile& phases = lit.segment.axis[index(axis)];
+    PowerStretch stretch;
+    std::uint32_t next = 0;
+    for (std::uint32_t at = 0; at < lit.segment.ticks; ++at) {
+      const PowerStretch here = power_from(lit.segment.power, phases, at);
+      ASSERT_LE(std::fabs(here.power_q16 / 65536.0 - lit.exact(at)), 1.0) << at;
+      ASSERT_GT(here.ticks, 0u);
+      // A stretch says what is to come.
+      if (at == next) {
+        stretch = here;
+        next = at + here.ticks;
+      }
+      ASSERT_EQ(here.power_q16,
+                stretch.power_q16 + stretch.slope_q16 * (stretch.ticks - next + at));
+      ASSERT_EQ(here.slope_q16, stretch.slope_q16);
+    }
+    ASSERT_EQ(next, lit.segment.ticks);
+  }
+}
+
+TEST(SegmentPower, ThereIsNoneWhereNothingMovesOrNoneWasAsked) {
+  Segments make(2);
+  Lit dark = make.next(0, 100, false);
+  EXPECT_FALSE(dark.segment.shines);
+  Segment still;
+  still.ticks = 100;
+  set_power(still, {1000, 1000, 1000});
+  EXPECT_FALSE(still.shines);
+  EXPECT_LT(power_axis(still), 0);
+  // Should somebody say that it shines: it does not.
+  still.shines = true;
+  still.power = {1000, 1000, 0, 0};
+  EXPECT_LT(power_axis(still), 0);
+  // A shot shares its place with the power.
+  Segment shot;
+  shot.shot = {true, 100, 2, 3};
+  EXPECT_TRUE(shot.has_shot());
+  EXPECT_FALSE(make.next(0, 100, true).segment.has_shot());
+}
+
+TEST(LaserGate, IsOpenInSegmentsThatShineAndNowhereElse) {
+  std::mt19937_64 random(3);
+  for (int i = 0; i < test::scaled(20); ++i) {
+    Segments make(random());
+    const std::vector<Lit> segments = program(make, 100, i % 2 == 0 ? 3000 : 60);
+    const std::uint64_t end = segments.back().segment.end_tick() + 1000;
+    Machine blocks, axes;
+    for (Machine* machine : {&blocks, &axes}) {
+      if (i % 3 == 0) machine->generator.set_leads({500, 0, 90, 1000});
+      if (i % 2 == 0) machine->generator.set_trigger({200, 30, 50});
+    }
+    // With leads the first segment begins before the lattice comes to it.
+    const std::uint64_t later = i % 3 == 0 ? 1000 : 0;
+    std::vector<Lit> shifted = segments;
+    for (Lit& lit : shifted) lit.segment.start_tick += later, lit.segment.end.tick += later;
+    ASSERT_NO_FATAL_FAILURE(blocks.run_blocks(shifted, end + later, 1 + make.below(20'000)));
+    ASSERT_NO_FATAL_FAILURE(axes.run_axes(shifted, end + later, 1 + make.below(1000), random));
+    ASSERT_NO_FATAL_FAILURE(expect_light(blocks.board, shifted, 0, end + later, false));
+    ASSERT_NO_FATAL_FAILURE(expect_light(axes.board, shifted, 0, end + later, true));
+    EXPECT_EQ(axes.board.bits, blocks.board.bits);
+  }
+}
+
+/// Braking: what the drives still do of the old motion shines, nothing behind it does.
+TEST(LaserGate, ShutsWhereABrakeBegins) {
+  std::mt19937_64 random(4);
+  for (int i = 0; i < test::scaled(60); ++i) {
+    Segments make(random());
+    std::vector<Lit> segments = program(make, 40, 400);
+    for (Lit& lit : segments) lit.segment.start_tick += 3000, lit.segment.end.tick += 3000;
+    Machine machine;
+    const std::uint32_t lead = i % 2 == 0 ? 0 : make.below(3000);
+    machine.generator.set_leads({0, lead, 0, 0});
+    const std::uint64_t at =
+        make.below(static_cast<std::uint32_t>(segments.back().segment.end.tick));
+    ASSERT_NO_FATAL_FAILURE(i % 4 < 2 ? machine.run_blocks(segments, at, 333)
+                                      : machine.run_axes(segments, at, 333, random));
+    const std::uint64_t head = machine.generator.head();
+    ASSERT_EQ(head, at + lead);
+    if (!machine.generator.running()) continue;
+    Lit brake = make.next(head, 300, false);
+    machine.queue.clear();
+    machine.generator.replace(brake.segment);
+    machine.fed = segments.size();
+    const std::uint64_t end = brake.segment.end.tick + 2000;
+    ASSERT_NO_FATAL_FAILURE(i % 4 < 2 ? machine.run_blocks(segments, end, 333)
+                                      : machine.run_axes(segments, end, 333, random));
+    ASSERT_NO_FATAL_FAILURE(expect_light(machine.board, segments, 0, head, i % 4 >= 2));
+    for (std::uint64_t t = head; t < end; ++t) {
+      ASSERT_EQ(machine.board.bits[t], 0) << "tick " << t;
+      ASSERT_EQ(machine.board.power[t], 0) << "tick " << t;
+    }
+  }
+}
+
+TEST(LaserGate, ShutsDeadAtAHalt) {
+  std::mt19937_64 random(5);
+  for (int i = 0; i < test::scaled(30); ++i) {
+    Segments make(random());
+    const std::vector<Lit> segments = program(make, 30, 400);
+    Machine machine;
+    const std::uint64_t at =
+        make.below(static_cast<std::uint32_t>(segments.back().segment.end.tick));
+    ASSERT_NO_FATAL_FAILURE(machine.run_axes(segments, at, 333, random));
+    machine.generator.halt();
+    machine.fed = segments.size();
+    ASSERT_NO_FATAL_FAILURE(machine.run_axes(segments, at + 5000, 333, random));
+    for (std::uint64_t t = at; t < at + 5000; ++t)
+      ASSERT_EQ(machine.board.bits[t] | machine.board.power[t], 0) << "tick " << t;
+  }
+}
+
+/// A program that ends with speed is a fault, and one that comes too late does not begin.
+TEST(LaserGate, ShutsWhereMotionEndsOrComesTooLate) {
+  Segments make(6);
+  Lit lit = make.next(100, 300, true);
+  lit.segment.end.axis[0].speed_q62 = 1;
+  std::mt19937_64 random(6);
+  Machine machine;
+  const std::uint64_t end = lit.segment.end_tick();
+  ASSERT_NO_FATAL_FAILURE(machine.run_axes({lit}, end + 500, 100, random));
+  EXPECT_TRUE(machine.generator.underrun());
+  ASSERT_NO_FATAL_FAILURE(expect_light(machine.board, {lit}, 0, end + 500, true));
+  machine.queue.push(make.next(end, 100, true).segment);
+  ASSERT_NO_FATAL_FAILURE(machine.run_axes({lit}, end + 1500, 100, random));
+  ASSERT_NO_FATAL_FAILURE(expect_light(machine.board, {lit}, 0, end + 1500, true));
+}
+
+}  // namespace
+}  // namespace lamplock::stepper
