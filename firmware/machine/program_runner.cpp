@@ -133,14 +133,10 @@ void ProgramRunner::stage() {
   if (resting_) offset_ticks_ = start_tick() - work.segment(0).segment.start_tick;
   // The first one may take the place of a brake, which may still begin.
   for (std::uint32_t i = 1; i < count; ++i) write(i, segments_.stage(i - brakes_));
-  stepper::MotionState end = work.segment(count - 1).segment.end;
-  end.tick += offset_ticks_;
-  stepper::Segment& brake = segments_.stage(count - brakes_);
-  if (work.ends_at_rest()) {
-    rest_ = end;
-  } else {
-    brake = motion::make_brake(end, brake_limits_);
-    rest_ = brake.end;
+  if (!work.ends_at_rest()) {
+    stepper::MotionState end = work.segment(count - 1).segment.end;
+    end.tick += offset_ticks_;
+    segments_.stage(count - brakes_) = motion::make_brake(end, brake_limits_);
   }
   staged_ = true;
 }
@@ -172,7 +168,11 @@ bool ProgramRunner::commit() {
   const bool ends = work.ends_at_rest();
   brakes_ = ends ? 0 : 1;
   for (std::uint32_t i = 0; i < count + brakes_; ++i) segments_.publish();
-  end_tick_ = segments_.at(segments_.begun() + segments_.size() - 1 - brakes_).end_tick();
+  const std::uint32_t last = segments_.begun() + segments_.size() - 1;
+  end_tick_ = segments_.at(last - brakes_).end_tick();
+  // Not before: what is staged may come too late, and the machine stops where the brake ends that
+  // is handed out.
+  rest_ = segments_.at(last).end;
   clock_.set_motion_end(rest_.tick);
   finish_batch();
   return true;

@@ -3,19 +3,16 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <deque>
 
 #include "host/program/program_run.hpp"
-#include "sim/virtual_board/virtual_board.hpp"
 #include "tests/chip_board/chip_rig.hpp"
+#include "tests/chip_board/program_sender.hpp"
 
 namespace lamplock::test {
 namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
-
-constexpr std::size_t window = 1024;
 
 /// A machine with 5 um steps, 10 m/s2, 1 m/s, and no lamp.
 job::Profile program_profile() {
@@ -38,45 +35,12 @@ std::string spiral(std::size_t lines, double mm, double feed_mm_min) {
   return text;
 }
 
-/// What a sender sees of a stream.
-struct Streamed {
-  std::size_t answers = 0, errors = 0;
-  Picoseconds first = 0, last = 0;  ///< answers
-  Picoseconds rest = 0;             ///< the board says Idle
-};
-
-/// Counts characters, as senders do.
-Streamed stream(ChipRig& rig, std::string_view text, Picoseconds limit) {
-  Streamed result;
-  std::deque<std::size_t> under_way;
-  std::size_t bytes = 0, read = rig.heard.size();
-  const Picoseconds end = rig.now() + limit;
-  while (rig.now() < end && (!text.empty() || !under_way.empty())) {
-    while (!text.empty()) {
-      const std::size_t size = text.find('\n') + 1;
-      if (bytes + size > window) break;
-      rig.type(text.substr(0, size));
-      text.remove_prefix(size);
-      bytes += size;
-      under_way.push_back(size);
-    }
-    rig.run(100 * ps_per_us);
-    rig.listen();
-    for (std::size_t at = rig.heard.find("\r\n", read); at != std::string::npos;
-         at = rig.heard.find("\r\n", read)) {
-      const std::string line = rig.heard.substr(read, at - read);
-      read = at + 2;
-      if (line != "ok" && !line.starts_with("error:")) continue;
-      if (result.answers++ == 0) result.first = rig.now();
-      if (line != "ok") ++result.errors;
-      result.last = rig.now();
-      bytes -= under_way.front();
-      under_way.pop_front();
-    }
-  }
-  while (rig.now() < end && !rig.status().starts_with("<Idle")) rig.run(ps_per_ms);
-  result.rest = rig.now();
-  return result;
+/// Until the machine stands again; no line is refused.
+void run(ProgramSender& sender, std::string_view text, Picoseconds end) {
+  sender.give(text);
+  EXPECT_TRUE(sender.run_until_answered(end));
+  EXPECT_EQ(sender.errors(), 0u);
+  EXPECT_TRUE(sender.run_until_idle(end));
 }
 
 /// 50 um at 100 mm/s are 2000 lines a second: the machine is as fast as that only if the lines are
@@ -90,11 +54,12 @@ TEST(ChipProgram, RunsTwoThousandLinesASecond) {
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   const Picoseconds begin = rig.now();
-  const Streamed streamed = stream(rig, text, 60 * ps_per_s);
-  EXPECT_EQ(streamed.answers, lines + 2);
-  EXPECT_EQ(streamed.errors, 0u);
-  const double seconds = static_cast<double>(streamed.rest - begin) / 1e12;
-  const double answered = static_cast<double>(streamed.last - streamed.first) / 1e12;
+  ProgramSender sender(rig.board);
+  run(sender, text, begin + 60 * ps_per_s);
+  EXPECT_EQ(sender.answers().size(), lines + 2);
+  const double seconds = sim::seconds(rig.now() - begin);
+  const double answered =
+      sim::seconds(sender.answer_times().back() - sender.answer_times().front());
   std::cout << fmt::format(
       "{} lines of 50 um in {:.3f} s, planned {:.3f} s; answered {:.0f} lines/s\n", lines, seconds,
       plan.seconds(), static_cast<double>(lines) / answered);
@@ -112,11 +77,30 @@ TEST(ChipProgram, EndsWhereAndWhenTheVirtualBoardDoes) {
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   const Picoseconds begin = rig.now();
-  const Streamed streamed = stream(rig, text, 20 * ps_per_s);
-  EXPECT_EQ(streamed.errors, 0u);
-  EXPECT_NEAR(static_cast<double>(streamed.rest - begin) / 1e12, plan.seconds(), 0.03);
+  ProgramSender sender(rig.board);
+  run(sender, text, begin + 20 * ps_per_s);
+  EXPECT_NEAR(sim::seconds(rig.now() - begin), plan.seconds(), 0.03);
   EXPECT_EQ(rig.reported_position(profile.settings), (StepPosition{201, 400, -100, 0}));
-  EXPECT_THAT(rig.heard, HasSubstr("[MSG:Pgm End]"));
+  EXPECT_THAT(sender.heard(), HasSubstr("[MSG:Pgm End]"));
+}
+
+/// More lines a second than it can read. The machine brakes wherever the next batch is late, also
+/// while that is being handed out, and goes on from where it stands.
+TEST(ChipProgram, EndsWhereItShouldThoughLinesAreLate) {
+  const job::Profile profile = program_profile();
+  const auto lines = static_cast<std::size_t>(scaled(1200));
+  const std::string text = spiral(lines, 0.02, 15'000);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  ProgramSender sender(rig.board);
+  run(sender, text, rig.now() + 60 * ps_per_s);
+  const std::string_view last = std::string_view(text).substr(text.rfind('G'));
+  const StepPosition at = rig.board.world().drives().position();
+  const auto steps = [&](char axis) {
+    return std::lround(std::stod(std::string(last.substr(last.find(axis) + 1))) * 200);
+  };
+  EXPECT_EQ(at[0], steps('X'));
+  EXPECT_EQ(at[1], steps('Y'));
 }
 
 TEST(ChipProgram, HoldsAndResets) {
