@@ -154,6 +154,8 @@ void ChipBoard::measure_pwm(bool level, Picoseconds at) {
     pwm_.period = period;
     pwm_.duty = static_cast<std::uint16_t>((pwm_.fell - pwm_.rose) * 65'535 / period);
     bus_.set_power(pwm_.duty, pwm_.rose);
+  } else {
+    put_pulse();
   }
   pwm_.rose = at;
 }
@@ -163,12 +165,22 @@ void ChipBoard::settle_pwm(Picoseconds at) {
   const Picoseconds since = std::max(pwm_.rose, pwm_.fell);
   if (at - since <= longest_pwm_period) return;
   if (pwm_.level) return bus_.set_power(65'535, pwm_.rose);
-  // Its last pulse, as long a period as the one before.
-  if (pwm_.period != 0 && pwm_.fell - pwm_.rose < pwm_.period && pwm_.fell > pwm_.rose)
-    bus_.set_power(static_cast<std::uint16_t>((pwm_.fell - pwm_.rose) * 65'535 / pwm_.period),
-                   pwm_.rose);
-  bus_.set_power(0, std::max(pwm_.rose + pwm_.period, pwm_.fell));
+  put_pulse();
   pwm_.rose = pwm_.fell;
+}
+
+/// The last pulse, which no period ends: one as long as the period before, or, if it was longer
+/// than that, all power for its own time. Nothing if it has been put out.
+void ChipBoard::put_pulse() {
+  const Picoseconds high = pwm_.fell - pwm_.rose;
+  if (high <= 0) return;
+  if (high < pwm_.period) {
+    bus_.set_power(static_cast<std::uint16_t>(high * 65'535 / pwm_.period), pwm_.rose);
+    bus_.set_power(0, pwm_.rose + pwm_.period);
+  } else {
+    bus_.set_power(65'535, pwm_.rose);
+    bus_.set_power(0, pwm_.fell);
+  }
 }
 
 std::uint16_t ChipBoard::attenuator(Picoseconds at) const {

@@ -78,6 +78,7 @@ class ChipBoard final : public Board,
   void measure_pwm(bool level, Picoseconds at);
   std::uint16_t attenuator(Picoseconds at) const;
   void settle_pwm(Picoseconds at);
+  void put_pulse();
 
   PinBus bus_;
   std::unique_ptr<World> world_;
