@@ -1,0 +1,168 @@
+// A program on the chip and on the virtual board: the same steps at the same ticks, and the same
+// light.
+//
+// Both plan a line when it comes to be planned, with the lines behind it that are known by then. A
+// planner that is not starved knows more of them than it needs, so what it plans does not depend on
+// when they came. Where a program begins, there is but its first line: this one begins with a long
+// way, as programs do.
+//
+// A file of programs is compared by
+//   LAMPLOCK_PROGRAM=part.ngc LAMPLOCK_PROGRAM_SECONDS=20 test_chip_board --gtest_filter='*Ticks*'
+// which takes some times as long as the chip needs.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+#include "host/file.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+#include "tests/chip_board/chip_rig.hpp"
+#include "tests/chip_board/program_sender.hpp"
+#include "tests/chip_board/program_trace.hpp"
+
+namespace lamplock::test {
+namespace {
+
+/// A laser cutter as many are, with room for large parts, and no lamp.
+job::Profile laser_cutter() {
+  job::Profile profile = chip_profile();
+  job::set_acceleration(profile, 2);
+  job::set_speed(profile, 0.2);
+  const auto set = [&profile](Id id, double value) {
+    job::state_setting(profile, id, value, "test");
+  };
+  set(Id::lamp_mode, 0);
+  set(Id::laser_mode, 1);
+  for (int axis = 0; axis < 3; ++axis) {
+    set(settings::for_axis(Id::steps_per_mm_x, axis), axis == 2 ? 400 : 80);
+    set(settings::for_axis(Id::travel_x, axis), 1000);
+    set(settings::for_axis(Id::min_corner_x, axis), -500);
+  }
+  return profile;
+}
+
+/// Short lines on a wave, each with a power of its own.
+std::string wave(int lines, double x, double y) {
+  std::string text;
+  for (int i = 1; i <= lines; ++i)
+    text += fmt::format("X{:.3f}Y{:.3f}S{}\n", x + 0.15 * i, y + 2 * std::sin(0.15 * i),
+                        200 + 731 * i % 800);
+  return text;
+}
+
+/// Some seconds with all kinds of motion and light.
+std::string mixed_program() {
+  return "G21 G90 G17 G94\nG0 X30 Y10\n"
+         "M3 S400\nG1 X38 F9000\nG2 X46 Y18 I0 J8\nG3 X38 Y26 R8\nG1 X34 S900\n"
+         "G0 X20 Y26\nM4 S1000\nG1 X20 Y20 F6000\nG5 I0 J-4 P0 Q4 X26 Y12\n"
+         "G2 X26 Y12 I2 J0 Z-1\nG1 F5000\n" +
+         wave(scaled(80), 26, 12) +
+         "G4 P0.02\nG91 G1 X-3 Y1 Z1 F4000\nG18 G3 X-8 Z0 R6\nM5\nG90 G17 G0 X0 Y0\nM2\n";
+}
+
+struct Program {
+  std::string text = mixed_program();
+  double seconds = 100;    ///< of it
+  std::size_t dwells = 1;  ///< in them; those of a file are not known
+};
+
+/// The one that the environment names, or ours.
+Program program_to_compare() {
+  Program program;
+  if (const char* file = std::getenv("LAMPLOCK_PROGRAM")) {
+    program.text = read_file(file);
+    if (!program.text.ends_with('\n')) program.text += '\n';
+    program.dwells = std::string::npos;
+  }
+  if (const char* seconds = std::getenv("LAMPLOCK_PROGRAM_SECONDS"))
+    program.seconds = std::atof(seconds);
+  return program;
+}
+
+struct ProgramRun {
+  ProgramTrace trace;
+  std::vector<std::string> answers;
+  bool ended = false;
+};
+
+/// To its end, or for so long from its first step on, and a bit.
+ProgramRun run(sim::Board& board, const PinMonitor& monitor, const Program& program) {
+  constexpr sim::Picoseconds start = 10 * ps_per_s, more = ps_per_s / 2;
+  const auto length = static_cast<Picoseconds>(program.seconds * 1e12);
+  ProgramSender sender(board);
+  sender.give(program.text);
+  const Picoseconds begin = board.now();
+  while (monitor.nothing_happened() && !sender.answered() && board.now() < begin + start)
+    sender.step();
+  ProgramRun result;
+  const Picoseconds end = board.now() + length + more;
+  result.ended = sender.run_until_answered(end) && sender.run_until_idle(end);
+  result.trace = trace_of(monitor, board.world().beam(), board.now());
+  result.answers = sender.answers();
+  return result;
+}
+
+/// As far as both have come.
+void expect_same_answers(const std::vector<std::string>& ours,
+                         const std::vector<std::string>& theirs) {
+  const std::size_t count = std::min(ours.size(), theirs.size());
+  std::size_t errors = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    ASSERT_EQ(ours[i], theirs[i]) << "line " << i + 1;
+    if (ours[i] == "ok") continue;
+    if (errors++ == 0)
+      std::cout << "line " << i + 1 << " is the first refused: " << ours[i] << "\n";
+  }
+  std::cout << fmt::format("{} answers, {} errors\n", count, errors);
+}
+
+void print(const TraceComparison& steps, const LightComparison& light) {
+  std::cout << fmt::format("{} steps: at most {:.3f} ns apart; {} edges of the gate: {:.3f} ns\n",
+                           steps.steps(), static_cast<double>(steps.largest_step_error()) / 1e3,
+                           steps.gate_edges(),
+                           static_cast<double>(steps.largest_gate_error()) / 1e3);
+  for (const Stretch& stretch : steps.stretches())
+    std::cout << fmt::format(
+        "from {:.6f} to {:.6f} s: the chip {:.3f} us later\n",
+        sim::seconds(stretch.first - steps.stretches().front().first),
+        sim::seconds(stretch.last - steps.stretches().front().first),
+        static_cast<double>(stretch.offset - steps.stretches().front().offset) / 1e6);
+  std::cout << fmt::format("power at {} times: off by {} of 65535; energy {:.6f} and {:.6f} s\n",
+                           light.samples(), light.largest_error(), light.energy(),
+                           light.other_energy());
+}
+
+TEST(ProgramTicks, AndLightAreThoseOfTheVirtualBoard) {
+  const Program program = program_to_compare();
+  const job::Profile profile = laser_cutter();
+  sim::VirtualBoard board(profile.settings, chip_world(profile));
+  const PinMonitor monitor(board.bus(), board.world().lamp());
+  ProgramRun ours = run(board, monitor, program);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  const ProgramRun theirs = run(rig.board, rig.monitor, program);
+  ASSERT_EQ(ours.ended, theirs.ended);
+  if (!ours.ended && ours.trace.total() != 0)
+    ours.trace.cut(ours.trace.first_step() + static_cast<Picoseconds>(program.seconds * 1e12));
+  expect_same_answers(ours.answers, theirs.answers);
+  const TraceComparison steps(ours.trace, theirs.trace, ours.ended);
+  // From a tick of the virtual board's to the end of the PWM period that follows the chip's next
+  // beat interrupt.
+  constexpr Picoseconds raster = 200 * ps_per_us;
+  const LightComparison light(ours.trace, theirs.trace, steps, raster);
+  print(steps, light);
+  EXPECT_EQ(steps.difference(), "");
+  EXPECT_EQ(steps.steps(), ours.trace.total());
+  EXPECT_EQ(steps.largest_step_error(), 0);
+  EXPECT_LE(steps.stretches().size() - 1, program.dwells);
+  EXPECT_EQ(steps.largest_gate_error(), 0);
+  // A duty has 4096 counts, and of the 64 ticks of a cell one says its power: where power turns
+  // round the boards may take another one.
+  EXPECT_LE(light.largest_error(), 64);
+  EXPECT_NEAR(light.other_energy(), light.energy(), 0.005 * light.energy());
+  expect_no_violations(rig);
+}
+
+}  // namespace
+}  // namespace lamplock::test
