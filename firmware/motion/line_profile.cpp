@@ -14,10 +14,6 @@ constexpr int way_noise_bits = 26;
 /// Part of a squared speed that is rounding: 2^-12, within the room of line_geometry.cpp.
 constexpr int rounding_bits = 12;
 
-std::uint32_t within(std::uint32_t value, std::uint32_t low, std::uint32_t high) {
-  return value < low ? low : value > high ? high : value;
-}
-
 LineReal square(LineReal v) { return v * v; }
 /// Where a speed changes steadily: its way in units of half a tick.
 LineReal way_2(LineReal v0, LineReal v1, std::uint32_t ticks) {
@@ -31,8 +27,9 @@ struct Phases {
   bool brakes = false;  ///< from a speed that is too high by now
 };
 
-/// Brakes all along and is too fast at the end still, or just not.
-Phases brake_all(const LineTask& task, LineReal v1) {
+/// One change all along: it brakes and is too fast at the end still, or just not, or there is no
+/// room for more.
+Phases change_all(const LineTask& task, LineReal v1) {
   Phases p;
   p.v0 = task.start;
   p.vc = p.v1 = v1;
@@ -89,13 +86,13 @@ Phases make_pulse_speeds(const LineTask& task) {
   const LineReal all_2 = length_2 + times_power(length_2, -rounding_bits);
   LineReal end = least(task.end, task.speed);
   if (end < task.start && all_2 < ramps.way_2(task.start, end))
-    return brake_all(task, ramps.lowest(task.start, task.length));
+    return change_all(task, ramps.lowest(task.start, task.length));
   Phases p;
   p.v0 = task.start;
   p.brakes = task.speed + task.accel < p.v0;
   if (p.brakes) {
     const LineReal down_2 = ramps.way_2(p.v0, task.speed) + ramps.way_2(task.speed, end);
-    if (length_2 < down_2) return brake_all(task, end);
+    if (length_2 < down_2) return change_all(task, end);
     p.vc = task.speed;
   } else {
     p.v0 = least(p.v0, task.speed);
@@ -121,7 +118,7 @@ Phases make_speeds(const LineTask& task) {
   LineReal end = least(task.end, task.speed);
   const LineReal too_fast_2 = difference(v0_2, square(end) + change_2);
   if (times_power(v0_2, -rounding_bits) < too_fast_2)
-    return brake_all(task, square_root(difference(v0_2, change_2)));
+    return change_all(task, square_root(difference(v0_2, change_2)));
   const LineReal speed_2 = square(task.speed);
   Phases p;
   p.v0 = task.start;
@@ -130,7 +127,7 @@ Phases make_speeds(const LineTask& task) {
   if (!p.brakes) p.v0 = least(p.v0, task.speed);
   if (p.brakes) {
     const LineReal after_2 = difference(v0_2, change_2);
-    if (!(after_2 < speed_2)) return brake_all(task, square_root(after_2));
+    if (!(after_2 < speed_2)) return change_all(task, square_root(after_2));
     p.vc = task.speed;
   } else {
     end = least(end, square_root(v0_2 + change_2));
@@ -208,6 +205,9 @@ LineRun cut(const LineTask& task, const Phases& p, std::uint32_t ticks) {
   return run;
 }
 
+/// A cut leaves no less: rounded to a few ticks, what is left would have quite another speed.
+std::uint32_t least_rest(std::uint32_t slice) { return slice / 16; }
+
 /// Ticks of the next slice of what is too long for one: the last two are equally long.
 std::uint32_t part_of(std::uint32_t ticks, std::uint32_t slice) {
   return ticks > 2 * slice ? slice : ticks / 2;
@@ -228,7 +228,9 @@ LineRun cut_pulses(const LineTask& task, const Phases& p) {
   } else {
     run.lead_ticks = lead;
     run.cruise = p.vc;
-    run.cruise_ticks = whole_down(p.cruise, slice - lead);
+    const std::uint32_t left = whole_down(p.cruise + p.tail, longest_phase);
+    const std::uint32_t most = left > least_rest(slice) ? left - least_rest(slice) : 0;
+    run.cruise_ticks = whole_down(p.cruise, slice - lead < most ? slice - lead : most);
     if (lead == 0) run.start = run.cruise;
   }
   run.end = run.cruise;
@@ -267,17 +269,19 @@ LineRun stand() {
 
 /// Up to a speed, along, and down.
 LineRun make_changing(const LineTask& task) {
-  const Phases p = make_speeds(task);
+  Phases p = make_speeds(task);
   LineRun run = round_up(task, p);
-  const std::uint32_t ticks = run.ticks(), slice = task.slice_ticks;
-  // Down to a lower speed by itself, and from there with nothing in a hurry.
-  const bool pulses = !task.rise->none();
-  if (p.brakes && run.cruise_ticks + run.tail_ticks != 0) {
-    if (pulses) return cut_pulses(task, p);
-    return cut(task, p, within(whole_down(p.lead, slice), 1, slice));
+  const std::uint32_t slice = task.slice_ticks;
+  if (task.rise->none()) {
+    if (run.ticks() > slice) return cut(task, p, part_of(run.ticks(), slice));
+  } else if (run.ticks() > slice) {
+    // A pulse cannot be cut anywhere: a little longer, it takes in what would be left.
+    if (run.lead_ticks <= slice && run.ticks() - run.lead_ticks <= least_rest(slice)) {
+      p = change_all(task, p.v1);
+      run = round_up(task, p);
+    }
+    if (run.ticks() > slice) return cut_pulses(task, p);
   }
-  if (pulses && ticks > slice) return cut_pulses(task, p);
-  if (ticks > slice) return cut(task, p, part_of(ticks, slice));
   run.whole = true;
   fit(task, p.brakes, run);
   return run;

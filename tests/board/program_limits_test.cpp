@@ -171,7 +171,7 @@ TEST(ProgramLimits, CirclesKeepTheAccelerationOfTheirAxes) {
   }
 }
 
-TEST(ProgramLimits, DISABLED_DisturbedAtAnyMoment) {
+TEST(ProgramLimits, DisturbedAtAnyMoment) {
   std::mt19937_64 random(3);
   constexpr std::array<unsigned, 12> bytes{0x90, 0x91, 0x92, 0x93, 0x94, 0x95,
                                            0x96, 0x97, '!',  '!',  '~',  '~'};
