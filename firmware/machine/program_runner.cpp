@@ -1,20 +1,10 @@
 #include "firmware/machine/program_runner.hpp"
 
+#include "firmware/machine/program_horizon.hpp"
 #include "firmware/motion/pulse.hpp"
 #include "firmware/stepper/segment_power.hpp"
 
 namespace lamplock::machine {
-namespace {
-
-constexpr std::uint32_t ticks_per_ms = ticks_per_second / 1000;
-/// Handed out ahead of the ticks that are filled: what a slow main loop and a batch may take
-/// together, and not more than overrides can wait.
-constexpr std::uint64_t horizon_ticks = 20 * ticks_per_ms;
-/// Motion is begun this long after the ticks already filled.
-constexpr std::uint64_t start_margin_ticks = ticks_per_ms / 2;
-
-}  // namespace
-
 Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q16) {
   planning_.recall();
   planning_.use_lines();

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <memory>
 
+#include "firmware/machine/line_work.hpp"
+#include "firmware/machine/program_horizon.hpp"
 #include "firmware/machine/program_motion.hpp"
-#include "firmware/motion/line_planner.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/error.hpp"
 #include "shared/wire/framing.hpp"
@@ -21,7 +22,12 @@ using settings::Id;
 
 /// Limits are those of ticks of their nominal length; which beat they are made for does not matter.
 constexpr std::uint32_t some_beat_ticks = ticks_per_second / 100;
-constexpr std::int64_t um_per_mm = 1000, nm_per_um = 1000;
+constexpr std::int64_t um_per_mm = 1000;
+/// A board that takes all that the cable brings, USB at full speed: 19 packets of 64 bytes in a
+/// millisecond, looked at four times in it; and the ticks that it has filled.
+constexpr std::uint64_t round_ticks = ticks_per_second / 4000;
+constexpr std::size_t bytes_per_round = 19 * 64 / 4;
+constexpr std::uint64_t filled_ticks = 9 * round_ticks;
 constexpr double e7 = static_cast<double>(program::one_e7);
 constexpr std::string_view axis_names = "XYZA";
 
@@ -35,37 +41,84 @@ program::Options options_of(const settings::Values& values) {
   return options;
 }
 
-/// Throws Error(bad_input) for a machine that cannot be.
-motion::Limits limits_of(const settings::Values& values) {
+/// For a machine that cannot be.
+Error no_motion(const settings::Values& values) {
   motion::Limits limits;
   std::uint16_t setting = 0;
-  if (motion::make_limits(values, some_beat_ticks, full_tick_q16, limits, setting) != Result::ok)
-    throw Error(Exit::bad_input, fmt::format("${}", setting), "no motion is possible with it",
-                "change the profile of the machine");
-  return limits;
+  motion::make_limits(values, some_beat_ticks, full_tick_q16, limits, setting);
+  return {Exit::bad_input, fmt::format("${}", setting), "no motion is possible with it",
+          "change the profile of the machine"};
 }
 
-motion::LineLimits line_limits_of(const settings::Values& values, const motion::Limits& limits) {
-  std::int32_t coarsest = values.milli(Id::steps_per_mm_x);
-  for (int a = 1; a < limits.axes; ++a)
-    coarsest = std::min(coarsest, values.milli(Id::steps_per_mm_x, a));
-  return motion::make_line_limits(
-      limits, coarsest,
-      static_cast<std::uint32_t>(values.milli(Id::junction_deviation) * nm_per_um));
-}
+/// Lines on their way through the planner as the board feeds it: how many it knows of when it plans
+/// a batch is what a plan depends on beside the lines themselves.
+class Lines {
+ public:
+  /// Throws Error(bad_input).
+  explicit Lines(const settings::Values& values) {
+    stepper::MotionState rest;
+    for (stepper::AxisState& axis : rest.axis) axis.position_q64 = stepper::middle_of_step(0);
+    if (work_->begin(values, some_beat_ticks, full_tick_q16, rest) != Result::ok)
+      throw no_motion(values);
+  }
 
-/// The machine: planner and position.
+  /// So many bytes come over the cable.
+  void receive(std::size_t bytes) {
+    bytes_ += bytes;
+    for (; bytes_ > bytes_per_round; bytes_ -= bytes_per_round) round();
+  }
+  void take(const motion::LineTarget& line) {
+    while (work_->inbox().full()) round();
+    work_->inbox().push(line);
+  }
+  /// Lets the machine come to rest.
+  void finish() {
+    while (!work_->drained() || now_ + filled_ticks < end_) round();
+  }
+  void dwell(std::uint32_t us) {
+    finish();
+    now_ += us / us_per_tick;
+  }
+  /// In motion.
+  std::uint64_t ticks() const { return ticks_; }
+
+ private:
+  static constexpr std::uint32_t us_per_tick = 1'000'000 / ticks_per_second;
+
+  /// Of the main loop: see ProgramRunner::wants_batch() and start_tick().
+  void round() {
+    now_ += round_ticks;
+    const std::uint64_t head = now_ + filled_ticks;
+    const bool rests = work_->ends_at_rest();
+    if (work_->drained() || (!rests && end_ >= head + machine::horizon_ticks)) return;
+    if (rests) end_ = std::max(end_, head + machine::start_margin_ticks);
+    work_->start({});
+    while (work_->advance()) {
+    }
+    for (std::uint32_t i = 0; i < work_->count(); ++i) {
+      ticks_ += work_->segment(i).segment.ticks;
+      end_ += work_->segment(i).segment.ticks;
+    }
+    work_->accept();
+  }
+
+  std::unique_ptr<machine::LineWork> work_ = std::make_unique<machine::LineWork>();
+  std::size_t bytes_ = 0;  ///< that have come in this round
+  std::uint64_t now_ = 0, end_ = 0, ticks_ = 0;
+};
+
+/// The machine: its lines, and its position.
 class Machine {
  public:
   explicit Machine(const settings::Values& values)
-      : values_(values), space_(work_space(values)), limits_(limits_of(values)) {
-    stepper::MotionState rest;
-    for (stepper::AxisState& axis : rest.axis) axis.position_q64 = stepper::middle_of_step(0);
-    planner_.start(rest);
+      : values_(values), space_(work_space(values)), lines_(values) {
     run_.axes = values.whole(Id::axes);
   }
 
   ProgramRun& result() { return run_; }
+
+  /// A line of the text comes over the cable.
+  void receive(std::size_t bytes) { lines_.receive(bytes); }
 
   /// Does what the interpreter says; false at the end of the program.
   bool take(const Action& action, std::size_t line) {
@@ -75,7 +128,7 @@ class Machine {
         move(action, line);
         return true;
       case ActionKind::dwell:
-        finish();
+        lines_.dwell(action.time_us);
         run_.dwell_us += action.time_us;
         return true;
       case ActionKind::spindle:
@@ -96,19 +149,12 @@ class Machine {
     return true;
   }
 
-  /// Lets the machine come to rest.
   void finish() {
-    while (step()) {
-    }
+    lines_.finish();
+    run_.ticks = lines_.ticks();
   }
 
  private:
-  bool step() {
-    if (!planner_.next(made_)) return false;
-    run_.ticks += made_.segment.ticks;
-    return true;
-  }
-
   void move(const Action& action, std::size_t line) {
     const motion::LineTarget target = machine::line_target(action, values_);
     const int outside = machine::axis_outside(target.steps, space_, run_.axes);
@@ -117,7 +163,7 @@ class Machine {
       return;
     }
     note(action);
-    while (!planner_.push(target)) step();
+    lines_.take(target);
   }
 
   void problem_outside(const Action& action, std::size_t line, int axis) {
@@ -152,11 +198,7 @@ class Machine {
 
   const settings::Values& values_;
   const StepLimits space_;
-  const motion::Limits limits_;
-  const motion::LineLimits line_limits_ = line_limits_of(values_, limits_);
-  std::unique_ptr<motion::LineRing> ring_ = std::make_unique<motion::LineRing>();
-  motion::LinePlanner planner_{*ring_, line_limits_, limits_};
-  motion::LineSegment made_;
+  Lines lines_;
   PerAxis<double> at_{};
   ProgramRun run_;
 };
@@ -195,6 +237,7 @@ ProgramRun run_program(std::string_view text, const settings::Values& values,
   bool more = true;
   for (std::size_t number = 1; more && !text.empty(); ++number) {
     const std::string_view line = take_line(text);
+    machine.receive(line.size() + 1);
     if (line.empty()) continue;
     ++run.lines;
     program::Fault fault;

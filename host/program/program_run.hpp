@@ -1,9 +1,10 @@
 // A program of G-code, run to its end without a machine: the firmware's interpreter and planner,
-// with nothing between them and no clock.
+// fed in batches as the board feeds it (line_work.hpp), by a sender whose lines never run out.
 //
 // In:  the text of a program, the settings of a machine. It starts at machine zero, at rest.
-// Out: what is wrong with it, by line and column; the time that the machine will take, to the tick;
-//      ways, bounds, and the path for a picture.
+// Out: what is wrong with it, by line and column; the time that the machine will take, to the
+//      tick but for what it needs to begin anew after a dwell or pause; ways, bounds, and the path
+//      for a picture.
 // Who: `lamplock check`; tests.
 //
 // A line that is wrong is left out, as the machine would with $-setting "go on after an error"; the

@@ -146,7 +146,8 @@ TEST(ProgramLimits, UndisturbedInTheTimeThatCheckSays) {
     host.run_ms(5);
     EXPECT_EQ(judge.fault(), "") << program.text;
     EXPECT_EQ(host.position(), steps_at(program.end)) << program.text;
-    EXPECT_NEAR(judge.moved_s(), plan.seconds(), 0.010) << program.text;
+    // The board plans the same segments, so it is a matter of ticks.
+    EXPECT_NEAR(judge.moved_s(), plan.seconds(), 2e-6) << program.text;
     EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
     EXPECT_FALSE(rig.board.controller().runner().generator().underrun());
   }
