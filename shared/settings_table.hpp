@@ -73,6 +73,7 @@ enum class Id : std::uint8_t {
   speed_jump_z,
   speed_jump_a,
   dead_man,
+  stop_at_error,
   pin_map,
   drive_lag_x,
   drive_lag_y,
@@ -194,6 +195,8 @@ inline constexpr std::array<Row, setting_count> table{{
      "how far the speed of A may jump at a corner of a path"},
     {980, "dead_man", "ms", 0, 60'000'000, 2'000'000, false,
      "silence of the host in a job before a controlled stop; 0 = never"},
+    {981, "stop_at_error", "on/off", 0, 1'000, 0, true,
+     "after an error in a line of a program take no further ones until $X or a reset"},
     {990, "pin_map", "0..1", 0, 1'000, 0, true,
      "what the pins of the board are for, from its next start on: 0 glass, 1 cut (fourth axis, "
      "UART, "

@@ -31,7 +31,7 @@ Controller::Controller(const settings::Values& stored, const InterruptMask& mask
       runner_(clock_, shots_, motion_, planning_, parts) {
   clock_.configure(stored);
   use_settings(stored);
-  reader_.configure(stored);
+  configure_reader();
   shots_.permit(false, BeatReason::no_point_due);
   send_banner();
 }
@@ -88,7 +88,7 @@ void Controller::set_trigger() {
 
 Result Controller::change_beat(std::uint32_t milli_hz) {
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
-  if (!job_) return Result::no_job;
+  if (!wire_job()) return Result::no_job;
   settings::Values values = values_;
   refused_value_ = settings::range(Id::lamp_frequency).number;
   const std::int32_t most = settings::range(Id::lamp_frequency).max_milli;
@@ -151,10 +151,7 @@ bool Controller::commit() {
   // A hold or an alarm since prepare() has made the plan worthless.
   const bool wanted = moving_ && !runner_.underrun();
   const Committed committed = wanted ? runner_.commit() : Committed::nothing;
-  if (committed == Committed::no_way) {
-    link_.refuse_point(Result::unreachable, runner_.failed_point());
-    stop();
-  }
+  if (committed == Committed::no_way) refuse_way();
   // A stop is over when the machine stands and the last shot that was decided has been counted.
   const bool stopping =
       !job_ && !program_.begun() &&
@@ -164,7 +161,7 @@ bool Controller::commit() {
     runner_.read_outcomes();
     state_ = MachineState::idle;
   }
-  if (state_ == MachineState::run && job_ && runner_.complete() && runner_.at_rest())
+  if (state_ == MachineState::run && wire_job() && runner_.complete() && runner_.at_rest())
     state_ = MachineState::idle;
   end_overrides();
   if (parts_ == Parts::straight) program_.stage();
@@ -173,8 +170,18 @@ bool Controller::commit() {
   return committed == Committed::part || lines;
 }
 
+/// There is no way to the next point.
+void Controller::refuse_way() {
+  if (wire_job()) {
+    link_.refuse_point(Result::unreachable, runner_.failed_point());
+    return stop();
+  }
+  // From where the machine comes to rest there may be one.
+  if (motion_.at_rest()) raise_alarm(alarm_soft_limit);
+}
+
 bool Controller::ready_to_move() const {
-  if (state_ != MachineState::run || !job_ || next_beat_milli_hz_ != 0) return false;
+  if (state_ != MachineState::run || !job_ || reset_due_ || next_beat_milli_hz_ != 0) return false;
   if (clock_.edges() < static_cast<std::uint32_t>(values_.whole(Id::lamp_warm_up))) return false;
   return moving_ ? clock_.locked() : clock_.settled();
 }
@@ -201,7 +208,7 @@ BeatReason Controller::idle_reason() const {
 
 void Controller::check_dead_man() {
   const std::int32_t milli_ms = values_.milli(Id::dead_man);
-  if (milli_ms == 0 || state_ != MachineState::run || !job_) return;
+  if (milli_ms == 0 || state_ != MachineState::run || !wire_job()) return;
   const std::uint64_t limit = static_cast<std::uint64_t>(milli_ms) * clocks_per_us;
   if (now_ - last_byte_ > limit) hold(HoldReason::dead_man);
 }
@@ -251,6 +258,7 @@ void Controller::raise_alarm(std::uint8_t number) {
   if (job_) runner_.read_outcomes();  // whoever asks now, where to go on, shall know every shot
   runner_.halt();
   program_.halt();
+  end_program();
   reader_.lose_position();
   jogging_ = check_ = reset_due_ = false;
   moving_ = false;
@@ -318,14 +326,14 @@ void Controller::stop() {
 }
 
 Result Controller::on_data(std::span<const std::uint8_t> records) {
-  if (!job_) return Result::no_job;
+  if (!wire_job()) return Result::no_job;
   const Result r = decoder_.decode(records, runner_.queue(), work_space_);
   refused_value_ = decoder_.refused_index();
   return r;
 }
 
 Result Controller::on_end(std::uint32_t total) {
-  if (!job_) return Result::no_job;
+  if (!wire_job()) return Result::no_job;
   return total == points_total_ && runner_.queue().end() == total ? Result::ok : Result::bad_value;
 }
 
@@ -343,7 +351,10 @@ Result Controller::on_command(const wire::CommandRequest& request) {
       resume();
       break;
     case wire::Command::stop:
-      stop();
+      if (beat_locked())
+        reset();
+      else
+        stop();
       break;
     case wire::Command::lamp_frequency:
       break;

@@ -195,7 +195,7 @@ class Controller {
   }
   /// Exact as of the last lamp_edge(). Beat interrupt, or main loop with it masked.
   JobMark job_mark() {
-    if (!job_) return {};
+    if (!wire_job()) return {};
     return {link_.session(), runner_.first_unfired(), shots_.undecided()};
   }
   bool next_token(lamp::FireToken& token, std::uint64_t present_tick) {
@@ -274,7 +274,13 @@ class Controller {
     return program_.begun() && !reset_due_ && !jogging_ &&
            (state_ == wire::MachineState::run || state_ == wire::MachineState::hold);
   }
-  bool program_unfinished() const { return reader_.line_open() || !program_.idle(); }
+  bool program_unfinished() const {
+    return reader_.line_open() || !program_.idle() || (beat_locked() && !runner_.drained());
+  }
+  /// Moves of a program are points on the beat, run by the job runner.
+  bool beat_locked() const { return reader_.lock() != program::BeatLock::off; }
+  /// A job that came in frames.
+  bool wire_job() const { return job_ && !beat_locked(); }
   /// Looked at in every round of the main loop.
   bool lines_due() const {
     return reader_.line_open() || reader_.lines_wait() || start_up_next_ < start_up_lines;
@@ -283,16 +289,25 @@ class Controller {
   bool finish_line();
   void begin_line(std::string_view line);
   GcodeError begin_program_line(std::string_view line);
+  void stop_after(GcodeError error);
   GcodeError begin_jog(std::string_view line);
   GcodeError keep_start_up_line(std::string_view line);
   bool run_start_up_line();
   bool start_program();
+  bool begin_lines();
+  void begin_points(program::BeatLock lock);
+  bool change_over(program::BeatLock lock);
+  void configure_reader();
+  void refuse_way();
   void end_program();
   void settle_program();
+  void settle_points();
   void reset();
   void finish_reset();
   void cancel_jog();
   void override_byte(std::uint8_t byte);
+  void use_overrides();
+  bool toggle_coolant(std::uint8_t byte);
   static void change_override(std::uint8_t& percent, int by);
   void end_overrides_of_program();
   void toggle_check();
@@ -333,7 +348,7 @@ class Controller {
   Planning planning_;
   JobRunner runner_;
   ProgramRunner program_{clock_, motion_, planning_};
-  ProgramReader reader_{program_};
+  ProgramReader reader_{program_, runner_};
   program::PulseDecoder decoder_;
   StepLimits work_space_;
   StatusReporter reporter_;
@@ -341,9 +356,10 @@ class Controller {
   wire::MachineState state_ = wire::MachineState::idle;
   wire::HoldReason hold_reason_ = wire::HoldReason::none;
   std::uint8_t alarm_ = 0;
-  bool job_ = false;  ///< a job has begun and was not ended
+  bool job_ = false;  ///< a job, or a row of points of a program, has begun and was not ended
   bool dry_ = false;
   bool jogging_ = false;
+  bool stopped_ = false;            ///< by an error: lines of programs are refused ($981)
   bool jogs_dropped_ = false;       ///< a jog was cancelled: those that wait behind it are
   bool check_ = false;              ///< programs are read and not run
   bool kept_due_ = false;           ///< texts or places have changed

@@ -1,4 +1,4 @@
-// Programs: lines in their turn, jogs, overrides, resets.
+// Programs: lines in their turn, jogs, overrides, resets, and who runs the moves.
 #include "firmware/machine/controller.hpp"
 #include "firmware/machine/program_text.hpp"
 
@@ -15,6 +15,7 @@ constexpr std::uint8_t byte_jog_cancel = 0x85;
 constexpr std::uint8_t byte_feed_full = 0x90;     // then +10, -10, +1, -1
 constexpr std::uint8_t byte_rapid_full = 0x95;    // then 50 %, 25 %
 constexpr std::uint8_t byte_spindle_full = 0x99;  // then as for the feed
+constexpr std::uint8_t byte_flood = 0xa0, byte_mist = 0xa1;
 
 constexpr std::uint8_t full_percent = 100;
 constexpr int least_override = 10, most_override = 200;
@@ -43,6 +44,11 @@ void Controller::on_line(std::string_view line) {
 void Controller::on_line_too_long() { on_line(lost_line); }
 
 void Controller::work_lines() {
+  if (reader_.line_open() && (state_ == MachineState::alarm || state_ == MachineState::estop)) {
+    reader_.drop_line();
+    if (!own_line_) answer(GcodeError::locked);
+    own_line_ = false;
+  }
   for (int i = 0; i < most_lines; ++i) {
     if (reader_.line_open() && !finish_line()) break;
     if (reset_due_ || program_.cancelling()) break;
@@ -53,7 +59,8 @@ void Controller::work_lines() {
     begin_line(reader_.take_line(room));
   }
   if (!reader_.lines_wait()) jogs_dropped_ = false;
-  const bool busy = reader_.line_open() || !program_.drained();
+  const bool points = beat_locked() && runner_.queue().size() != 0;
+  const bool busy = reader_.line_open() || !program_.drained() || points;
   if (state_ == MachineState::idle && busy && !check_) state_ = MachineState::run;
 }
 
@@ -83,6 +90,9 @@ bool Controller::finish_line() {
         hold_reason_ = HoldReason::realtime;
         return false;
       }
+      case Step::changes:
+        if (!change_over(reader_.wanted_lock())) return false;
+        break;
       case Step::ended:
         say("Pgm End");
         end_overrides_of_program();
@@ -93,18 +103,33 @@ bool Controller::finish_line() {
 
 void Controller::begin_line(std::string_view line) {
   if (line.empty()) return answer(GcodeError::none);
-  if (line == lost_line) return answer(GcodeError::line_too_long);
+  if (line == lost_line) {
+    answer(GcodeError::line_too_long);
+    return stop_after(GcodeError::line_too_long);
+  }
   const bool starts_up = line.starts_with("$N") && line.size() > 2;
   if (line.front() == '$' && !starts_up && !line.starts_with("$J="))
     return answer_system_command(line);
   const GcodeError error = starts_up             ? keep_start_up_line(line)
                            : line.front() == '$' ? begin_jog(line.substr(3))
                                                  : begin_program_line(line);
-  if (error != GcodeError::none) return answer(error);
-  if (reader_.line_open())
+  if (error == GcodeError::none && reader_.line_open()) {
     finish_line();
-  else
-    answer(error);
+    return;
+  }
+  answer(error);
+  if (line.front() != '$') stop_after(error);
+}
+
+/// A line of a program was refused: as the user wishes no other is taken then, what was taken goes
+/// to its end.
+void Controller::stop_after(GcodeError error) {
+  const bool of_line = error != GcodeError::none && error != GcodeError::locked &&
+                       error != GcodeError::not_idle && error != GcodeError::door_open;
+  if (!of_line || stopped_ || check_ || values_.whole(settings::Id::stop_at_error) == 0) return;
+  stopped_ = true;
+  if (beat_locked()) runner_.close();
+  say("Stopped at an error: '$X' or reset to go on");
 }
 
 /// A program may run, but for the planner: in a job, an alarm or asleep it may not.
@@ -113,24 +138,80 @@ bool Controller::start_program() {
     if (program_.idle()) reader_.find_position(motion_.generator().state(), values_);
     return true;
   }
+  if (beat_locked()) return true;
   if (state_ != MachineState::idle || !motion_.at_rest() || loader_requested_) return false;
   if (shots_.undecided() || overridden_) return false;
+  if (!begin_lines()) return false;
+  reader_.find_position(motion_.generator().state(), values_);
+  return true;
+}
+
+/// At rest, no shot undecided: interrupts change nothing then of what this looks at.
+bool Controller::begin_lines() {
   planning_.recall();
   job_ = false;
   std::uint32_t tick_q16 = 0;
   {
     const Masked masked(mask_);
+    runner_.read_outcomes();  // what is left of a job shall not send the machine back
     tick_q16 = runner_.shortest_tick_q16();
   }
-  // At rest interrupts change nothing of what this looks at.
-  if (program_.begin(values_, tick_q16) != Result::ok) return false;
-  reader_.find_position(motion_.generator().state(), values_);
+  return program_.begin(values_, tick_q16) == Result::ok;
+}
+
+/// The same with points on the beat: as a job, but for their number. The host of an earlier job has
+/// lost it.
+void Controller::begin_points(program::BeatLock lock) {
+  planning_.recall();
+  const lamp::ShotRules rules = shot_rules(values_);
+  RunOptions options;
+  options.mode = lock == program::BeatLock::free ? motion::JoinMode::free : motion::JoinMode::path;
+  options.of_program = true;
+  options.points_total = JobRunner::open_end;
+  options.least_beats = static_cast<std::int32_t>(rules.least_beats);
+  options.feed_percent = overrides_.feed;
+  options.rapid_percent = overrides_.rapid;
+  {
+    const Masked masked(mask_);
+    runner_.read_outcomes();
+    shots_.begin_job(rules);
+    options.shortest_tick_q16 = runner_.shortest_tick_q16();
+  }
+  runner_.begin(options, values_, 0);
+  link_.forget_session();
+  dry_ = false;
+  job_ = true;
+}
+
+/// The next move is one for points on the beat, and how they are joined, or for lines. False while
+/// that has to wait: planners share their memory, so the machine has to stand, and every shot has
+/// to be judged.
+bool Controller::change_over(program::BeatLock lock) {
+  if (state_ != MachineState::idle && state_ != MachineState::run) return false;
+  if (!motion_.at_rest() || shots_.undecided() || reset_due_) return false;
+  {
+    const Masked masked(mask_);
+    end_program();
+  }
+  if (lock == program::BeatLock::off) return begin_lines();
+  begin_points(lock);
+  reader_.set_lock(lock);
   return true;
 }
 
+/// Beat lock can be had if the laser of the stored settings may fire at all.
+void Controller::configure_reader() {
+  std::uint16_t setting = 0;
+  const bool sound = check_settings(stored_, setting) == Result::ok;
+  const int permitted = stored_.whole(settings::Id::channels) & board_channels_;
+  reader_.configure(stored_, static_cast<std::uint8_t>(sound ? permitted : 0));
+}
+
 GcodeError Controller::begin_program_line(std::string_view line) {
-  if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_ || jogging_)
+  if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_ || jogging_ ||
+      stopped_)
     return GcodeError::locked;
+  if (state_ == MachineState::idle && door_open_ && !check_) return GcodeError::door_open;
   if (!start_program()) return GcodeError::not_idle;
   return reader_.begin(line).error;
 }
@@ -180,22 +261,42 @@ bool Controller::run_start_up_line() {
   return true;
 }
 
-/// Nothing is under way.
-void Controller::end_program() { program_.end(); }
+/// Nothing is under way, or nothing of it goes on.
+void Controller::end_program() {
+  program_.end();
+  if (!beat_locked()) return;
+  reader_.set_lock(program::BeatLock::off);
+  job_ = moving_ = false;
+}
 
 /// Overrides end with the program, as in grbl.
 void Controller::end_overrides_of_program() {
   overrides_ = {};
+  use_overrides();
+}
+
+void Controller::use_overrides() {
   program_.set_overrides(overrides_.feed, overrides_.rapid, overrides_.spindle);
+  runner_.set_overrides(overrides_.feed, overrides_.rapid);
 }
 
 // Called with beat and fill interrupts masked, as all of commit() is.
 void Controller::settle_program() {
+  if (beat_locked()) return settle_points();
   if (!program_.begun() || !program_.idle()) return;
   if (reset_due_) return finish_reset();
   if (reader_.line_open() || state_ != MachineState::run || job_) return;
   jogging_ = false;
   state_ = MachineState::idle;
+}
+
+void Controller::settle_points() {
+  if (!motion_.at_rest() || shots_.undecided()) return;
+  if (reset_due_) return finish_reset();
+  if (reader_.line_open() || state_ != MachineState::run) return;
+  // The edge may have come since prepare(): who sees idle shall see every shot.
+  runner_.read_outcomes();
+  if (runner_.drained()) state_ = MachineState::idle;
 }
 
 void Controller::cancel_jog() {
@@ -220,17 +321,22 @@ void Controller::toggle_check() {
 /// 0x18. In a job it may be one flipped bit: nothing is lost but time. Else it throws away what was
 /// typed and what is left of the program, and what still moves comes to rest on its path first.
 void Controller::reset() {
-  if (job_ && state_ == MachineState::run) return hold(HoldReason::reset);
-  if (job_ && (state_ == MachineState::hold || state_ == MachineState::door)) return;
+  if (wire_job() && state_ == MachineState::run) return hold(HoldReason::reset);
+  if (wire_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
   link_.drop_line();
   const bool moves = !motion_.at_rest();
   reader_.clear();
   jogs_dropped_ = false;
   shots_.permit(false, idle_reason());
   reset_due_ = true;
-  if (!program_.begun() || !moves) return finish_reset();
-  program_.resume();
-  program_.cancel();
+  if ((!program_.begun() && !beat_locked()) || !moves) return finish_reset();
+  if (beat_locked()) {
+    if (moving_) runner_.brake();
+    moving_ = false;
+  } else {
+    program_.resume();
+    program_.cancel();
+  }
   state_ = MachineState::run;
   moved_at_reset_ = true;
 }
@@ -238,13 +344,13 @@ void Controller::reset() {
 /// The machine is at rest.
 void Controller::finish_reset() {
   const bool lost = moved_at_reset_ || asleep_;
-  reset_due_ = moved_at_reset_ = asleep_ = jogging_ = check_ = false;
+  reset_due_ = moved_at_reset_ = asleep_ = jogging_ = check_ = stopped_ = false;
   reader_.reset();
   reporter_.reset();
   end_overrides_of_program();
   if (state_ == MachineState::run || state_ == MachineState::hold) state_ = MachineState::idle;
   hold_reason_ = HoldReason::none;
-  program_.end();
+  end_program();
   if (lost && state_ == MachineState::idle) raise_alarm(alarm_position_lost);
   start_up_next_ = 0;
   own_line_ = false;
@@ -271,7 +377,20 @@ void Controller::override_byte(std::uint8_t byte) {
     change_override(overrides_.spindle, override_changes[spindle]);
   else
     return;
-  program_.set_overrides(overrides_.feed, overrides_.rapid, overrides_.spindle);
+  use_overrides();
+}
+
+/// Flood and mist by hand, where grbl lets them be switched; false if it is another byte.
+bool Controller::toggle_coolant(std::uint8_t byte) {
+  if (byte != byte_flood && byte != byte_mist) return false;
+  const bool may =
+      state_ == MachineState::idle || state_ == MachineState::run || state_ == MachineState::hold;
+  if (!may || wire_job() || check_ || asleep_) return true;
+  if (byte == byte_flood)
+    reader_.toggle_flood();
+  else
+    reader_.toggle_mist();
+  return true;
 }
 
 void Controller::on_realtime(std::uint8_t byte) {
@@ -284,7 +403,7 @@ void Controller::on_realtime(std::uint8_t byte) {
       break;
     case '~':
       // One flipped bit must not end a hold that the host has asked for by a frame.
-      if (hold_reason_ != HoldReason::host) resume();
+      if (hold_reason_ != HoldReason::host || !wire_job()) resume();
       break;
     case byte_reset:
       reset();
@@ -293,7 +412,7 @@ void Controller::on_realtime(std::uint8_t byte) {
       if (jogging_) cancel_jog();
       break;
     default:
-      override_byte(byte);
+      if (!toggle_coolant(byte)) override_byte(byte);
       break;
   }
 }

@@ -34,8 +34,10 @@ void Controller::answer_system_command(std::string_view line) { answer(system_co
 GcodeError Controller::system_command(std::string_view line) {
   if (tell(line)) return GcodeError::none;
   if (line == "$X") {
-    const Masked masked(mask_);
     if (state_ == MachineState::estop) return GcodeError::emergency_stop;
+    stopped_ = false;
+    if (state_ == MachineState::alarm) reader_.end_lock();  // no shot before it is asked for again
+    const Masked masked(mask_);
     unlock();
     return GcodeError::none;
   }
@@ -137,7 +139,7 @@ void Controller::take_over(const settings::Values& values) {
   planning_.recall();
   stored_ = values;
   store_due_ = true;
-  reader_.configure(stored_);
+  configure_reader();
   reader_.lose_position();  // steps per mm may be others
   const Masked masked(mask_);
   use_settings(stored_);
@@ -238,7 +240,7 @@ ReportedStatus Controller::reported_status() const {
   const program::Interpreter& interpreter = reader_.interpreter();
   const program::Modal& modal = interpreter.modal();
   status.work_offset_e7 = interpreter.work_offset_e7();
-  status.free_lines = program_.free();
+  status.free_lines = beat_locked() ? runner_.queue().free() : program_.free();
   constexpr std::size_t beyond = LineQueue::capacity - LineQueue::window;
   const std::size_t room = receive_room();
   status.free_bytes = static_cast<std::uint32_t>(room > beyond ? room - beyond : 0);

@@ -95,6 +95,24 @@ class JobRunner {
   /// Goes on under another beat, which the clock has already; the machine is at rest, no plan is
   /// handed out and the board holds no token. What was planned and not fired is planned anew.
   void change_beat(const settings::Values& values, std::int32_t least_beats);
+  // Points of a program (RunOptions::of_program): how many will come nobody knows.
+  static constexpr std::uint32_t open_end = ~0u;
+  /// False if there is no room.
+  bool take(const motion::Target& target) {
+    if (!queue_.push(target)) return false;
+    options_.points_total = open_end;
+    return true;
+  }
+  /// For now no more will come: what was taken is run to its end.
+  void close() { options_.points_total = queue_.end(); }
+  /// Every point is done, and the machine stands.
+  bool drained() const { return queue_.size() == 0 && at_rest(); }
+  /// Of feed and rapids, percent; from the next window on.
+  void set_overrides(std::uint32_t feed_percent, std::uint32_t rapid_percent) {
+    options_.feed_percent = feed_percent;
+    options_.rapid_percent = rapid_percent;
+  }
+
   motion::PointQueue& queue() { return queue_; }
   const motion::PointQueue& queue() const { return queue_; }
 

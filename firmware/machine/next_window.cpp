@@ -7,6 +7,9 @@ namespace {
 /// way to the first ones and from the last ones: so many of each. In between it stands.
 constexpr std::uint32_t swings = 2;
 
+/// No way of a program is made to last longer: well below what the planners can do.
+constexpr std::uint32_t most_beats_at_feed = 4096;
+
 }  // namespace
 
 void NextWindow::flash_fired(std::uint32_t point) {
@@ -81,17 +84,29 @@ bool NextWindow::add_target(std::uint32_t point, std::uint32_t flashes,
     gone_to_ = first && departure.astray;
     return (!gone_to_ || add_way(point, true, 1)) && add_way(point, true, 0);
   }
-  // The beats of a target are those of the way from the one before, at full job speed; a slower
-  // machine uses more. Further flashes come as soon as they may.
-  const std::uint32_t slower = departure.slower ? target.beats : 0;
+  // Further flashes come as soon as they may.
+  const std::uint32_t least = least_beats(target, first && departure.astray, departure.slower);
   const std::uint32_t fired = target.shots == 0 ? 0 : target.shots - flashes;
   bool room = true;
   for (std::uint32_t i = 0; room && i < flashes; ++i) {
     const bool there = fired + i != 0;
     const bool stand = fired + i >= swings && i + swings < flashes;
-    room = add_way(point, stand, there || (first && departure.astray) ? 1 : slower);
+    room = add_way(point, stand || target.stop, there ? 1 : least);
   }
   return room;
+}
+
+/// The beats of a target are those of the way from the one before, at full job speed; a slower
+/// machine uses more. Of a program they are the fewest, and follow its overrides: from elsewhere it
+/// goes no faster either. 0: as the target says.
+std::uint32_t NextWindow::least_beats(const motion::Target& target, bool gone_astray,
+                                      bool slower) const {
+  if (!options_.of_program) return gone_astray ? 1 : slower ? target.beats : 0;
+  const std::uint32_t percent = target.rapid ? options_.rapid_percent : options_.feed_percent;
+  const std::uint32_t full = target.beats == 0 ? 1 : target.beats;
+  const std::uint32_t beats = (full * 100 + percent - 1) / percent;
+  const std::uint32_t least = beats < most_beats_at_feed ? beats : most_beats_at_feed;
+  return target.beats == 0 && least == 1 && !gone_astray ? 0 : least;
 }
 
 /// False if the window was full.

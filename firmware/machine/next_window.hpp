@@ -34,6 +34,9 @@ struct RunOptions {
   std::uint32_t points_total = 0;
   std::int32_t least_beats = 1;                     ///< between shots, from the highest shot rate
   std::uint32_t shortest_tick_q16 = full_tick_q16;  ///< JobRunner::shortest_tick_q16() at the start
+  /// Of a program: the beats of a target are the fewest on its way, at the programmed feed.
+  bool of_program = false;
+  std::uint32_t feed_percent = 100, rapid_percent = 100;  ///< of a program
 };
 
 /// Where handing out goes on: a target and how many of its flashes are on their way.
@@ -85,6 +88,7 @@ class NextWindow {
   bool rows_known();
   bool needs_another_beam(const motion::Target& target, bool from_rest, lamp::Beam& last);
   bool add_target(std::uint32_t point, std::uint32_t flashes, const Departure& departure);
+  std::uint32_t least_beats(const motion::Target& target, bool gone_astray, bool slower) const;
   bool add_way(std::uint32_t point, bool rest, std::uint32_t at_least);
 
   const motion::PointQueue& queue_;

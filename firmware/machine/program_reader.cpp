@@ -1,19 +1,32 @@
 #include "firmware/machine/program_reader.hpp"
 
+#include <bit>
+
 #include "firmware/machine/program_motion.hpp"
+#include "firmware/machine/program_points.hpp"
 
 namespace lamplock::machine {
 
 using program::Action;
 using program::ActionKind;
+using program::BeatLock;
 using settings::Id;
 
-void ProgramReader::configure(const settings::Values& values) {
+void ProgramReader::configure(const settings::Values& values, std::uint8_t channels) {
   constexpr std::int64_t e7_per_milli = program::one_e7 / 1000;
   options_.axes = values.whole(Id::axes);
   options_.arc_tolerance_e7 = values.milli(Id::arc_tolerance) * e7_per_milli;
-  options_.beat_lock = false;  // programs run without the lamp
+  options_.beat_lock = channels != 0;
   options_.laser = values.whole(Id::laser_mode) != 0;
+  channel_ =
+      channels == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(std::countr_zero(channels));
+}
+
+void ProgramReader::end_lock() {
+  drop_line();
+  if (interpreter_.modal().beat_lock == BeatLock::off || interpreter_.run("M131")) return;
+  while (interpreter_.next(action_)) {
+  }
 }
 
 program::Fault ProgramReader::begin(std::string_view line) {
@@ -59,8 +72,14 @@ ProgramReader::Step ProgramReader::taken() {
   return Step::done;
 }
 
-/// Whether the machine stands, for what waits for that.
-ProgramReader::Step ProgramReader::stand() { return runner_.idle() ? taken() : Step::waits; }
+/// Whether the machine stands, every move done. What waits for that is the end of a row of points.
+bool ProgramReader::rests() {
+  if (lock_ == BeatLock::off) return runner_.idle();
+  points_.close();
+  return points_.drained();
+}
+
+ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::waits; }
 
 ProgramReader::Step ProgramReader::act(const settings::Values& values, const StepLimits& space,
                                        std::uint64_t clock, bool check) {
@@ -82,6 +101,8 @@ ProgramReader::Step ProgramReader::act(const settings::Values& values, const Ste
       return Step::pauses;
     case ActionKind::program_end:
       return stand() == Step::waits ? Step::waits : Step::ended;
+    case ActionKind::beat_lock:
+      return action_.beat_lock == lock_ ? taken() : stand();
     default:
       return taken();
   }
@@ -94,17 +115,28 @@ ProgramReader::Step ProgramReader::move(const settings::Values& values, const St
     prepared_ = true;
   }
   if (axis_outside(target_.steps, space, options_.axes) >= 0) {
-    if (!check && !runner_.idle()) return Step::waits;  // what came before is well
+    if (!check && !rests()) return Step::waits;  // what came before is well
     drop_line();
     return Step::outside;
   }
-  if (!check && !runner_.take(target_)) return Step::waits;
+  if (check) return taken();
+  const BeatLock lock = action_.beat_lock;
+  if (lock != lock_ || (lock == BeatLock::off && !runner_.begun()))
+    return rests() ? Step::changes : Step::waits;
+  if (!take(values)) return Step::waits;
+  from_ = target_.steps;
   return taken();
+}
+
+bool ProgramReader::take(const settings::Values& values) {
+  if (lock_ == BeatLock::off) return runner_.take(target_);
+  if (points_.queue().free() == 0) return false;
+  return points_.take(point_target(action_, {from_, target_.steps}, channel_, values));
 }
 
 ProgramReader::Step ProgramReader::dwell(std::uint64_t clock) {
   if (!dwells_) {
-    if (!runner_.idle()) return Step::waits;
+    if (!rests()) return Step::waits;
     dwells_ = true;
     dwell_end_ = clock + std::uint64_t{action_.time_us} * clocks_per_us;
   }
@@ -137,6 +169,7 @@ void ProgramReader::find_position(const stepper::MotionState& at, const settings
   for (int a = 0; a < values.whole(Id::axes); ++a)
     place_e7[index(a)] = place_of(at.axis[index(a)].step(), values, a);
   interpreter_.set_position(place_e7);
+  for (int a = 0; a < max_axes; ++a) from_[index(a)] = at.axis[index(a)].step();
   astray_ = false;
 }
 

@@ -2,8 +2,9 @@
 // at.
 //
 // In:  lines as they come (push), the time.
-// Out: lines for the planner (ProgramRunner), and what the host is to be told, step by step: the
-//      controller asks, answers, and knows what a "$" means.
+// Out: lines for the planner (ProgramRunner), or points (JobRunner) while beat lock is on, and what
+//      the host is to be told, step by step: the controller asks, answers, and knows what a "$"
+//      means.
 // Who: the controller, main loop, unmasked; some 7000 cycles a line and 2500 a piece of a curve.
 //
 // A line is done, and answered with "ok", when its last action was taken: of a move that is when
@@ -16,6 +17,7 @@
 #include <span>
 #include <string_view>
 
+#include "firmware/machine/job_runner.hpp"
 #include "firmware/machine/kept_program.hpp"
 #include "firmware/machine/line_queue.hpp"
 #include "firmware/machine/program_runner.hpp"
@@ -34,15 +36,26 @@ class ProgramReader {
     done,     ///< the line: to be answered
     outside,  ///< the line wanted to leave the work space: the rest of it is dropped
     pauses,   ///< M0, M1: waits for go_on() from now on
+    changes,  ///< the machine stands: a change over to wanted_lock() is due before the next move
     ended     ///< M2, M30; then done
   };
 
-  explicit ProgramReader(ProgramRunner& runner) : runner_(runner) {}
+  ProgramReader(ProgramRunner& runner, JobRunner& points) : runner_(runner), points_(points) {}
   ProgramReader(const ProgramReader&) = delete;
   ProgramReader& operator=(const ProgramReader&) = delete;
 
-  /// Settings that the interpreter follows; at rest, nothing under way.
-  void configure(const settings::Values& values);
+  /// Settings that the interpreter follows; at rest, nothing under way. `channels`: a bit for each
+  /// that beat lock may fire; the first is used, without one there is no beat lock.
+  void configure(const settings::Values& values, std::uint8_t channels);
+
+  // Who runs the moves.
+  /// Points on the beat, and how they are joined; off: lines.
+  program::BeatLock lock() const { return lock_; }
+  void set_lock(program::BeatLock lock) { lock_ = lock; }
+  /// Of the next move.
+  program::BeatLock wanted_lock() const { return action_.beat_lock; }
+  /// From here on as after M131; nothing is under way.
+  void end_lock();
 
   // Lines that wait.
   /// False if it does not fit, which a host that counts never sees.
@@ -72,6 +85,8 @@ class ProgramReader {
   void reset();
   /// The machine is somewhere else than the program thinks.
   void lose_position() { astray_ = true; }
+  void toggle_flood() { interpreter_.toggle_flood(); }
+  void toggle_mist() { interpreter_.toggle_mist(); }
   /// Where it is, if that was lost; nothing is under way.
   void find_position(const stepper::MotionState& at, const settings::Values& values);
 
@@ -85,11 +100,17 @@ class ProgramReader {
   Step act(const settings::Values& values, const StepLimits& space, std::uint64_t clock,
            bool check);
   Step move(const settings::Values& values, const StepLimits& space, bool check);
+  bool take(const settings::Values& values);
   Step dwell(std::uint64_t clock);
+  bool rests();
   Step stand();
   Step taken();
 
   ProgramRunner& runner_;
+  JobRunner& points_;
+  program::BeatLock lock_ = program::BeatLock::off;
+  std::uint8_t channel_ = 0;  ///< of shots in a program
+  StepPosition from_{};       ///< where the next move begins
   LineQueue queue_;
   KeptProgram kept_;
   program::Options options_;

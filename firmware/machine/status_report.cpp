@@ -78,12 +78,16 @@ bool StatusReporter::offset_due(const ReportedStatus& status) {
 }
 
 bool StatusReporter::overrides_due(const ReportedStatus& status) {
-  if (overrides_in_ != 0 && told_ == status.overrides) {
+  const bool told =
+      told_ == status.overrides && told_flood_ == status.flood && told_mist_ == status.mist;
+  if (overrides_in_ != 0 && told) {
     --overrides_in_;
     return false;
   }
   overrides_in_ = (status.busy ? overrides_busy : overrides_idle) - 1;
   told_ = status.overrides;
+  told_flood_ = status.flood;
+  told_mist_ = status.mist;
   return true;
 }
 

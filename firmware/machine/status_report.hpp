@@ -72,6 +72,7 @@ class StatusReporter {
 
   program::Place told_offset_e7_{};
   Overrides told_;
+  bool told_flood_ = false, told_mist_ = false;
   std::uint8_t offset_in_ = 0;     ///< reports until the next one
   std::uint8_t overrides_in_ = 1;  ///< the same: not in the first report
 };

@@ -17,7 +17,9 @@ struct Target {
   std::uint8_t shots = 1;    ///< flashes to fire here; 0 = pass without a shot
   std::uint8_t channel = 0;  ///< beam channel 0..3
   std::uint16_t energy = 0;  ///< energy or attenuator value, 0 = as the machine stands
-  bool dwell = false;        ///< stand where the target before is, for exactly so many beats
+  bool dwell : 1 = false;    ///< stand where the target before is, for exactly so many beats
+  bool stop : 1 = false;     ///< be at rest here, whatever the mode
+  bool rapid : 1 = false;    ///< of a program: the way here is not at the feed
 };
 
 }  // namespace lamplock::motion

@@ -59,6 +59,10 @@ class Interpreter {
   /// Whether next() has something left.
   bool busy() const { return plan_.stages != 0; }
 
+  /// The user switches flood or mist by hand; the program goes on from there.
+  void toggle_flood() { state_.modal.flood = !state_.modal.flood; }
+  void toggle_mist() { state_.modal.mist = !state_.modal.mist; }
+
   /// After power-up and soft reset: modal state as it is by default, nothing left to do. Position
   /// and parameters stay.
   void reset();

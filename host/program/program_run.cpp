@@ -36,7 +36,6 @@ program::Options options_of(const settings::Values& values) {
   options.axes = values.whole(Id::axes);
   options.arc_tolerance_e7 =
       std::int64_t{values.milli(Id::arc_tolerance)} * (program::one_e7 / um_per_mm);
-  options.beat_lock = false;  // as on the board
   options.laser = values.whole(Id::laser_mode) != 0;
   return options;
 }

@@ -40,6 +40,7 @@ struct GoldenCase {
   std::vector<GoldenLine> lines;
   std::vector<GoldenWay> ways;
   std::vector<std::string> says;
+  std::vector<MmPoint> shots;  ///< in order
   bool looks_at_light = false;
   std::optional<double> ms;
   double slack_ms = 0;
@@ -89,6 +90,10 @@ class GoldenReader {
     if (what == "light") {
       now.looks_at_light = true;
       return take_light(words);
+    }
+    if (what == "shot") {
+      MmPoint& at = now.shots.emplace_back();
+      return static_cast<bool>(words >> at[0] >> at[1] >> at[2]);
     }
     if (what == "time") return take_time(now, words);
     return take_way(now, what, words);

@@ -69,5 +69,41 @@ TEST(ProgramExact, EndsWhereExactNumbersEnd) {
   EXPECT_GT(moved, static_cast<std::size_t>(scaled(25)) * 5);
 }
 
+/// Points on the beat and lines by turns.
+TEST(ProgramExact, EndsThereWithAndWithoutBeatLock) {
+  job::Profile profile = wide_profile();
+  job::set_lamp_hz(profile, 1000);
+  std::size_t shots = 0;
+  for (int program = 0; program < scaled(15); ++program) {
+    Rig rig(profile);
+    ProgramHost host(rig);
+    ExactProgram exact(static_cast<unsigned>(program + 1000));
+    std::string all;
+    const auto wanted = [&](int axis) {
+      return steps_of(exact.position()[static_cast<std::size_t>(axis)],
+                      profile.settings.milli(Id::steps_per_mm_x, axis));
+    };
+    for (int part = 0; part < 9; ++part) {
+      std::string text = part % 3 == 0 ? "M131\n" : part % 3 == 1 ? "M130 P0\n" : "M130 P1\n";
+      for (int i = 0; i < 6; ++i) text += exact.lines();
+      all += text;
+      const std::size_t before = rig.shots().size();
+      ASSERT_TRUE(host.stream(text)) << all;
+      ASSERT_THAT(host.answers(), testing::Each("ok")) << all;
+      host.run_ms(5);  // what is filled is put out
+      EXPECT_TRUE(part % 3 != 0 || rig.shots().size() == before);
+      shots += rig.shots().size() - before;
+      for (int axis = 0; axis < 3; ++axis)
+        ASSERT_EQ(rig.board.world().drives().position()[static_cast<std::size_t>(axis)],
+                  wanted(axis))
+            << "program " << program << " axis " << axis << "\n"
+            << all;
+    }
+    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+    EXPECT_FALSE(rig.board.controller().runner().generator().underrun());
+  }
+  EXPECT_GT(shots, static_cast<std::size_t>(scaled(15)) * 10);
+}
+
 }  // namespace
 }  // namespace lamplock::test

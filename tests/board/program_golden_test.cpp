@@ -16,7 +16,8 @@ namespace lamplock::test {
 namespace {
 
 const std::vector<std::string>& files() {
-  static const std::vector<std::string> names{"moves", "places", "cycles", "outputs", "errors"};
+  static const std::vector<std::string> names{"moves",   "places", "cycles",
+                                              "outputs", "errors", "beats"};
   return names;
 }
 
@@ -53,7 +54,7 @@ class GoldenRun {
     EXPECT_EQ(rig_.board.world().drives().total_faults(), 0u);
     EXPECT_EQ(rig_.board.controller().program().starvations(), 0u);
     EXPECT_FALSE(rig_.board.controller().runner().generator().underrun());
-    EXPECT_EQ(rig_.shots().size(), 0u);
+    expect_shots();
   }
 
  private:
@@ -122,6 +123,21 @@ class GoldenRun {
     }
     EXPECT_NEAR(least, way.light[0], 0.01) << what;
     EXPECT_NEAR(most, way.light[1], way.light[1] == 0 ? 0 : 0.01) << what;
+  }
+
+  /// Each at its place to the step, on a beat of its own.
+  void expect_shots() const {
+    const auto& shots = rig_.board.lattice_shots();
+    ASSERT_EQ(shots.size(), case_.shots.size());
+    ASSERT_EQ(rig_.shots().size(), case_.shots.size());
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+      for (std::size_t a = 0; a < 3; ++a)
+        EXPECT_EQ(shots[i].steps[a], std::lround(case_.shots[i][a] * WayFollower::steps_per_mm))
+            << "shot " << i << " axis " << a;
+      if (i != 0) {
+        EXPECT_GT(rig_.shots()[i].beat, rig_.shots()[i - 1].beat);
+      }
+    }
   }
 
   void expect_time(const sim::MotionTrace& trace) const {

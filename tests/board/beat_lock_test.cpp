@@ -1,0 +1,407 @@
+// Programs with M130: every end of a feed move is one shot at its place and on a beat, in order,
+// whatever comes between; none in rapids, without the lock, or after what ends it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "tests/board/program_host.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::Contains;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr double steps_per_mm = 200;
+constexpr std::uint8_t reset_byte = 0x18;
+
+StepPosition steps_at(double x, double y, double z = 0) {
+  const auto steps = [](double mm) {
+    return static_cast<std::int32_t>(std::lround(mm * steps_per_mm));
+  };
+  return {steps(x), steps(y), steps(z)};
+}
+
+/// Locked and unlocked parts by turns, inside a cube of 20 mm; knows what is to be fired.
+class LockedProgram {
+ public:
+  explicit LockedProgram(std::uint64_t seed) : random_(seed) { text_ = "G21 G90 F12000\n"; }
+
+  LockedProgram& parts(int count) {
+    for (int i = 0; i < count; ++i) part(static_cast<unsigned>(random_() % 3));
+    text_ += "M131\n";
+    return *this;
+  }
+  /// One part, locked from its first line on.
+  LockedProgram& locked(bool free, int moves) {
+    part(free ? 2 : 1, moves);
+    return *this;
+  }
+
+  const std::string& text() const { return text_; }
+  const std::vector<StepPosition>& shots() const { return shots_; }
+  const StepPosition& end() const { return at_; }
+
+ private:
+  void part(unsigned kind, int moves = 0) {
+    text_ += kind == 0 ? "M131\n" : kind == 1 ? "M130 P0\n" : "M130 P1\n";
+    const int count = moves != 0 ? moves : 1 + static_cast<int>(random_() % 60);
+    for (int i = 0; i < count; ++i) move(kind != 0);
+  }
+  void move(bool locked) {
+    const bool rapid = random_() % 5 == 0, far = random_() % 10 == 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::int32_t most = far ? 2000 : 60;
+      const auto change =
+          static_cast<std::int32_t>(random_() % static_cast<unsigned>(2 * most + 1));
+      at_[a] = std::clamp(at_[a] + change - most, -2000, 2000);
+    }
+    if (random_() % 8 == 0) at_ = before_;
+    before_ = at_;
+    text_ += fmt::format("G{} X{:.3f} Y{:.3f} Z{:.3f}\n", rapid ? 0 : 1, at_[0] / steps_per_mm,
+                         at_[1] / steps_per_mm, at_[2] / steps_per_mm);
+    if (locked && !rapid) shots_.push_back(at_);
+    if (random_() % 40 == 0) text_ += "G4 P0.01\n";
+  }
+
+  std::mt19937_64 random_;
+  std::string text_;
+  StepPosition at_{}, before_{};
+  std::vector<StepPosition> shots_;
+};
+
+/// A board with its lamp and the host of programs.
+class BeatLock : public testing::Test {
+ protected:
+  void start(std::uint64_t seed, double hz = 500) {
+    constexpr std::array modes{settings::LampMode::slave, settings::LampMode::master,
+                               settings::LampMode::free_beat};
+    jitter_ = seed % 3 == 0 && seed % 2 == 0;
+    profile_ = lamp_profile(hz, modes[seed % 3], 10);
+    rig_ = std::make_unique<Rig>(profile_, sim::LampConfig{.jitter_us = jitter_ ? 20.0 : 0.0,
+                                                           .dropout = seed % 6 == 0 ? 0.02 : 0.0,
+                                                           .seed = seed + 1});
+    host_ = std::make_unique<ProgramHost>(*rig_);
+    random_.seed(seed);
+  }
+  /// The first of them have been fired, each once and in order, and nothing else.
+  void expect_fired(const std::vector<StepPosition>& wanted, bool all = true) {
+    expect_places(wanted, all);
+    expect_good_pulses();
+  }
+  /// The same, and every axis has kept its limits: lines go round corners with a speed, points of a
+  /// path do not.
+  void expect_fired_within_limits(const std::vector<StepPosition>& wanted, bool all = true) {
+    expect_places(wanted, all);
+    expect_sound(*rig_, profile_.settings);
+  }
+  void expect_places(const std::vector<StepPosition>& wanted, bool all) {
+    const auto& shots = rig_->board.lattice_shots();
+    ASSERT_EQ(rig_->shots().size(), shots.size());
+    ASSERT_LE(shots.size(), wanted.size());
+    ASSERT_TRUE(!all || shots.size() == wanted.size()) << shots.size() << " of " << wanted.size();
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+      ASSERT_EQ(shots[i].steps, wanted[i]) << "shot " << i;
+      ASSERT_TRUE(i == 0 || rig_->shots()[i].beat > rig_->shots()[i - 1].beat) << i;
+      if (jitter_) continue;
+      for (std::size_t a = 0; a < 3; ++a) ASSERT_EQ(rig_->shots()[i].steps[a], wanted[i][a]) << i;
+    }
+  }
+  void expect_good_pulses() const {
+    EXPECT_EQ(rig_->board.world().drives().total_faults(), 0u);
+    const sim::Laser& laser = rig_->board.world().laser();
+    EXPECT_EQ(laser.narrow_pulses() + laser.late_pulses() + laser.unlit_pulses(), 0u);
+    EXPECT_EQ(rig_->board.controller().shots().stray_shots(), 0u);
+    EXPECT_FALSE(rig_->board.controller().runner().underrun());
+  }
+  /// Streams what is left while `disturb` is called now and then.
+  template <class Disturb>
+  void stream(const std::string& text, Disturb disturb) {
+    std::size_t sent = 0, lines = 0, known = 0;
+    const std::size_t before = host_->answers().size();
+    const auto limit = rig_->board.now() + 200 * ps_per_s;
+    while (rig_->board.now() < limit) {
+      known = host_->answers().size() - before;
+      while (sent < text.size() && lines < known + 10) {
+        const std::size_t size = text.find('\n', sent) + 1 - sent;
+        host_->send(std::string_view(text).substr(sent, size));
+        sent += size;
+        ++lines;
+      }
+      if (sent == text.size() && known == lines && rig_->state() == MachineState::idle) return;
+      host_->run_ms(0.5);
+      disturb();
+    }
+    FAIL() << "not at its end: " << host_->status();
+  }
+  double up_to(double most) { return std::uniform_real_distribution<double>(0, most)(random_); }
+  bool now_and_then(unsigned one_in) { return random_() % one_in == 0; }
+  void open_door(bool open) {
+    rig_->board.world().schedule(sim::Pin::door, open, rig_->board.now());
+  }
+  StepPosition stood() {
+    host_->run_ms(5);  // what is filled is put out
+    return rig_->board.world().drives().position();
+  }
+  /// From now on nothing fires any more, and after a while nothing moves.
+  void expect_quiet() {
+    host_->run_ms(1);  // until it is seen, and a shot that the hardware had decided is over
+    const std::size_t shots = rig_->shots().size();
+    host_->run_ms(300);
+    EXPECT_EQ(rig_->shots().size(), shots);
+    const StepPosition at = stood();
+    host_->run_ms(50);
+    EXPECT_EQ(stood(), at);
+    EXPECT_FALSE(rig_->board.controller().outputs().fire_enable);
+  }
+
+  job::Profile profile_;
+  std::unique_ptr<Rig> rig_;
+  std::unique_ptr<ProgramHost> host_;
+  std::mt19937_64 random_;
+  bool jitter_ = false;
+};
+
+TEST_F(BeatLock, FiresOnceAtEveryEndOfAFeedMoveAndNowhereElse) {
+  for (int seed = 0; seed < scaled(18); ++seed) {
+    SCOPED_TRACE(seed);
+    const auto number = static_cast<std::uint64_t>(seed);
+    start(number);
+    const LockedProgram program = LockedProgram(number).parts(6);
+    ASSERT_TRUE(host_->stream(program.text()));
+    EXPECT_THAT(host_->answers(), Each("ok"));
+    ASSERT_NO_FATAL_FAILURE(expect_fired(program.shots()));
+    EXPECT_EQ(stood(), program.end());
+  }
+}
+
+/// More points than can wait, and fewer than make a window: without M131 or an end, too.
+TEST_F(BeatLock, RunsWhatWasTakenThoughNobodySaysThatItIsAll) {
+  for (const int count : {1, 5, 35, 36, 37, 300, 1500}) {
+    for (const bool free : {false, true}) {
+      SCOPED_TRACE(testing::Message() << count << (free ? " free" : " path"));
+      start(1, 2000);
+      const LockedProgram program = LockedProgram(7).locked(free, count);
+      ASSERT_TRUE(host_->stream(program.text()));
+      ASSERT_NO_FATAL_FAILURE(expect_fired_within_limits(program.shots()));
+      EXPECT_EQ(stood(), program.end());
+      EXPECT_THAT(host_->status(), StartsWith("<Idle|"));
+      // And goes on as if nothing had been.
+      const std::size_t before = rig_->shots().size();
+      ASSERT_TRUE(host_->stream("G1 X1 F6000\nX2\nM131\nX3\n"));
+      EXPECT_EQ(rig_->shots().size(), before + 2);
+    }
+  }
+}
+
+TEST_F(BeatLock, HoldsAndDoorsCostTimeAndNoPoint) {
+  for (int seed = 0; seed < scaled(18); ++seed) {
+    SCOPED_TRACE(seed);
+    const auto number = static_cast<std::uint64_t>(seed);
+    start(number);
+    LockedProgram program(number + 100);
+    for (int part = 0; part < 4; ++part) program.locked(part % 2 == 0, 40);
+    int held = 0;
+    stream(program.text(), [&] {
+      if (!now_and_then(150)) return;
+      const bool door = now_and_then(3);
+      if (door)
+        open_door(true);
+      else
+        host_->send("!");
+      host_->run_ms(up_to(100));
+      const MachineState state = rig_->state();
+      if (state == MachineState::hold || state == MachineState::door) {
+        ++held;
+        EXPECT_FALSE(rig_->board.controller().outputs().fire_enable);
+        if (door) {
+          host_->send("~");  // not while it is open
+          host_->run_ms(2);
+          EXPECT_EQ(rig_->state(), MachineState::door);
+        }
+      }
+      if (door) open_door(false);
+      host_->run_ms(1);
+      host_->send("~");
+    });
+    EXPECT_GT(held, 0);
+    // A door that is open while the machine is idle refuses lines; that ends the comparison.
+    if (std::count(host_->answers().begin(), host_->answers().end(), "ok") !=
+        static_cast<std::ptrdiff_t>(host_->answers().size()))
+      continue;
+    ASSERT_NO_FATAL_FAILURE(expect_fired_within_limits(program.shots()));
+    EXPECT_EQ(stood(), program.end());
+  }
+}
+
+/// What was fired is a beginning of what was to be fired; afterwards there is no lock.
+TEST_F(BeatLock, AResetDropsTheRest) {
+  for (int seed = 0; seed < scaled(18); ++seed) {
+    SCOPED_TRACE(seed);
+    const auto number = static_cast<std::uint64_t>(seed);
+    start(number);
+    const LockedProgram program = LockedProgram(number + 200).locked(seed % 2 == 0, 200);
+    host_->send(program.text().substr(0, 1000));
+    host_->run_ms(20 + up_to(400));
+    const bool first_a_hold = now_and_then(3);
+    if (first_a_hold) {
+      host_->send("!");
+      host_->run_ms(up_to(200));
+    }
+    host_->send(reset_byte);
+    expect_quiet();
+    ASSERT_NO_FATAL_FAILURE(expect_fired_within_limits(program.shots(), false));
+    EXPECT_EQ(host_->position(), stood());
+    const std::size_t shots = rig_->shots().size();
+    host_->send("$X\n");
+    host_->run_ms(2);
+    EXPECT_THAT(host_->ask("G90 G1 X1 Y1 Z1 F6000\nG0 X0\n"), Each("ok"));
+    ASSERT_TRUE(host_->stand());
+    EXPECT_EQ(stood(), steps_at(0, 1, 1));
+    EXPECT_EQ(rig_->shots().size(), shots);
+  }
+}
+
+TEST_F(BeatLock, AnEmergencyStopFiresNothingMore) {
+  for (int seed = 0; seed < scaled(12); ++seed) {
+    SCOPED_TRACE(seed);
+    const auto number = static_cast<std::uint64_t>(seed);
+    start(number);
+    const LockedProgram program = LockedProgram(number + 300).locked(seed % 2 == 0, 200);
+    host_->send(program.text().substr(0, 1000));
+    host_->run_ms(20 + up_to(400));
+    rig_->board.world().schedule(sim::Pin::estop, true, rig_->board.now());
+    host_->run_ms(2);
+    const std::size_t shots = rig_->shots().size();
+    EXPECT_EQ(rig_->state(), MachineState::estop);
+    expect_quiet();
+    EXPECT_EQ(rig_->shots().size(), shots);
+    // It may cut a pulse short.
+    ASSERT_NO_FATAL_FAILURE(expect_places(program.shots(), false));
+    EXPECT_EQ(host_->position(), stood());
+    rig_->board.world().schedule(sim::Pin::estop, false, rig_->board.now());
+    host_->run_ms(2);
+    EXPECT_THAT(host_->ask("G1 X1\n"), Contains("error:9"));
+    EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
+    EXPECT_THAT(host_->ask("$G\n"), Not(Contains(HasSubstr("M130"))));
+    EXPECT_THAT(host_->ask("G90 G1 X1 Y1 Z1 F6000\n"), Each("ok"));
+    ASSERT_TRUE(host_->stand());
+    EXPECT_EQ(stood(), steps_at(1, 1, 1));
+    EXPECT_EQ(rig_->shots().size(), shots);
+  }
+}
+
+/// A lamp that is not there yet, or that warms up: the machine waits for it and loses no point.
+TEST_F(BeatLock, WaitsForTheLamp) {
+  profile_ = lamp_profile(100);
+  profile_.settings.set_milli(Id::lamp_warm_up, 50'000);
+  rig_ = std::make_unique<Rig>(profile_, sim::LampConfig{.on_after_s = 1});
+  host_ = std::make_unique<ProgramHost>(*rig_);
+  const LockedProgram program = LockedProgram(3).locked(false, 20);
+  host_->send(program.text() + "M131\n");
+  host_->run_ms(1400);
+  EXPECT_THAT(host_->status(), StartsWith("<Run|"));
+  EXPECT_TRUE(rig_->shots().empty());
+  ASSERT_TRUE(host_->stand());
+  ASSERT_NO_FATAL_FAILURE(expect_fired(program.shots()));
+}
+
+TEST_F(BeatLock, IsNotToBeHadWhereTheLaserMayNotFire) {
+  start(2);
+  // The lamp would have more power than it bears.
+  EXPECT_THAT(host_->ask("M130 P0\n"), ElementsAre("ok"));
+  EXPECT_THAT(host_->ask("$922=100\n"), ElementsAre("error:52"));
+  job::Profile profile = lamp_profile(500, settings::LampMode::free_beat);
+  profile.settings.set_milli(Id::lamp_energy, 100'000);
+  Rig rig(profile);
+  ProgramHost host(rig);
+  EXPECT_THAT(host.ask("M130 P0\nG1 X1 F600\n"), ElementsAre("error:20", "ok"));
+  ASSERT_TRUE(host.stand());
+  EXPECT_TRUE(rig.shots().empty());
+}
+
+TEST_F(BeatLock, FiresThroughTheFirstChannelThatMay) {
+  start(2);
+  EXPECT_THAT(host_->ask("$924=12\nM130 P0\n"), ElementsAre("ok", "ok"));
+  ASSERT_TRUE(host_->stream("G1 X1 F6000\nG1 X2\n"));
+  ASSERT_EQ(rig_->shots().size(), 2u);
+  EXPECT_EQ(rig_->shots()[0].channel, 2);
+}
+
+/// Half of it takes twice the beats, from the next window on.
+TEST_F(BeatLock, FollowsTheFeedOverride) {
+  std::vector<std::int64_t> beats;
+  for (const int lower : {0, 5}) {
+    start(2);
+    for (int i = 0; i < lower; ++i) host_->send(std::uint8_t{0x92});
+    std::string text = "M130 P0\nF600\n";  // 0.1 mm in 10 ms: 5 beats
+    for (int i = 1; i <= 100; ++i) text += fmt::format("G1 X{:.1f}\n", i / 10.0);
+    ASSERT_TRUE(host_->stream(text + "M131\n"));
+    ASSERT_EQ(rig_->shots().size(), 100u);
+    beats.push_back(rig_->shots().back().beat - rig_->shots().front().beat);
+  }
+  EXPECT_EQ(beats[0], 99 * 5);
+  EXPECT_EQ(beats[1], 99 * 10);
+}
+
+TEST_F(BeatLock, LeavesJobsInFramesAlone) {
+  start(1, 100);
+  const job::Job job = job::make_job({{1, 0, 0}, {1, 2, 0}, {3, 2, 0}}, profile_, {});
+  for (std::uint32_t round = 0; round < 2; ++round) {
+    const std::size_t before = rig_->shots().size();
+    host_->send("M130 P1\nG90 G1 X5 Y1 F3000\nX6\n");
+    host_->run_ms(20);
+    EXPECT_ANY_THROW(run_job(*rig_, job));
+    ASSERT_TRUE(host_->stand());
+    EXPECT_EQ(rig_->shots().size(), before + 2);
+    link::SenderOptions options;
+    options.session = 100 + round;
+    EXPECT_EQ(run_job(*rig_, job, options).end, link::JobEnd::done);
+    EXPECT_EQ(rig_->shots().size(), before + 5);
+    // The lock is still on.
+    EXPECT_THAT(host_->ask("G91 G1 X-0.5 F600\n"), Contains("ok"));
+    ASSERT_TRUE(host_->stand());
+    EXPECT_EQ(stood(), steps_at(2.5, 2));
+    EXPECT_EQ(rig_->shots().size(), before + 6);
+  }
+}
+
+TEST_F(BeatLock, IsReadButNotRunInCheckMode) {
+  start(2);
+  EXPECT_THAT(host_->ask("$C\nM130 P0\nG1 X5 F100\nM131\nM2\n"), Contains("ok"));
+  host_->run_ms(300);
+  EXPECT_TRUE(rig_->monitor.nothing_happened());
+}
+
+TEST_F(BeatLock, JogsBetweenPointsAreNoShots) {
+  start(2);
+  ASSERT_TRUE(host_->stream("M130 P0\nG1 X1 F6000\n"));
+  ASSERT_TRUE(host_->stream("$J=G91 X5 F3000\n"));
+  EXPECT_EQ(stood(), steps_at(6, 0));
+  EXPECT_EQ(rig_->shots().size(), 1u);
+  ASSERT_TRUE(host_->stream("G1 X2\n"));
+  EXPECT_EQ(stood(), steps_at(2, 0));
+  EXPECT_EQ(rig_->shots().size(), 2u);
+}
+
+/// An open door while the machine is idle: no line of a program is taken.
+TEST_F(BeatLock, AnOpenDoorRefusesPrograms) {
+  start(2);
+  EXPECT_THAT(host_->ask("M130 P0\n"), ElementsAre("ok"));
+  open_door(true);
+  host_->run_ms(2);
+  EXPECT_THAT(host_->ask("G1 X1 F600\n"), ElementsAre("error:13"));
+  open_door(false);
+  host_->run_ms(2);
+  EXPECT_TRUE(rig_->monitor.nothing_happened());
+  EXPECT_THAT(host_->ask("G1 X1 F600\n"), ElementsAre("ok"));
+  ASSERT_TRUE(host_->stand());
+  EXPECT_EQ(rig_->shots().size(), 1u);
+}
+
+}  // namespace
+}  // namespace lamplock::test

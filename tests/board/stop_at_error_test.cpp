@@ -1,0 +1,127 @@
+// $981: after an error in a line of a program no further line is taken until the user says so; and
+// the bytes that switch flood and mist by hand.
+#include <gmock/gmock.h>
+
+#include "tests/board/program_host.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::Contains;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+constexpr std::uint8_t reset_byte = 0x18, flood_byte = 0xa0, mist_byte = 0xa1;
+
+class ErrorsInPrograms : public testing::Test {
+ protected:
+  std::int32_t x() {
+    host_.run_ms(5);  // what is filled is put out
+    return rig_.board.world().drives().position()[0];
+  }
+
+  job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
+  Rig rig_{profile_};
+  ProgramHost host_{rig_};
+};
+
+TEST_F(ErrorsInPrograms, AreNoReasonToStopByDefault) {
+  ASSERT_TRUE(host_.stream("G1 X1 F6000\nG1 X2 Q1\nG1 X3\n"));
+  EXPECT_THAT(host_.answers(), ElementsAre("ok", "error:36", "ok"));
+  EXPECT_EQ(x(), 600);
+}
+
+TEST_F(ErrorsInPrograms, StopTheStreamIfTheUserWishes) {
+  EXPECT_THAT(host_.ask("$981=1\n"), ElementsAre("ok"));
+  ASSERT_TRUE(host_.stream("G1 X1 F6000\nX2\nG1 X3 Q1\nG1 X4\n$G\n\nM3 S5\n"));
+  // What was taken goes to its end; what is no line of a program is answered as ever.
+  EXPECT_THAT(host_.answers(),
+              ElementsAre("ok", "ok", "ok", "error:36", "error:9", "ok", "ok", "error:9"));
+  EXPECT_THAT(host_.said(), Contains(StartsWith("[MSG:Stopped at an error")));
+  EXPECT_EQ(x(), 400);
+  EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
+  EXPECT_THAT(host_.ask("G0 X0\n"), ElementsAre("error:9"));
+  EXPECT_THAT(host_.ask("$X\n"), ElementsAre("ok"));
+  ASSERT_TRUE(host_.stream("G0 X0\n"));
+  EXPECT_EQ(x(), 0);
+  // The next error stops again; a reset of a machine at rest clears that too.
+  EXPECT_THAT(host_.ask("G1\nG0 X1\n"), ElementsAre("ok", "ok"));
+  ASSERT_TRUE(host_.stand());
+  EXPECT_THAT(host_.ask("G99999\nG0 X2\n"), Contains("error:9"));
+  host_.send(reset_byte);
+  host_.run_ms(5);
+  EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
+  ASSERT_TRUE(host_.stream("G0 X3\n"));
+  EXPECT_EQ(x(), 600);
+}
+
+TEST_F(ErrorsInPrograms, LeaveTheLaserOff) {
+  EXPECT_THAT(host_.ask("$981=1\n$32=1\n"), Each("ok"));
+  ASSERT_TRUE(host_.stream("M3 S1000\nG1 X5 F6000\nG1 X6 H\nG1 X40\n"));
+  EXPECT_EQ(x(), 1000);
+  const sim::Beam& beam = rig_.board.world().beam();
+  EXPECT_TRUE(beam.shone(0, rig_.board.now()));
+  const auto from = rig_.board.now();
+  host_.send("G1 X30\nS500\n");
+  host_.run_ms(500);
+  EXPECT_FALSE(beam.shone(from, rig_.board.now()));
+}
+
+/// A line that is too long is a line of a program that was lost.
+TEST_F(ErrorsInPrograms, CountLinesThatAreTooLong) {
+  EXPECT_THAT(host_.ask("$981=1\n"), ElementsAre("ok"));
+  EXPECT_THAT(host_.ask("G0 X1" + std::string(300, ' ') + "Y1\nG0 X2\n"),
+              ElementsAre("error:11", HasSubstr("Stopped"), "error:9"));
+}
+
+/// Errors of commands, jogs and check mode are nobody's stream.
+TEST_F(ErrorsInPrograms, AreNotThoseOfCommands) {
+  EXPECT_THAT(host_.ask("$981=1\n"), ElementsAre("ok"));
+  EXPECT_THAT(host_.ask("$Q\n$981=7\n$J=X1\n$N0=G99999\n$N0=\nG0 X1\n"), Contains("ok"));
+  ASSERT_TRUE(host_.stand());
+  EXPECT_EQ(x(), 200);
+  EXPECT_THAT(host_.ask("$C\nG99999\nG0 X1\n"),
+              ElementsAre("[MSG:Enabled]", "ok", testing::_, "ok"));
+}
+
+TEST_F(ErrorsInPrograms, StopPointsOnTheBeatBehindThoseTaken) {
+  EXPECT_THAT(host_.ask("$981=1\n"), ElementsAre("ok"));
+  ASSERT_TRUE(host_.stream("M130 P0\nG1 X1 F6000\nX2\nX3 Q1\nX4\n"));
+  EXPECT_EQ(rig_.shots().size(), 2u);
+  EXPECT_EQ(x(), 400);
+}
+
+TEST_F(ErrorsInPrograms, CoolantIsSwitchedByHand) {
+  EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr(" M9 ")));
+  host_.send(flood_byte);
+  EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr(" M8 ")));
+  EXPECT_THAT(host_.status(), HasSubstr("|A:F"));
+  host_.send(mist_byte);
+  EXPECT_THAT(host_.status(), HasSubstr("|A:FM"));
+  EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr(" M7 M8 ")));
+  host_.send(flood_byte);
+  const std::string status = host_.status();
+  EXPECT_THAT(status, HasSubstr("|A:M"));
+  EXPECT_THAT(host_.ask("M9\n$G\n"), Contains(HasSubstr(" M9 ")));
+  EXPECT_THAT(host_.status(), Not(HasSubstr("|A:")));
+  // In motion and in a hold too, not in an alarm.
+  host_.send("G1 X20 F1200\n");
+  host_.run_ms(50);
+  host_.send(mist_byte);
+  host_.send("!");
+  host_.run_ms(200);
+  host_.send(flood_byte);
+  EXPECT_THAT(host_.status(), HasSubstr("|A:FM"));
+  host_.send("~");
+  ASSERT_TRUE(host_.stand());
+  rig_.board.world().schedule(sim::Pin::estop, true, rig_.board.now());
+  host_.run_ms(2);
+  host_.send(flood_byte);
+  EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr(" M7 M8 ")));
+}
+
+}  // namespace
+}  // namespace lamplock::test
