@@ -388,6 +388,25 @@ TEST_F(BeatLock, JogsBetweenPointsAreNoShots) {
   EXPECT_EQ(rig_->shots().size(), 2u);
 }
 
+/// A hold in a dwell: what comes next is of the other kind and waits too.
+TEST_F(BeatLock, HoldsBetweenPointsAndLines) {
+  for (const bool first_points : {true, false}) {
+    start(2);
+    host_->send(first_points ? "M130 P0\nG1 X1 F6000\nG4 P0.2\nM131\nG1 X5\n"
+                             : "G1 X1 F6000\nG4 P0.2\nM130 P0\nG1 X5\nM131\n");
+    host_->run_ms(200);
+    EXPECT_EQ(stood(), steps_at(1, 0));
+    host_->send("!");
+    host_->run_ms(600);
+    EXPECT_THAT(host_->status(), StartsWith("<Hold:0|"));
+    EXPECT_EQ(stood(), steps_at(1, 0));
+    host_->send("~");
+    ASSERT_TRUE(host_->stand());
+    EXPECT_EQ(stood(), steps_at(5, 0));
+    EXPECT_EQ(rig_->shots().size(), 1u);
+  }
+}
+
 /// An open door while the machine is idle: no line of a program is taken.
 TEST_F(BeatLock, AnOpenDoorRefusesPrograms) {
   start(2);

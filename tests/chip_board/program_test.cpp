@@ -121,5 +121,42 @@ TEST(ChipProgram, HoldsAndResets) {
   EXPECT_THAT(rig.heard, HasSubstr("ALARM:3"));
 }
 
+/// Points on the beat, by path and freely, with lines before, between and behind: the same shots as
+/// on the virtual board.
+TEST(ChipProgram, FiresPointsOnTheBeatAsTheVirtualBoardDoes) {
+  const job::Profile profile = chip_profile();
+  std::string text = "G21 G90\nG0 X1\nM130 P0\nF6000\n";
+  for (int i = 1; i <= 60; ++i)
+    text += fmt::format("G1 X{:.2f} Y{:.2f}\n", 1 + i * 0.1, i % 7 * 0.05);
+  text += "M131\nG1 X5\nM130 P1\n";
+  for (int i = 1; i <= 40; ++i)
+    text += fmt::format("G{} X{:.2f} Z{:.2f}\n", i % 10 == 0 ? 0 : 1, 5 - i * 0.08, i % 5 * 0.03);
+  text += "M2\n";
+  sim::VirtualBoard other(profile.settings, chip_world(profile));
+  for (std::size_t sent = 0; sent < text.size();) {
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
+    sent += other.write({bytes + sent, std::min<std::size_t>(text.size() - sent, 200)});
+    other.run_until(other.now() + 50 * ps_per_ms);
+  }
+  other.run_until(other.now() + 3 * ps_per_s);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  const Streamed streamed = stream(rig, text, 20 * ps_per_s);
+  EXPECT_EQ(streamed.errors, 0u);
+  const sim::Shots& wanted = other.world().laser().shots();
+  ASSERT_EQ(wanted.size(), 96u);
+  ASSERT_EQ(rig.shots().size(), wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    for (std::size_t a = 0; a < 3; ++a)
+      EXPECT_NEAR(rig.shots()[i].steps[a], wanted[i].steps[a], 1) << "shot " << i << " axis " << a;
+  // Each row takes the same beats.
+  const auto beats = [](const sim::Shots& shots, std::size_t from, std::size_t to) {
+    return shots[to].beat - shots[from].beat;
+  };
+  EXPECT_EQ(beats(rig.shots(), 0, 59), beats(wanted, 0, 59));
+  EXPECT_EQ(beats(rig.shots(), 60, 95), beats(wanted, 60, 95));
+  EXPECT_THAT(rig.heard, HasSubstr("[MSG:Pgm End]"));
+}
+
 }  // namespace
 }  // namespace lamplock::test

@@ -50,6 +50,15 @@ TEST(Check, DwellsArePartOfTheTime) {
               1.75, 1e-9);
 }
 
+TEST(Check, PointsOnTheBeatAreTaken) {
+  const Folder folder;
+  const nlohmann::json seen =
+      check(folder.write("a.ngc", "M130 P0\nG1 X10 F6000\nM130 P1\nG1 Y5\nM131\nG0 X0\nM2\n"));
+  EXPECT_EQ(seen["problems"], nlohmann::json::array());
+  EXPECT_EQ(seen["feed_mm"], 15);
+  EXPECT_EQ(seen["ended"], true);
+}
+
 TEST(Check, ArcsAreRoundAndAsLongAsTheyShouldBe) {
   const Folder folder;
   const std::string file =
