@@ -351,10 +351,7 @@ Result Controller::on_command(const wire::CommandRequest& request) {
       resume();
       break;
     case wire::Command::stop:
-      if (beat_locked())
-        reset();
-      else
-        stop();
+      stop();
       break;
     case wire::Command::lamp_frequency:
       break;

@@ -171,6 +171,7 @@ TEST_F(BeatLock, FiresOnceAtEveryEndOfAFeedMoveAndNowhereElse) {
     SCOPED_TRACE(seed);
     const auto number = static_cast<std::uint64_t>(seed);
     start(number);
+    if (seed % 4 == 1) rig_->board.set_planning_time(2 * ps_per_ms);
     const LockedProgram program = LockedProgram(number).parts(6);
     ASSERT_TRUE(host_->stream(program.text()));
     EXPECT_THAT(host_->answers(), Each("ok"));
@@ -264,6 +265,76 @@ TEST_F(BeatLock, AResetDropsTheRest) {
     EXPECT_EQ(stood(), steps_at(0, 1, 1));
     EXPECT_EQ(rig_->shots().size(), shots);
   }
+}
+
+/// Bytes of all kinds, lines, doors at random moments, on a board that is slow now and then: what
+/// is fired is an end of a feed move in a locked line, fired no more often than it was asked for;
+/// limits hold; after a reset a plain program runs and fires nothing.
+TEST_F(BeatLock, KeepsToItsPointsWhateverHappens) {
+  constexpr std::string_view bytes = "!~?\x84\x85\x90\x91\x92\x93\x94\x95\x96\x97\x99\xa0\xa1";
+  const std::vector<std::string> lines{"M130 P0", "M130 P1", "M131", "M2",     "G4 P0.02",
+                                       "$X",      "G1",      "M0",   "G61.1",  "G64",
+                                       "G99999",  "M3 S100", "$G",   "$981=1", "G1 X1000"};
+  std::size_t fired = 0;
+  for (int seed = 0; seed < scaled(15); ++seed) {
+    SCOPED_TRACE(seed);
+    start(static_cast<std::uint64_t>(seed));
+    if (seed % 4 == 1) rig_->board.set_planning_time(3 * ps_per_ms);
+    std::vector<StepPosition> asked;
+    std::size_t lines_sent = 0;
+    // Never more than the board has room for: it may be held for long.
+    const auto send_line = [&](const std::string& line) {
+      if (lines_sent >= host_->answers().size() + 15) return false;
+      host_->send(line + "\n");
+      ++lines_sent;
+      return true;
+    };
+    send_line("G90 F12000");
+    send_line("M130 P0");
+    for (int i = 0; i < 400; ++i) {
+      const auto pick = [&](unsigned n) { return static_cast<std::int32_t>(random_() % n); };
+      if (now_and_then(12)) host_->send(bytes.substr(random_() % bytes.size(), 1));
+      if (now_and_then(5)) host_->send("~");
+      if (now_and_then(200)) {
+        host_->send(reset_byte);
+        host_->run_ms(5);  // what waited is gone, and gets no answer
+        lines_sent = host_->answers().size();
+      }
+      if (now_and_then(50)) open_door(now_and_then(4));
+      if (now_and_then(15)) send_line(lines[random_() % lines.size()]);
+      if (now_and_then(8)) {
+        send_line("$X");
+        send_line(now_and_then(2) ? "M130 P0" : "M130 P1");
+      }
+      const StepPosition at{pick(400) - 200, pick(400) - 200, pick(100) - 50};
+      if (send_line(fmt::format("G1 X{:.3f} Y{:.3f} Z{:.3f} F12000", at[0] / steps_per_mm,
+                                at[1] / steps_per_mm, at[2] / steps_per_mm)))
+        asked.push_back(at);
+      host_->run_ms(up_to(8));
+    }
+    open_door(false);
+    host_->run_ms(2);
+    host_->send(reset_byte);
+    host_->run_ms(1500);
+    const auto& shots = rig_->board.lattice_shots();
+    ASSERT_EQ(shots.size(), rig_->shots().size());
+    // In order, each from behind the one before: none twice, none elsewhere.
+    auto from = asked.begin();
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+      from = std::find(from, asked.end(), shots[i].steps);
+      ASSERT_NE(from, asked.end()) << "shot " << i;
+      ++from;
+    }
+    expect_good_pulses();
+    fired += shots.size();
+    EXPECT_EQ(host_->position(), stood());
+    EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
+    const std::size_t before = shots.size();
+    ASSERT_TRUE(host_->stream("G21 G90 G61 G1 X1 Y1 Z1 F6000\n")) << host_->status();
+    EXPECT_EQ(stood(), steps_at(1, 1, 1));
+    EXPECT_EQ(shots.size(), before);
+  }
+  EXPECT_GT(fired, static_cast<std::size_t>(scaled(15)) * 25);
 }
 
 TEST_F(BeatLock, AnEmergencyStopFiresNothingMore) {
