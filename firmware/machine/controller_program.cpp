@@ -31,19 +31,19 @@ constexpr std::string_view lost_line = "\x01";
 
 }  // namespace
 
-std::size_t Controller::receive_room() const {
+[[gnu::hot]] std::size_t Controller::receive_room() const {
   const std::size_t open = link_.line_size();
   return reader_.free() > open ? reader_.free() - open : 0;
 }
 
-void Controller::on_line(std::string_view line) {
+[[gnu::hot]] void Controller::on_line(std::string_view line) {
   if (!reader_.push(line)) return answer(GcodeError::line_too_long);
   work_lines();
 }
 
 void Controller::on_line_too_long() { on_line(lost_line); }
 
-void Controller::work_lines() {
+[[gnu::hot]] void Controller::work_lines() {
   if (reader_.line_open() && (state_ == MachineState::alarm || state_ == MachineState::estop)) {
     reader_.drop_line();
     if (!own_line_) answer(GcodeError::locked);
@@ -65,7 +65,7 @@ void Controller::work_lines() {
 }
 
 /// Goes on with the line under way; false if it waits for something.
-bool Controller::finish_line() {
+[[gnu::hot]] bool Controller::finish_line() {
   using Step = ProgramReader::Step;
   for (;;) {
     switch (reader_.step(values_, work_space_, now_, check_)) {
@@ -101,7 +101,7 @@ bool Controller::finish_line() {
   }
 }
 
-void Controller::begin_line(std::string_view line) {
+[[gnu::hot]] void Controller::begin_line(std::string_view line) {
   if (line.empty()) return answer(GcodeError::none);
   if (line == lost_line) {
     answer(GcodeError::line_too_long);
@@ -133,7 +133,7 @@ void Controller::stop_after(GcodeError error) {
 }
 
 /// A program may run, but for the planner: in a job, an alarm or asleep it may not.
-bool Controller::start_program() {
+[[gnu::hot]] bool Controller::start_program() {
   if (program_.begun()) {
     if (program_.idle()) reader_.find_position(motion_.generator().state(), values_);
     return true;
@@ -207,7 +207,7 @@ void Controller::configure_reader() {
   reader_.configure(stored_, static_cast<std::uint8_t>(sound ? permitted : 0));
 }
 
-GcodeError Controller::begin_program_line(std::string_view line) {
+[[gnu::hot]] GcodeError Controller::begin_program_line(std::string_view line) {
   if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_ || jogging_ ||
       stopped_)
     return GcodeError::locked;
@@ -246,7 +246,7 @@ GcodeError Controller::keep_start_up_line(std::string_view line) {
 }
 
 /// After power-up and a reset; false if there is none left, or none may run.
-bool Controller::run_start_up_line() {
+[[gnu::hot]] bool Controller::run_start_up_line() {
   if (start_up_next_ >= start_up_lines || reader_.line_open()) return false;
   if (state_ == MachineState::alarm || state_ == MachineState::estop)
     start_up_next_ = start_up_lines;

@@ -183,7 +183,7 @@ void Controller::say(std::string_view text) {
   link_.send_text(line.view());
 }
 
-void Controller::answer(GcodeError error) {
+[[gnu::hot]] void Controller::answer(GcodeError error) {
   if (error == GcodeError::none) {
     link_.send_text(ok_line);
     return;

@@ -26,7 +26,7 @@ motion::LinePower laser_of(const program::Action& move) {
 
 }  // namespace
 
-StepPosition steps_of(const program::Place& place_e7, const settings::Values& values) {
+[[gnu::hot]] StepPosition steps_of(const program::Place& place_e7, const settings::Values& values) {
   StepPosition steps{};
   for (int a = 0; a < values.whole(Id::axes); ++a) {
     const std::int64_t product = place_e7[index(a)] * values.milli(Id::steps_per_mm_x, a);
@@ -40,20 +40,21 @@ std::int64_t place_of(std::int32_t step, const settings::Values& values, int axi
   return step * per_step / values.milli(Id::steps_per_mm_x, axis);
 }
 
-int axis_outside(const StepPosition& steps, const StepLimits& space, int axes) {
+[[gnu::hot]] int axis_outside(const StepPosition& steps, const StepLimits& space, int axes) {
   for (int a = 0; a < axes; ++a)
     if (!space.contains(a, steps[index(a)])) return a;
   return -1;
 }
 
-std::uint16_t power_of(std::uint32_t speed_milli, const settings::Values& values) {
+[[gnu::hot]] std::uint16_t power_of(std::uint32_t speed_milli, const settings::Values& values) {
   const auto full = static_cast<std::uint32_t>(values.milli(Id::highest_speed));
   if (speed_milli >= full) return full_power;
   const std::uint64_t product = std::uint64_t{speed_milli} * full_power + full / 2;
   return static_cast<std::uint16_t>(product / full);
 }
 
-motion::LineTarget line_target(const program::Action& move, const settings::Values& values) {
+[[gnu::hot]] motion::LineTarget line_target(const program::Action& move,
+                                            const settings::Values& values) {
   motion::LineTarget line;
   line.steps = steps_of(move.target_e7, values);
   line.feed_um_min = move.feed_um_min;

@@ -29,7 +29,7 @@ void ProgramReader::end_lock() {
   }
 }
 
-program::Fault ProgramReader::begin(std::string_view line) {
+[[gnu::hot]] program::Fault ProgramReader::begin(std::string_view line) {
   const program::Fault fault = interpreter_.run(line);
   open_ = !fault;
   return fault;
@@ -48,15 +48,16 @@ program::Fault ProgramReader::begin_jog(std::string_view line, const settings::V
   return {GcodeError::jog_out_of_travel, 1};
 }
 
-bool ProgramReader::next_action() {
+[[gnu::hot]] bool ProgramReader::next_action() {
   if (pending_) return true;
   pending_ = interpreter_.next(action_);
   prepared_ = false;
   return pending_;
 }
 
-ProgramReader::Step ProgramReader::step(const settings::Values& values, const StepLimits& space,
-                                        std::uint64_t clock, bool check) {
+[[gnu::hot]] ProgramReader::Step ProgramReader::step(const settings::Values& values,
+                                                     const StepLimits& space, std::uint64_t clock,
+                                                     bool check) {
   if (!open_) return Step::nothing;
   if (paused_) return Step::waits;
   while (next_action()) {
@@ -67,7 +68,7 @@ ProgramReader::Step ProgramReader::step(const settings::Values& values, const St
   return Step::done;
 }
 
-ProgramReader::Step ProgramReader::taken() {
+[[gnu::hot]] ProgramReader::Step ProgramReader::taken() {
   pending_ = false;
   return Step::done;
 }
@@ -81,8 +82,9 @@ bool ProgramReader::rests() {
 
 ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::waits; }
 
-ProgramReader::Step ProgramReader::act(const settings::Values& values, const StepLimits& space,
-                                       std::uint64_t clock, bool check) {
+[[gnu::hot]] ProgramReader::Step ProgramReader::act(const settings::Values& values,
+                                                    const StepLimits& space, std::uint64_t clock,
+                                                    bool check) {
   if (action_.kind == ActionKind::move) return move(values, space, check);
   if (check) {
     taken();
@@ -108,8 +110,8 @@ ProgramReader::Step ProgramReader::act(const settings::Values& values, const Ste
   }
 }
 
-ProgramReader::Step ProgramReader::move(const settings::Values& values, const StepLimits& space,
-                                        bool check) {
+[[gnu::hot]] ProgramReader::Step ProgramReader::move(const settings::Values& values,
+                                                     const StepLimits& space, bool check) {
   if (!prepared_) {
     target_ = line_target(action_, values);
     prepared_ = true;

@@ -123,7 +123,7 @@ constexpr bool may_jog(const Code& code) {
 
 }  // namespace
 
-Fault Block::read(std::string_view line, int axes, bool jog) {
+[[gnu::hot]] Fault Block::read(std::string_view line, int axes, bool jog) {
   WordReader reader(line);
   Word word;
   for (;;) {
@@ -133,13 +133,13 @@ Fault Block::read(std::string_view line, int axes, bool jog) {
   }
 }
 
-Fault Block::add(const Word& word, int axes, bool jog) {
+[[gnu::hot]] Fault Block::add(const Word& word, int axes, bool jog) {
   if (word.letter == 'G') return add_g(word, jog);
   if (word.letter != 'M') return add_value(word, axes, jog);
   return jog ? Fault{GcodeError::bad_jog_word, word.column} : add_m(word);
 }
 
-Fault Block::add_g(const Word& word, bool jog) {
+[[gnu::hot]] Fault Block::add_g(const Word& word, bool jog) {
   const Code* const code = find(g_codes, tenfold(word));
   if (code == nullptr) return {GcodeError::unsupported, word.column};
   if (jog && !may_jog(*code)) return {GcodeError::bad_jog_word, word.column};
@@ -155,7 +155,8 @@ Fault Block::add_m(const Word& word) {
   return add_code(code->group, code->code, code->use, word.column);
 }
 
-Fault Block::add_code(Group group, std::uint16_t code, AxisUse use, std::uint16_t column) {
+[[gnu::hot]] Fault Block::add_code(Group group, std::uint16_t code, AxisUse use,
+                                   std::uint16_t column) {
   if (has(group)) return {GcodeError::modal_conflict, column};
   if (use != AxisUse::nobody) {
     if (axis_use_ != AxisUse::nobody) return {GcodeError::axis_conflict, column};
@@ -167,7 +168,7 @@ Fault Block::add_code(Group group, std::uint16_t code, AxisUse use, std::uint16_
   return {};
 }
 
-Fault Block::add_value(const Word& word, int axes, bool jog) {
+[[gnu::hot]] Fault Block::add_value(const Word& word, int axes, bool jog) {
   const char letter = word.letter;
   if (slot(letter) == no_slot) return {GcodeError::unsupported, word.column};
   const int axis = axis_of(letter);
@@ -192,17 +193,17 @@ std::uint16_t Block::axis_column(std::uint32_t axes) const {
   return first;
 }
 
-void Block::take_axes() {
+[[gnu::hot]] void Block::take_axes() {
   for (const char letter : axis_letters) unused_ &= ~bit(letter);
 }
 
-bool Block::take(char letter) {
+[[gnu::hot]] bool Block::take(char letter) {
   const bool fresh = (unused_ & bit(letter)) != 0;
   unused_ &= ~bit(letter);
   return fresh;
 }
 
-std::uint16_t Block::first_unused() const {
+[[gnu::hot]] std::uint16_t Block::first_unused() const {
   if (unused_ == 0) return 0;
   std::uint16_t first = no_code;
   for (std::size_t i = 0; i < values_.size(); ++i)

@@ -4,7 +4,7 @@
 
 namespace lamplock::program {
 
-Fault Interpreter::run(std::string_view line) {
+[[gnu::hot]] Fault Interpreter::run(std::string_view line) {
   Statement statement(options_, parameters_, saved_, state_, plan_);
   const Fault fault = statement.check(line);
   if (!fault) take_over(statement);
@@ -18,7 +18,7 @@ Fault Interpreter::jog(std::string_view line) {
   return fault;
 }
 
-void Interpreter::take_over(const Statement& statement) {
+[[gnu::hot]] void Interpreter::take_over(const Statement& statement) {
   switch (statement.saving()) {
     case 70:
     case 73:
@@ -50,7 +50,7 @@ void Interpreter::begin_curve(const Statement& statement) {
     share_.begin(plan_.start, curve_.length_e7(), curve_.pieces(), plan_.time_us);
 }
 
-void Interpreter::change_parameters(const Changes& changes) {
+[[gnu::hot]] void Interpreter::change_parameters(const Changes& changes) {
   if (changes.rows == 0) return;
   if (changes.has(ParameterRow::tool_length)) parameters_.tool_length_e7 = changes.tool_length_e7;
   if (changes.has(ParameterRow::home_g28)) parameters_.home_g28_e7 = changes.place;
@@ -63,13 +63,13 @@ void Interpreter::change_parameters(const Changes& changes) {
 
 // --- actions ----------------------------------------------------------------------------------
 
-bool Interpreter::next(Action& action) {
+[[gnu::hot]] bool Interpreter::next(Action& action) {
   while (plan_.stages != 0)
     if (give(static_cast<Stage>(std::countr_zero(plan_.stages)), action)) return true;
   return false;
 }
 
-Action Interpreter::plain_action(ActionKind kind) const {
+[[gnu::hot]] Action Interpreter::plain_action(ActionKind kind) const {
   Action action;
   action.kind = kind;
   action.line = plan_.line;
@@ -83,7 +83,7 @@ Action Interpreter::plain_action(ActionKind kind) const {
   return action;
 }
 
-void Interpreter::fill_move(Action& action, bool rapid) const {
+[[gnu::hot]] void Interpreter::fill_move(Action& action, bool rapid) const {
   action = plain_action(ActionKind::move);
   action.rapid = rapid;
   if (!rapid) {
@@ -96,7 +96,7 @@ void Interpreter::fill_move(Action& action, bool rapid) const {
   action.blend_um = state_.modal.blend_um;
 }
 
-bool Interpreter::give(Stage stage, Action& action) {
+[[gnu::hot]] bool Interpreter::give(Stage stage, Action& action) {
   switch (stage) {
     case Stage::spindle:
       action = plain_action(ActionKind::spindle);
@@ -131,7 +131,7 @@ bool Interpreter::give_dwell(Action& action) {
   return true;
 }
 
-bool Interpreter::give_move(Stage stage, Action& action) {
+[[gnu::hot]] bool Interpreter::give_move(Stage stage, Action& action) {
   fill_move(action, stage != Stage::move || plan_.motion == Motion::rapid);
   if (stage == Stage::via)
     action.target_e7 = state_.modal.rotation.turned(plan_.points[0]);

@@ -15,21 +15,23 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
   return false;
 }
 
-void Statement::read(std::string_view line, bool jog) {
+[[gnu::hot]] void Statement::read(std::string_view line, bool jog) {
   plan_.clear();
   fault_ = block_.read(line, options_.axes, jog);
 }
 
-Fault Statement::check(std::string_view line) {
+[[gnu::hot]] Fault Statement::check(std::string_view line) {
   read(line, false);
   if (!fault_) everything();
   if (fault_) plan_.stages = 0;
   return fault_;
 }
 
-bool Statement::everything() { return before_motion() && data() && motion() && stop() && rest(); }
+[[gnu::hot]] bool Statement::everything() {
+  return before_motion() && data() && motion() && stop() && rest();
+}
 
-bool Statement::before_motion() {
+[[gnu::hot]] bool Statement::before_motion() {
   return saved_state() && codes() && line_number() && feed() && speed() && tool() && spindle() &&
          coolant() && beat_lock() && dwell() && path() && tool_length() && system() && rotation();
 }
@@ -71,8 +73,8 @@ bool Statement::seconds(char letter, std::uint32_t& us) {
 }
 
 /// Takes a word whose value must fit into 32 bits.
-bool Statement::unsigned_value(char letter, std::int64_t value, GcodeError too_large,
-                               std::uint32_t& number) {
+[[gnu::hot]] bool Statement::unsigned_value(char letter, std::int64_t value, GcodeError too_large,
+                                            std::uint32_t& number) {
   if (!take(letter)) return false;
   if (value < 0) return fail_at(letter, GcodeError::negative_value);
   if (value > most_word) return fail_at(letter, too_large);
@@ -80,11 +82,11 @@ bool Statement::unsigned_value(char letter, std::int64_t value, GcodeError too_l
   return true;
 }
 
-std::int64_t Statement::axis_e7(int axis) const {
+[[gnu::hot]] std::int64_t Statement::axis_e7(int axis) const {
   return length_e7(block_.axis(axis), after_.modal.inches);
 }
 
-std::int64_t Statement::offset_e7(int axis) const {
+[[gnu::hot]] std::int64_t Statement::offset_e7(int axis) const {
   const std::size_t i = index(axis);
   std::int64_t offset = parameters_.systems_e7[after_.modal.system][i];
   if (after_.modal.shifted)
@@ -95,7 +97,8 @@ std::int64_t Statement::offset_e7(int axis) const {
   return offset;
 }
 
-bool Statement::inside(std::int64_t e7, std::int64_t most, GcodeError error, std::uint16_t column) {
+[[gnu::hot]] bool Statement::inside(std::int64_t e7, std::int64_t most, GcodeError error,
+                                    std::uint16_t column) {
   return (e7 <= most && e7 >= -most) || fail(error, column);
 }
 
@@ -106,7 +109,7 @@ void Statement::turn(const Rotation& rotation) {
   after_.programmed_e7 = rotation.turned_back(after_.machine_e7);
 }
 
-bool Statement::saved_state() {
+[[gnu::hot]] bool Statement::saved_state() {
   if (block_.code(Group::saving) != 72) return true;
   if (!saved_.valid) return fail(GcodeError::unsupported, block_.column(Group::saving));
   const Modal before = after_.modal;
@@ -123,7 +126,7 @@ bool Statement::saved_state() {
 }
 
 /// Codes that only set something.
-bool Statement::codes() {
+[[gnu::hot]] bool Statement::codes() {
   Modal& modal = after_.modal;
   if (block_.has(Group::units)) modal.inches = block_.code(Group::units) == 200;
   if (block_.has(Group::plane)) modal.plane = static_cast<Plane>(block_.code(Group::plane));
@@ -147,7 +150,7 @@ bool Statement::codes() {
   return true;
 }
 
-bool Statement::feed() {
+[[gnu::hot]] bool Statement::feed() {
   if (!block_.has('F')) return true;
   if (after_.modal.feed_mode == FeedMode::inverse_time) return inverse_time();
   const bool per_turn = after_.modal.feed_mode == FeedMode::per_turn;
@@ -156,7 +159,7 @@ bool Statement::feed() {
 }
 
 /// A length in 10^-digits mm.
-std::int64_t Statement::fine_length(char letter, int digits) const {
+[[gnu::hot]] std::int64_t Statement::fine_length(char letter, int digits) const {
   const Word& word = block_.word(letter);
   return after_.modal.inches ? scaled(word, 254, digits - 1) : scaled(word, 1, digits);
 }
@@ -169,13 +172,13 @@ bool Statement::inverse_time() {
   return unsigned_value('F', time == 0 ? 1 : time, GcodeError::out_of_range, plan_.time_us);
 }
 
-bool Statement::speed() {
+[[gnu::hot]] bool Statement::speed() {
   return !block_.has('S') ||
          unsigned_value('S', scaled(block_.word('S'), 1, 3), GcodeError::speed_out_of_range,
                         after_.modal.speed_milli);
 }
 
-bool Statement::tool() {
+[[gnu::hot]] bool Statement::tool() {
   if (!block_.has('T')) return true;
   std::uint32_t number = 0;
   if (!integer('T', number)) return false;
@@ -184,13 +187,13 @@ bool Statement::tool() {
   return true;
 }
 
-bool Statement::line_number() {
+[[gnu::hot]] bool Statement::line_number() {
   if (!block_.has('N')) return true;
   if (!integer('N', plan_.line)) return false;
   return plan_.line <= most_line_number || fail_at('N', GcodeError::bad_line_number);
 }
 
-bool Statement::spindle() {
+[[gnu::hot]] bool Statement::spindle() {
   if (block_.has(Group::spindle)) {
     const std::uint16_t code = block_.code(Group::spindle);
     after_.modal.spindle = code == 3   ? Spindle::constant
@@ -210,7 +213,7 @@ bool Statement::move_is_asked() const {
   return block_.axes() != 0 && (use == AxisUse::motion || use == AxisUse::nobody);
 }
 
-bool Statement::coolant() {
+[[gnu::hot]] bool Statement::coolant() {
   if (!block_.has(Group::coolant)) return true;
   const std::uint16_t code = block_.code(Group::coolant);
   if (code == 7) after_.modal.mist = true;
@@ -220,7 +223,7 @@ bool Statement::coolant() {
   return true;
 }
 
-bool Statement::beat_lock() {
+[[gnu::hot]] bool Statement::beat_lock() {
   if (!block_.has(Group::beat_lock)) return true;
   plan_.add(Stage::beat_lock);
   after_.modal.beat_lock = BeatLock::off;
@@ -233,13 +236,13 @@ bool Statement::beat_lock() {
   return true;
 }
 
-bool Statement::dwell() {
+[[gnu::hot]] bool Statement::dwell() {
   if (block_.code(Group::once) != 40) return true;
   plan_.add(Stage::dwell);
   return needed('P', block_.column(Group::once)) && seconds('P', plan_.dwell_us);
 }
 
-bool Statement::path() {
+[[gnu::hot]] bool Statement::path() {
   plan_.exact_stop = block_.has(Group::exact_stop);
   if (!block_.has(Group::path)) return true;
   Modal& modal = after_.modal;
@@ -253,7 +256,7 @@ bool Statement::path() {
 
 // --- offsets ----------------------------------------------------------------------------------
 
-bool Statement::tool_length() {
+[[gnu::hot]] bool Statement::tool_length() {
   if (!block_.has(Group::tool_length)) return true;
   const std::uint16_t column = block_.column(Group::tool_length);
   constexpr std::uint32_t z = 1u << 2;
@@ -271,7 +274,7 @@ bool Statement::tool_length() {
                 block_.axis(2).column);
 }
 
-bool Statement::system() {
+[[gnu::hot]] bool Statement::system() {
   if (!block_.has(Group::system)) return true;
   const std::uint32_t code = block_.code(Group::system);
   const std::uint32_t number = code <= 590 ? (code - 540) / 10 : code - 590 + 5;
@@ -279,7 +282,7 @@ bool Statement::system() {
   return true;
 }
 
-bool Statement::rotation() {
+[[gnu::hot]] bool Statement::rotation() {
   if (!block_.has(Group::rotation)) return true;
   if (block_.code(Group::rotation) == 690) {
     turn({});
@@ -304,7 +307,7 @@ bool Statement::rotation() {
 }
 
 /// What is done once and belongs to no mode: table 8, line 19.
-bool Statement::data() {
+[[gnu::hot]] bool Statement::data() {
   switch (block_.code(Group::once)) {
     case 100:
       return set_system();
@@ -383,14 +386,14 @@ bool Statement::shift() {
 
 // --- the end of the line ----------------------------------------------------------------------
 
-bool Statement::stop() {
+[[gnu::hot]] bool Statement::stop() {
   if (!block_.has(Group::stopping)) return true;
   plan_.add(Stage::stop);
   plan_.stop = block_.code(Group::stopping);
   return true;
 }
 
-bool Statement::rest() {
+[[gnu::hot]] bool Statement::rest() {
   const std::uint16_t column = block_.first_unused();
   return column == 0 || fail(GcodeError::words_unused, column);
 }

@@ -32,7 +32,7 @@ bool Statement::fail_motion(GcodeError error) { return fail(error, motion_column
 bool Statement::needed(char letter) { return needed(letter, motion_column()); }
 
 /// Where the axis words lead.
-bool Statement::target(Place& place, bool in_machine) {
+[[gnu::hot]] bool Statement::target(Place& place, bool in_machine) {
   place = in_machine ? after_.machine_e7 : after_.programmed_e7;
   for (int i = 0; i < options_.axes; ++i) {
     if ((block_.axes() >> i & 1u) == 0) continue;
@@ -47,7 +47,7 @@ bool Statement::target(Place& place, bool in_machine) {
 }
 
 /// The line ends at a programmed place, each axis of which is inside the range.
-bool Statement::end_at(const Place& programmed) {
+[[gnu::hot]] bool Statement::end_at(const Place& programmed) {
   after_.programmed_e7 = programmed;
   after_.cycle.series = false;
   after_.spline.known = false;
@@ -92,7 +92,7 @@ bool Statement::at_home() {
 
 // --- which motion -----------------------------------------------------------------------------
 
-bool Statement::motion() {
+[[gnu::hot]] bool Statement::motion() {
   const Motion motion = after_.modal.motion;
   const bool machine_move = block_.code(Group::once) == 530;
   if (machine_move && motion != Motion::rapid && motion != Motion::line)
@@ -105,10 +105,10 @@ bool Statement::motion() {
 }
 
 /// A straight move, if there are axis words.
-bool Statement::move() { return block_.axes() == 0 || straight(); }
+[[gnu::hot]] bool Statement::move() { return block_.axes() == 0 || straight(); }
 
 /// A move that needs a feed.
-bool Statement::cut_move() {
+[[gnu::hot]] bool Statement::cut_move() {
   const Motion motion = after_.modal.motion;
   if (!feed_in_force()) return false;
   if (motion == Motion::line) return move();
@@ -119,7 +119,7 @@ bool Statement::cut_move() {
   return is_cycle(motion) ? drill() : straight();
 }
 
-bool Statement::feed_in_force() {
+[[gnu::hot]] bool Statement::feed_in_force() {
   const Modal& modal = after_.modal;
   std::uint64_t feed = modal.feed;
   if (modal.feed_mode == FeedMode::inverse_time) {
@@ -134,7 +134,7 @@ bool Statement::feed_in_force() {
   return true;
 }
 
-bool Statement::straight() {
+[[gnu::hot]] bool Statement::straight() {
   plan_.motion = after_.modal.motion;
   plan_.in_machine = block_.code(Group::once) == 530;
   plan_.add(Stage::move);

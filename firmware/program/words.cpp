@@ -65,7 +65,7 @@ class Digits {
 
 }  // namespace
 
-std::int64_t scaled(const Word& word, std::uint32_t factor, int digits) {
+[[gnu::hot]] std::int64_t scaled(const Word& word, std::uint32_t factor, int digits) {
   const int shift = digits - word.decimals;
   if (shift >= 0)
     return word.mantissa * std::int64_t{factor * power_of_ten[static_cast<std::size_t>(shift)]};
@@ -89,7 +89,7 @@ void WordReader::skip_comment() {
   while (place_ < line_.size() && line_[place_] != ')') ++place_;
 }
 
-char WordReader::peek() {
+[[gnu::hot]] char WordReader::peek() {
   for (; place_ < line_.size(); ++place_) {
     const char c = line_[place_];
     if (c == '(') {
@@ -105,7 +105,7 @@ char WordReader::peek() {
   return 0;
 }
 
-bool WordReader::read_number(Word& word) {
+[[gnu::hot]] bool WordReader::read_number(Word& word) {
   Digits digits;
   char c = peek();
   const bool negative = c == '-';
@@ -126,7 +126,7 @@ bool WordReader::read_number(Word& word) {
   return digits.good();
 }
 
-Fault WordReader::next(Word& word) {
+[[gnu::hot]] Fault WordReader::next(Word& word) {
   char c = peek();
   word.letter = 0;
   word.column = static_cast<std::uint16_t>(place_ + 1);
