@@ -57,9 +57,12 @@ void Controller::end_overrides() {
 }
 
 FireTiming Controller::fire_timing() const {
+  // In 32 bits, for it is asked in every round of the main loop.
+  constexpr std::uint32_t most_milli = settings::range(Id::q_switch_width).max_milli;
+  static_assert(settings::range(Id::q_switch_delay).max_milli <= most_milli &&
+                most_milli <= (0xffffffff - 500) / clocks_per_us);
   const auto clocks = [this](Id id) {
-    return static_cast<std::uint32_t>((std::int64_t{values_.milli(id)} * clocks_per_us + 500) /
-                                      1000);
+    return (static_cast<std::uint32_t>(values_.milli(id)) * clocks_per_us + 500) / 1000;
   };
   return {clocks(Id::q_switch_delay), clocks(Id::q_switch_width),
           clock_.mode() == settings::LampMode::free_beat};

@@ -148,6 +148,7 @@ class Controller {
   /// The user has changed settings: true once, with what has to be stored before the answer is
   /// transmitted. Until the next prepare() the machine is at rest, even if a job has just begun.
   bool take_settings(settings::Values& values);
+  bool settings_due() const { return store_due_; }
   /// The same of what programs leave behind; null if there is nothing to be stored. Valid until a
   /// line is looked at.
   const KeptProgram* take_kept() {

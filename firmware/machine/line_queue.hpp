@@ -30,15 +30,30 @@ class LineQueue {
   /// False if it does not fit.
   bool push(std::string_view line) {
     if (line.size() + 1 > free()) return false;
-    for (const char c : line) put(c);
-    put(end_of_line);
+    std::uint32_t at = begin_ + size_;
+    if (at >= capacity) at -= capacity;
+    for (const char c : line) {
+      bytes_[at] = c;
+      if (++at == capacity) at = 0;
+    }
+    bytes_[at] = end_of_line;
+    size_ += static_cast<std::uint32_t>(line.size()) + 1;
     return true;
   }
 
   /// Takes the oldest line; there is one. `room` holds the longest there can be.
   std::string_view pop(std::span<char> room) {
+    const char* from = bytes_.data() + begin_;
+    const char* const end = bytes_.data() + capacity;
     std::size_t size = 0;
-    for (char c = take(); c != end_of_line; c = take()) room[size++] = c;
+    for (;; ++size) {
+      const char c = *from++;
+      if (from == end) from = bytes_.data();
+      if (c == end_of_line) break;
+      room[size] = c;
+    }
+    begin_ = static_cast<std::uint32_t>(from - bytes_.data());
+    size_ -= static_cast<std::uint32_t>(size) + 1;
     return {room.data(), size};
   }
 
@@ -46,17 +61,6 @@ class LineQueue {
 
  private:
   static constexpr char end_of_line = '\n';
-
-  void put(char c) {
-    const std::uint32_t end = begin_ + size_++;
-    bytes_[end < capacity ? end : end - capacity] = c;
-  }
-  char take() {
-    const char c = bytes_[begin_];
-    begin_ = begin_ + 1 < capacity ? begin_ + 1 : 0;
-    --size_;
-    return c;
-  }
 
   std::array<char, capacity> bytes_{};
   std::uint32_t begin_ = 0, size_ = 0;

@@ -9,6 +9,9 @@ namespace {
 constexpr std::uint32_t most_lines = 2 * LineWork::most_segments;
 
 constexpr std::uint32_t nm_per_milli_mm = 1000;
+/// What a line has to last on the average where very many are very short: reading, planning and
+/// handing out takes some 150 us of the chip (docs/chip-timing.md).
+constexpr std::uint32_t least_line_ticks = 180;
 
 }  // namespace
 
@@ -25,6 +28,8 @@ Result LineWork::begin(const settings::Values& values, std::uint32_t beat_ticks,
   const auto deviation =
       static_cast<std::uint32_t>(values.milli(settings::Id::junction_deviation)) * nm_per_milli_mm;
   line_limits_ = motion::make_line_limits(limits_, coarsest, deviation);
+  line_limits_.per_pace =
+      motion::LineReal::power(0) / motion::LineReal(least_line_ticks << motion::paced_lines_log2);
   inbox_.clear();
   planner_.start(at);
   start({});

@@ -5,6 +5,15 @@
 #include "firmware/stepper/segment_power.hpp"
 
 namespace lamplock::machine {
+namespace {
+
+/// With less than this left of what was handed out, planning is slower than the machine uses it up,
+/// as may happen where lines are short and dear; with so much left there is time again.
+constexpr std::uint64_t behind_ticks = 7 * ticks_per_ms, ahead_ticks = 9 * ticks_per_ms;
+constexpr std::uint32_t full_pace = 100, least_pace = 25;
+
+}  // namespace
+
 Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q16) {
   planning_.recall();
   planning_.use_lines();
@@ -16,6 +25,7 @@ Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q
   brake_limits_ = planning_.lines().limits();
   tick_q16_ = tick_q16;
   begun_ = drained_ = resting_ = true;
+  pace_percent_ = full_pace;
   lost_ = staged_ = false;
   brakes_ = 0;
   end_tick_ = offset_ticks_ = 0;
@@ -57,6 +67,17 @@ bool ProgramRunner::wants_batch() const {
   return resting_ || lost_ || end_tick_ < generator_.head() + horizon_ticks;
 }
 
+/// How fast the next batch may be, of what was ordered: a batch that came too late would leave the
+/// path. In few steps, for each is planned through all lines that are known.
+void ProgramRunner::choose_pace() {
+  const std::uint64_t head = generator_.head();
+  const std::uint64_t left = end_tick_ > head ? end_tick_ - head : 0;
+  if (resting_ || lost_ || left >= ahead_ticks)
+    pace_percent_ = full_pace;
+  else if (left < behind_ticks)
+    pace_percent_ = left < behind_ticks / 2 ? least_pace : 2 * least_pace;
+}
+
 void ProgramRunner::hand_out() {
   orders_.rejoin = lost_;
   if (lost_) {
@@ -64,7 +85,11 @@ void ProgramRunner::hand_out() {
     orders_.at = rest_;
     orders_.at.tick = rest_.tick - offset_ticks_;
   }
-  planning_.lines().start(orders_);
+  choose_pace();
+  LineOrders paced = orders_;
+  paced.feed_percent = orders_.feed_percent * pace_percent_ / full_pace;
+  paced.rapid_percent = orders_.rapid_percent * pace_percent_ / full_pace;
+  planning_.lines().start(paced);
   given_ = orders_;
   orders_.rejoin = false;
   lost_ = staged_ = false;

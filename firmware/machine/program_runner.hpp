@@ -85,6 +85,7 @@ class ProgramRunner {
  private:
   bool brake_begun() const { return segments_.size() < brakes_; }
   bool wants_batch() const;
+  void choose_pace();
   void hand_out();
   std::uint64_t start_tick() const;
   void write(std::uint32_t i, stepper::Segment& segment) const;
@@ -108,8 +109,9 @@ class ProgramRunner {
   std::uint64_t end_tick_ = 0;      ///< where what is handed out ends, without the brake
   stepper::MotionState rest_;       ///< where the brake ends
   std::uint32_t power_percent_ = 100;
-  LineOrders orders_, given_;  ///< wanted; those of the last batch
-  std::uint32_t lines_ = 0;    ///< known to the planner after the last batch
+  std::uint32_t pace_percent_ = 100;  ///< of the overrides, so that planning keeps ahead
+  LineOrders orders_, given_;         ///< wanted; those of the last batch
+  std::uint32_t lines_ = 0;           ///< known to the planner after the last batch
   std::uint32_t starvations_ = 0;
 };
 

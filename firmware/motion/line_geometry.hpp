@@ -42,7 +42,12 @@ struct LineLimits {
   PerAxis<LineAxis> axis{};
   LineReal um_min;     ///< speed of 1 um/min
   LineReal deviation;  ///< junction deviation
+  /// 1 / ticks that `paced_lines` lines take at least, for whoever plans has to keep ahead; 0 =
+  /// any.
+  LineReal per_pace;
 };
+/// Power of two.
+inline constexpr int paced_lines_log2 = 3;
 
 /// `coarsest_milli`: thousandths of steps/mm of the axis with the fewest. The limits are those that
 /// hold at every tick; the beat they were made for does not matter.

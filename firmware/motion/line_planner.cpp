@@ -60,6 +60,7 @@ void LinePlanner::forget() {
   ++forgets_;
   speed_ = {};
   last_ = {};
+  recent_ = {};
   end_ = steps_of(at_);
   reset_chords();
 }
@@ -87,7 +88,9 @@ bool LinePlanner::push(const LineTarget& target) {
     stop_ = stop_ || target.exact_stop;
     return true;
   }
-  const LineBounds bounds = make_bounds(shape, limits_);
+  LineBounds bounds = make_bounds(shape, limits_);
+  const bool paced = !is_zero(limits_.per_pace);
+  if (paced) bounds.speed = least(bounds.speed, paced_speed(shape.length));
   Line& line = ring_.next();
   line.steps = target.steps;
   line.set_length(shape.length);
@@ -100,7 +103,9 @@ bool LinePlanner::push(const LineTarget& target) {
   LineReal feed = LineReal(target.feed_um_min) * limits_.um_min;
   if (line.timed)
     feed = shape.length / (LineReal(target.time_us) * LineReal(ticks_per_second / 1'000'000));
-  line.feed = LinePacked(is_zero(feed) ? bounds.speed : feed);
+  // An override slows down what is slow already for its pace, too.
+  if (is_zero(feed) || (paced && bounds.speed < feed)) feed = bounds.speed;
+  line.feed = LinePacked(feed);
   line.corner_2 = LinePacked(corner_2(line, shape));
   line.entry_2 = {};
   const std::uint32_t number = ring_.end();
@@ -112,6 +117,14 @@ bool LinePlanner::push(const LineTarget& target) {
   for (LineChords* chords : {&short_chords_, &long_chords_, &gentle_chords_})
     if (chords->add(number, end_, shape, limits_, limit)) cap(limit);
   return true;
+}
+
+/// What lines like those that came last may be taken at: a short one among long ones costs nothing.
+LineReal LinePlanner::paced_speed(LineReal length) {
+  constexpr int n = paced_lines_log2;
+  if (is_zero(recent_)) recent_ = times_power(length, n);
+  recent_ = difference(recent_, times_power(recent_, -n)) + length;
+  return recent_ * limits_.per_pace;
 }
 
 LineReal LinePlanner::corner_2(const Line& line, const LineShape& shape) const {

@@ -112,6 +112,7 @@ class LinePlanner {
   void forget();
   void reset_chords();
   void begin_line();
+  LineReal paced_speed(LineReal length);
   LineReal corner_2(const Line& line, const LineShape& shape) const;
   void cap(const LineCap& cap);
   LineTask task();
@@ -136,6 +137,7 @@ class LinePlanner {
   StepPosition end_{};
   LineShape last_;     ///< of the last line; no length = none
   bool stop_ = false;  ///< at its end
+  LineReal recent_;    ///< mean length of the last lines, times as many
   LineChords short_chords_, long_chords_, gentle_chords_;
 
   // The line under way: the first in the ring.

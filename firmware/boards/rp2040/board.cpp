@@ -95,7 +95,11 @@ void Board::run() {
 void Board::plan_for_ever() {
   for (;;) {
     while (!core_.plan_waits()) wait_for_event();
-    while (core_.plan()) watchdog_.sign(Signer::planner);
+    bool more = true;
+    while (more) {
+      more = core_.plan();
+      watchdog_.sign(Signer::planner);  // the last slice too: the next plan may follow at once
+    }
     send_event();
   }
 }
@@ -180,8 +184,9 @@ void Board::transmit() {
 }
 
 void Board::store_settings() {
+  if (!core_.settings_due()) return;  // asked in every round, and they are long
   settings::Values values;
-  if (!core_.take_settings(values)) return;
+  core_.take_settings(values);
   watchdog_.allow(Watchdog::longest_us);
   if (!storage_.save(values)) core_.say("Settings could not be stored");
 }
