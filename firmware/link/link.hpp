@@ -63,7 +63,7 @@ class Link {
  public:
   /// Takes received bytes and hands what they mean to the machine.
   template <LinkSink Sink>
-  [[gnu::hot]] void receive(std::span<const std::uint8_t> bytes, Sink& sink) {
+  void receive(std::span<const std::uint8_t> bytes, Sink& sink) {
     Events<Sink> events{*this, sink};
     for (const std::uint8_t byte : bytes) parser_.push(byte, events);
     if (status_due_) send_status(sink);

@@ -173,6 +173,8 @@ class Controller {
   bool plan() { return planning_.plan(values_, stored_); }
   /// There is one to be made, and nobody is at it.
   bool plan_waits() const { return planning_.hand_over().waits(); }
+  /// Something that was planned can be handed out, which should not wait.
+  bool batch_waits() const { return program_.batch_waits(); }
   /// Somebody plans, or ought to: a board with two cores sees to it that this ends.
   bool planning() const { return planning_.hand_over().busy(); }
 

@@ -51,7 +51,7 @@ void Controller::on_line_too_long() { on_line(lost_line); }
   }
   for (int i = 0; i < most_lines; ++i) {
     if (reader_.line_open() && !finish_line()) break;
-    if (reset_due_ || program_.cancelling()) break;
+    if (reset_due_ || program_.cancelling() || program_.batch_waits()) break;
     if (run_start_up_line()) continue;
     if (!reader_.lines_wait()) break;
     if (link_.room() < (reader_.front() == '$' ? list_room : answer_room)) break;
@@ -281,7 +281,7 @@ void Controller::use_overrides() {
 }
 
 // Called with beat and fill interrupts masked, as all of commit() is.
-void Controller::settle_program() {
+[[gnu::hot]] void Controller::settle_program() {
   if (beat_locked()) return settle_points();
   if (!program_.begun() || !program_.idle()) return;
   if (reset_due_) return finish_reset();

@@ -130,7 +130,7 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
   return taken();
 }
 
-bool ProgramReader::take(const settings::Values& values) {
+[[gnu::hot]] bool ProgramReader::take(const settings::Values& values) {
   if (lock_ == BeatLock::off) return runner_.take(target_);
   if (points_.queue().free() == 0) return false;
   return points_.take(point_target(action_, {from_, target_.steps}, channel_, values));

@@ -7,10 +7,19 @@
 namespace lamplock::machine {
 namespace {
 
-/// With less than this left of what was handed out, planning is slower than the machine uses it up,
-/// as may happen where lines are short and dear; with so much left there is time again.
-constexpr std::uint64_t behind_ticks = 7 * ticks_per_ms, ahead_ticks = 9 * ticks_per_ms;
-constexpr std::uint32_t full_pace = 100, least_pace = 25;
+constexpr std::uint64_t ticks_per_ms = ticks_per_second / 1000;
+/// With little left of what was handed out, planning is slower than the machine uses it up, as may
+/// happen where lines are short and dear: the machine slows down a little, and more where that does
+/// not help.
+struct PaceStep {
+  std::uint64_t left_ticks;  ///< below which it is
+  std::uint8_t percent;
+};
+constexpr PaceStep paces[] = {
+    {3 * ticks_per_ms, 25}, {5 * ticks_per_ms, 50}, {7 * ticks_per_ms, 80}};
+/// There is time again.
+constexpr std::uint64_t ahead_ticks = 9 * ticks_per_ms;
+constexpr std::uint8_t full_pace = 100;
 
 }  // namespace
 
@@ -72,10 +81,13 @@ bool ProgramRunner::wants_batch() const {
 void ProgramRunner::choose_pace() {
   const std::uint64_t head = generator_.head();
   const std::uint64_t left = end_tick_ > head ? end_tick_ - head : 0;
-  if (resting_ || lost_ || left >= ahead_ticks)
-    pace_percent_ = full_pace;
-  else if (left < behind_ticks)
-    pace_percent_ = left < behind_ticks / 2 ? least_pace : 2 * least_pace;
+  if (resting_ || lost_ || left >= ahead_ticks) pace_percent_ = full_pace;
+  if (resting_ || lost_) return;
+  for (const PaceStep& pace : paces) {
+    if (left >= pace.left_ticks) continue;
+    if (pace.percent < pace_percent_) pace_percent_ = pace.percent;
+    return;
+  }
 }
 
 void ProgramRunner::hand_out() {
@@ -138,13 +150,17 @@ void ProgramRunner::write(std::uint32_t i, stepper::Segment& segment) const {
                      {power(made.power_start), power(made.power_cruise), power(made.power_end)});
 }
 
+/// All of it or nothing: what is lost can be planned again from one place alone.
+bool ProgramRunner::batch_fits() const {
+  return segments_.free() + brakes_ > planning_.lines().count();
+}
+
 void ProgramRunner::stage() {
   if (!begun_ || staged_ || !planning_.hand_over().complete()) return;
   const LineWork& work = planning_.lines();
   const std::uint32_t count = work.count();
   if (count == 0) return finish_batch();
-  // All of it or nothing: what is lost can be planned again from one place alone.
-  if (segments_.free() + brakes_ < count + 1) return;
+  if (!batch_fits()) return;
   if (resting_) offset_ticks_ = start_tick() - work.segment(0).segment.start_tick;
   // The first one may take the place of a brake, which may still begin.
   for (std::uint32_t i = 1; i < count; ++i) write(i, segments_.stage(i - brakes_));

@@ -65,6 +65,8 @@ class ProgramRunner {
 
   /// True if there is a batch to be planned, or one to commit. Masked.
   bool prepare();
+  /// A batch can be handed out at once, which whoever plans waits for.
+  bool batch_waits() const { return begun_ && planning_.hand_over().complete() && batch_fits(); }
   void stage();
   /// True if something was handed out. Masked.
   bool commit();
@@ -85,6 +87,7 @@ class ProgramRunner {
  private:
   bool brake_begun() const { return segments_.size() < brakes_; }
   bool wants_batch() const;
+  bool batch_fits() const;
   void choose_pace();
   void hand_out();
   std::uint64_t start_tick() const;

@@ -66,6 +66,11 @@ constexpr std::size_t encode_frame(std::span<const std::uint8_t> content,
   return writer.ok() ? writer.size() : 0;
 }
 
+/// Letters, digits and what stands between them in numbers: means nothing but itself in a line.
+constexpr bool is_plain(std::uint8_t byte) {
+  return (byte >= '-' && byte <= '9') || (byte >= 'A' && byte <= 'Z');
+}
+
 /// Which end of the wire is receiving.
 enum class End { device, host };
 
@@ -81,6 +86,10 @@ class StreamParser {
  public:
   template <class Events>
   void push(std::uint8_t byte, Events& events) {
+    if (is_plain(byte) && state_ == State::line) {  // nearly all of a program
+      after_cr_ = false;
+      return append(byte, max_line);
+    }
     if constexpr (end == End::device) {
       if (is_realtime(byte)) return events.on_realtime(byte);
     }

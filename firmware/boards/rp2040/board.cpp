@@ -136,6 +136,7 @@ void Board::receive() {
     if (ports_.take_new_connection()) core_.new_connection();
     if (n == 0) return;
     core_.receive(free.first(n));
+    if (core_.batch_waits()) return;  // the other core has nothing to do meanwhile
   }
 }
 
