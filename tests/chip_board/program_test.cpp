@@ -88,19 +88,17 @@ TEST(ChipProgram, EndsWhereAndWhenTheVirtualBoardDoes) {
 /// while that is being handed out, and goes on from where it stands.
 TEST(ChipProgram, EndsWhereItShouldThoughLinesAreLate) {
   const job::Profile profile = program_profile();
-  const auto lines = static_cast<std::size_t>(scaled(1200));
-  const std::string text = spiral(lines, 0.02, 15'000);
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  ProgramSender sender(rig.board);
-  run(sender, text, rig.now() + 60 * ps_per_s);
-  const std::string_view last = std::string_view(text).substr(text.rfind('G'));
-  const StepPosition at = rig.board.world().drives().position();
-  const auto steps = [&](char axis) {
-    return std::lround(std::stod(std::string(last.substr(last.find(axis) + 1))) * 200);
-  };
-  EXPECT_EQ(at[0], steps('X'));
-  EXPECT_EQ(at[1], steps('Y'));
+  for (const double feed_mm_s : {80, 100, 250}) {
+    SCOPED_TRACE(feed_mm_s);
+    const std::string text =
+        spiral(static_cast<std::size_t>(scaled(900)), 0.02, feed_mm_s * 60) + "X1 Y2\n";
+    ChipRig rig(profile);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    ProgramSender sender(rig.board);
+    run(sender, text, rig.now() + 60 * ps_per_s);
+    EXPECT_EQ(rig.board.world().drives().position(), (StepPosition{200, 400, 0, 0}));
+    EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+  }
 }
 
 TEST(ChipProgram, HoldsAndResets) {

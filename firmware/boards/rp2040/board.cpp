@@ -98,7 +98,8 @@ void Board::plan_for_ever() {
     bool more = true;
     while (more) {
       more = core_.plan();
-      watchdog_.sign(Signer::planner);  // the last slice too: the next plan may follow at once
+      // With the last slice too: a batch of lines is but one, and the next may follow at once.
+      watchdog_.sign(Signer::planner);
     }
     send_event();
   }
