@@ -1,0 +1,138 @@
+// Lines of G-code per second of the simulated chip, beside what others do: parsed, planned and run,
+// streamed over USB by a sender that always has another line. The rate is in the chip's own time at
+// 125 MHz, so it is the same on every machine.
+//
+// Lines are 20 um long, on a spiral of some 20 mm, so a feed of 100 mm/s asks for 5000 of them a
+// second. Counters:
+//   lines_per_s      once all queues are full
+//   of_feed          of what the feed asks for: 1 = the board keeps up
+//   core0, core1     share of the time that the core is awake
+//   x_...            times the rate of others
+// A board that is asked for more than it can do stops again and again, and may do less than it can:
+// the highest rate of these rows is what it can.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+#include "host/job/job.hpp"
+#include "sim/chip_board/chip_board.hpp"
+#include "tests/chip_board/program_sender.hpp"
+#include "tests/chip_board/sleep_watch.hpp"
+
+namespace lamplock {
+namespace {
+
+/// Text lines per second of others.
+constexpr double grbl_avr = 500;         // says its author
+constexpr double cortex_m3_port = 1500;  // says a fork of grbl
+constexpr double baud_115200 = 1047;     // what a link of that speed carries, by arithmetic
+
+constexpr double line_mm = 0.02, radius_mm = 20;
+/// Until all queues are full: window, lines on their way, ring of the planner.
+constexpr std::size_t warm_up_lines = 500;
+constexpr std::size_t measured_lines = 1500;
+
+/// 10 m/s2, 1 m/s, no lamp.
+settings::Values machine(double steps_per_mm) {
+  using settings::Id;
+  job::Profile profile = job::default_profile();
+  job::set_acceleration(profile, 10);
+  job::set_speed(profile, 1);
+  profile.settings.set_milli(Id::lamp_mode, 0);
+  for (int axis = 0; axis < 3; ++axis)
+    job::state_setting(profile, settings::for_axis(Id::steps_per_mm_x, axis), steps_per_mm,
+                       "benchmark");
+  return profile.settings;
+}
+
+double angle_of(std::size_t line) { return static_cast<double>(line) * line_mm / radius_mm; }
+
+std::string short_lines(std::size_t count, double feed_mm_s) {
+  std::string text = fmt::format("G0 X{}\nF{}\n", radius_mm, feed_mm_s * 60);
+  for (std::size_t i = 1; i <= count; ++i)
+    text += fmt::format("G1X{:.3f}Y{:.3f}\n", radius_mm * std::cos(angle_of(i)),
+                        radius_mm * std::sin(angle_of(i)));
+  return text;
+}
+
+/// What a stream took of the chip.
+struct Rate {
+  double lines_per_s = 0;
+  double core0 = 0, core1 = 0;  ///< share of time awake
+  bool complete = false;        ///< every line was taken and run
+};
+
+double share(const test::SleepWatch& core) {
+  const auto awake = static_cast<double>(core.awake());
+  return awake / (awake + static_cast<double>(core.asleep()));
+}
+
+/// The machine stands at the end of the last line, as it is written.
+bool at_end_of(std::size_t lines, const sim::ChipBoard& board, double steps_per_mm) {
+  const auto steps = [steps_per_mm](double mm) {
+    return std::lround(std::round(mm * 1000) / 1000 * steps_per_mm);
+  };
+  const StepPosition place = board.world().drives().position();
+  return place[0] == steps(radius_mm * std::cos(angle_of(lines))) &&
+         place[1] == steps(radius_mm * std::sin(angle_of(lines)));
+}
+
+Rate measure(sim::ChipBoard& board, double feed_mm_s, double steps_per_mm) {
+  constexpr std::size_t lines = warm_up_lines + measured_lines;
+  const sim::Picoseconds end = board.now() + 60 * sim::ps_per_s;  // some fifty times as needed
+  Rate rate;
+  test::ProgramSender sender(board);
+  sender.give(short_lines(lines, feed_mm_s));
+  while (sender.answers().size() < warm_up_lines)
+    if (sender.step(); board.now() >= end) return rate;
+  const std::size_t from = sender.answers().size() - 1;
+  {
+    const test::SleepWatch core0(board.chip().core(0)), core1(board.chip().core(1));
+    while (!sender.all_sent() && board.now() < end) sender.step();
+    rate.core0 = share(core0);
+    rate.core1 = share(core1);
+  }
+  const std::size_t to = sender.answers().size() - 1;
+  const auto& times = sender.answer_times();
+  rate.lines_per_s = static_cast<double>(to - from) / sim::seconds(times[to] - times[from]);
+  rate.complete = sender.run_until_answered(end) && sender.errors() == 0 &&
+                  sender.run_until_idle(end) && at_end_of(lines, board, steps_per_mm);
+  return rate;
+}
+
+void chip_lines(benchmark::State& state) {
+  const auto steps_per_mm = static_cast<double>(state.range(0));
+  const auto feed_mm_s = static_cast<double>(state.range(1));
+  const sim::chip::Image image = sim::chip::load_image(LAMPLOCK_IMAGE);
+  Rate rate;
+  for (auto _ : state) {
+    sim::ChipBoard board(image, machine(steps_per_mm), {});
+    if (!board.run_until_found(sim::ps_per_s)) {
+      state.SkipWithError("the host has not found the board");
+      break;
+    }
+    rate = measure(board, feed_mm_s, steps_per_mm);
+    if (!rate.complete) state.SkipWithError("lines were not run to their end");
+  }
+  state.counters["lines_per_s"] = rate.lines_per_s;
+  state.counters["of_feed"] = rate.lines_per_s / (feed_mm_s / line_mm);
+  state.counters["x_grbl_AVR"] = rate.lines_per_s / grbl_avr;
+  state.counters["x_Cortex_M3"] = rate.lines_per_s / cortex_m3_port;
+  state.counters["x_115200_Bd"] = rate.lines_per_s / baud_115200;
+  state.counters["core0"] = rate.core0;
+  state.counters["core1"] = rate.core1;
+}
+BENCHMARK(chip_lines)
+    ->ArgNames({"steps_per_mm", "feed_mm_s"})
+    ->Args({80, 50})
+    ->Args({80, 100})
+    ->Args({200, 50})
+    ->Args({200, 100})
+    ->Args({200, 150})
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace lamplock
