@@ -10,7 +10,7 @@ namespace {
 constexpr Picoseconds service_period = 250 * ps_per_us;
 /// Lengths of ticks and steps are handed out this far ahead.
 constexpr Picoseconds timing_lead = 300 * ps_per_us;
-constexpr std::uint64_t motion_lead_ticks = 2000;
+constexpr std::uint32_t motion_lead_ticks = 2000;
 constexpr std::uint32_t span_ticks = 256;
 constexpr std::uint32_t block_ticks = 1u << 14;
 /// DIR changes this long before the tick that wants it, after STEP of the tick before has fallen.
@@ -186,8 +186,10 @@ void VirtualBoard::main_loop() {
 void VirtualBoard::feed_lattice() {
   while (ticks_.end_time() < now_ + timing_lead) next_span();
   while (filled_ < ticks_.end_tick() + motion_lead_ticks) {
+    // While it stands no more than has to be: what begins next would wait for it.
+    const bool runs = controller_->runner().generator().running();
     stepper::TickBlock block;
-    controller_->fill(block, block_ticks);
+    controller_->fill(block, runs ? block_ticks : motion_lead_ticks);
     filled_ = block.first_tick + block.ticks;
     blocks_.push_back(block);
   }
