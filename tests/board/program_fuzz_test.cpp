@@ -1,10 +1,13 @@
 // Anything at all at the cable of a virtual board: random bytes, spoilt lines, real-time bytes,
-// settings. It never crashes, never leaves the work space, never fires, never shines by itself; it
-// answers every line once, and it still answers at the end.
+// settings. It never crashes, never leaves the work space, never fires; it never shines before it
+// was told to (M3, M4), nor while it stands, nor behind an open door; it answers every line once,
+// and it still answers at the end.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <random>
 
+#include "firmware/motion/limits.hpp"
 #include "tests/board/wire_host.hpp"
 
 namespace lamplock::test {
@@ -12,12 +15,12 @@ namespace {
 
 using Random = std::mt19937_64;
 
-/// Watches the outputs that no program without a laser may switch on.
+/// Watches the outputs that no program may switch on.
 class QuietPins final : private sim::PinListener {
  public:
   explicit QuietPins(sim::PinBus& bus) {
-    for (const sim::Pin pin : {sim::Pin::q_switch, sim::Pin::laser_gate, sim::Pin::shutter_1,
-                               sim::Pin::shutter_2, sim::Pin::shutter_3, sim::Pin::shutter_4})
+    for (const sim::Pin pin : {sim::Pin::q_switch, sim::Pin::shutter_1, sim::Pin::shutter_2,
+                               sim::Pin::shutter_3, sim::Pin::shutter_4})
       bus.listen(pin, *this);
   }
   bool quiet() const { return quiet_; }
@@ -27,8 +30,67 @@ class QuietPins final : private sim::PinListener {
   bool quiet_ = true;
 };
 
-std::string random_line(Random& random) {
-  static const std::array<const char*, 24> seeds{"G1 X10 Y5 F6000",
+/// When any axis moves, by the ticks that are put out.
+class MotionTimes final : public sim::TickListener {
+ public:
+  explicit MotionTimes(sim::VirtualBoard& board) { board.listen(*this); }
+  void ticks_played(const sim::PlayedTicks& played) override {
+    const auto& axes = played.block.axis;
+    const bool moves =
+        played.block.moving &&
+        std::any_of(axes.begin(), axes.end(), [](const auto& run) { return !run.stands(); });
+    if (!moves) return;
+    if (times_.empty() || times_.back().end < played.start)
+      times_.push_back({played.start, played.end});
+    else
+      times_.back().end = played.end;
+  }
+  void beat_begins(std::uint64_t /*tick*/, sim::Picoseconds /*at*/) override {}
+
+  /// Light while nothing moves, for longer than a tick at the turn of an axis takes.
+  bool shone_at_rest(const sim::Beam& beam, sim::Picoseconds now) const {
+    constexpr sim::Picoseconds turn = 5 * ps_per_us;
+    sim::Picoseconds rest = 0;
+    for (const Time& time : times_) {
+      if (time.start - rest > 2 * turn && beam.shone(rest + turn, time.start - turn)) return true;
+      rest = time.end;
+    }
+    return now - rest > turn && beam.shone(rest + turn, now);
+  }
+
+ private:
+  struct Time {
+    sim::Picoseconds start, end;
+  };
+  std::vector<Time> times_;
+};
+
+/// M words that switch a laser; what others do has tests of its own.
+bool has_other_m_words(std::string_view line) {
+  for (std::size_t at = line.find_first_of("Mm"); at != std::string_view::npos;
+       at = line.find_first_of("Mm", at + 1))
+    if (at + 1 == line.size() || line[at + 1] < '3' || line[at + 1] > '5') return true;
+  return false;
+}
+
+/// The most that a dwell may ask for, seconds; 0 if there is none.
+double dwell_s(std::string line) {
+  std::erase(line, ' ');
+  const std::size_t at = line.find_first_of("Pp");
+  return at == std::string::npos ? 0 : std::strtod(line.c_str() + at + 1, nullptr);
+}
+
+/// Before the laser was ever asked for, and from then on.
+enum class Light { not_asked_for, asked_for };
+
+std::string random_line(Random& random, Light light) {
+  static const std::array<const char*, 30> seeds{"M3 S500",
+                                                 "M4 S900",
+                                                 "M3 S1000 G1 X5 F3000",
+                                                 "M4 S700 G1 X-5 Y3 F5000",
+                                                 "S200",
+                                                 "G1 X-3 Y-8 F1500 S1000",
+                                                 "G1 X10 Y5 F6000",
                                                  "G0 X-20 Y20 Z3",
                                                  "G2 X10 Y10 I5 J5 F3000",
                                                  "G3 X0 Y0 R12.5 F900",
@@ -70,25 +132,32 @@ std::string random_line(Random& random) {
         line.insert(at, line.substr(at, random() % 8));
     }
   }
-  // No reset or hold by accident here, no laser, and no loader.
+  // No reset or hold by accident here, and no loader.
   std::erase_if(line, [](char c) { return c == '!' || c == '?' || c == '~'; });
-  if (line.find_first_of("Mm") != std::string::npos) line = "M5";
+  const bool m_word = line.find_first_of("Mm") != std::string::npos;
+  if (m_word && (light == Light::not_asked_for || has_other_m_words(line))) line = "M5";
+  if (dwell_s(line) > 100) line = "G4 P0.05";
   if (line.size() > 1 && line[0] == '$' && (line[1] == 'B' || line[1] == 'S')) line = "$G";
   return line;
 }
 
 class Fuzz : public testing::Test {
  protected:
-  void expect_sound(Rig& rig, const QuietPins& pins) {
+  static void expect_sound(Rig& rig, const QuietPins& pins) {
     EXPECT_TRUE(pins.quiet());
     EXPECT_EQ(rig.shots().size(), 0u);
-    EXPECT_EQ(rig.board.world().beam().openings(), 0u);
   }
+  static void expect_dark(Rig& rig) { EXPECT_EQ(rig.board.world().beam().openings(), 0u); }
   /// Reset, unlocked, asked.
-  static void expect_answers(WireHost& host) {
+  static void expect_answers(Rig& rig, WireHost& host) {
     host.send_byte('\n');
+    host.run_ms(50);
+    const std::size_t banners = host.count(Said::banner);
     host.send_byte(0x18);
-    host.run_ms(1500);
+    const double limit_s = 1.5 + longest_stop_s(rig.board.stored_settings());
+    for (int i = 0; i < rounds(limit_s, 1) && host.count(Said::banner) == banners; ++i)
+      host.run_ms(1);
+    host.run_ms(50);
     host.send("$X\n");
     host.run_ms(50);
     const auto texts = host.ask("$G\n");
@@ -96,6 +165,22 @@ class Fuzz : public testing::Test {
     EXPECT_EQ(texts.back(), "ok");
     EXPECT_NE(host.status(), "");
   }
+  /// In which every axis comes to rest, by its settings, in moves of no more than 0.1 mm or a step,
+  /// even with no more acceleration than its jerk gives at once.
+  static double longest_stop_s(const settings::Values& values) {
+    constexpr double at_once_s = motion::flat_rise_ticks * 1e-6;
+    double longest = 0;
+    for (int a = 0; a < values.whole(Id::axes); ++a) {
+      const double way_mm = std::max(0.1, 1e3 / values.milli(Id::steps_per_mm_x, a));
+      const double jerk_mm_s3 = values.milli(Id::jerk_x, a);
+      double accel_mm_s2 = values.milli(Id::acceleration_x, a) / 1e3;
+      if (jerk_mm_s3 != 0) accel_mm_s2 = std::min(accel_mm_s2, jerk_mm_s3 * at_once_s);
+      longest = std::max(longest, 2 * std::sqrt(way_mm / accel_mm_s2));
+    }
+    return longest;
+  }
+
+  void use_laser() { job::state_setting(profile_, Id::laser_mode, 1, "test"); }
 
   job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
 };
@@ -114,13 +199,16 @@ TEST_F(Fuzz, RandomBytes) {
       host.run_ms(static_cast<double>(1 + random() % 10));
     }
     expect_sound(rig, pins);
+    expect_dark(rig);
     EXPECT_EQ(rig.monitor.violation(rig.board.stored_settings()), "");
-    expect_answers(host);
+    expect_answers(rig, host);
   }
 }
 
 /// Valid lines, changed a little: one answer each, whatever they are.
 TEST_F(Fuzz, SpoiltLines) {
+  use_laser();
+  std::size_t openings = 0;
   for (int i = 0; i < scaled(6); ++i) {
     Random random(static_cast<std::uint64_t>(i) + 200);
     SCOPED_TRACE(testing::Message() << "seed " << i + 200);
@@ -128,27 +216,35 @@ TEST_F(Fuzz, SpoiltLines) {
     WireHost host(rig);
     host.run_ms(5);
     const QuietPins pins(rig.board.bus());
-    for (int k = 0; k < 60; ++k) {
-      const std::string line = random_line(random);
+    const MotionTimes motion(rig.board);
+    for (int k = 0; k < 80; ++k) {
+      if (k == 20) expect_dark(rig);
+      const std::string line =
+          random_line(random, k < 20 ? Light::not_asked_for : Light::asked_for);
       const std::size_t before = host.answers().size();
       host.send(line + "\n");
-      ASSERT_TRUE(host.wait_for(before + 1, 300)) << line << "\n" << host.status();
+      ASSERT_TRUE(host.wait_for(before + 1, 5000)) << line << "\n" << host.status();
       host.run_ms(1);
       ASSERT_EQ(host.answers().size(), before + 1) << line;
       if (host.status().starts_with("<Alarm")) host.ask("$X\n");
     }
     expect_sound(rig, pins);
+    EXPECT_FALSE(motion.shone_at_rest(rig.board.world().beam(), rig.board.now()));
+    openings += rig.board.world().beam().openings();
     const auto space = work_space(profile_.settings);
     for (int a = 0; a < 3; ++a)
       for (const PinMonitor::Step& step : rig.monitor.steps(a))
         ASSERT_TRUE(space.contains(a, step.position));
-    expect_answers(host);
+    expect_answers(rig, host);
   }
+  EXPECT_GT(openings, 0u);
 }
 
 /// Lines with real-time bytes between and inside of them. A reset throws lines away, so no more
 /// answers than lines.
 TEST_F(Fuzz, RealTimeBytesAnywhere) {
+  use_laser();
+  std::size_t openings = 0;
   constexpr std::string_view realtime = "?!!~~\x18\x84\x85\x90\x91\x92\x93\x94\x95\x96\x97\x99\x9A";
   for (int i = 0; i < scaled(6); ++i) {
     Random random(static_cast<std::uint64_t>(i) + 300);
@@ -157,9 +253,13 @@ TEST_F(Fuzz, RealTimeBytesAnywhere) {
     WireHost host(rig);
     host.run_ms(5);
     const QuietPins pins(rig.board.bus());
+    const MotionTimes motion(rig.board);
+    const sim::Beam& beam = rig.board.world().beam();
     std::size_t lines = 0;
-    for (int k = 0; k < 60; ++k) {
-      std::string line = random_line(random) + "\n";
+    for (int k = 0; k < 80; ++k) {
+      if (k == 20) expect_dark(rig);
+      std::string line =
+          random_line(random, k < 20 ? Light::not_asked_for : Light::asked_for) + "\n";
       for (std::uint64_t n = random() % 4; n > 0; --n)
         line.insert(random() % line.size(), 1, realtime[random() % realtime.size()]);
       host.send_some(line);
@@ -169,8 +269,17 @@ TEST_F(Fuzz, RealTimeBytesAnywhere) {
         host.send_some("~$X\n");
         ++lines;
       }
+      if (random() % 12 != 0) continue;
+      const sim::Picoseconds opened = rig.board.now();
+      rig.board.world().schedule(sim::Pin::door, true, opened);
+      host.run_ms(static_cast<double>(2 + random() % 30));
+      EXPECT_FALSE(beam.shone(opened + ps_per_ms, rig.board.now()));
+      rig.board.world().schedule(sim::Pin::door, false, rig.board.now());
+      host.run_ms(1);
     }
     host.run_ms(500);
+    EXPECT_FALSE(motion.shone_at_rest(beam, rig.board.now()));
+    openings += beam.openings();
     EXPECT_LE(host.answers().size(), lines);
     EXPECT_EQ(host.fault(), "");
     expect_sound(rig, pins);
@@ -178,8 +287,9 @@ TEST_F(Fuzz, RealTimeBytesAnywhere) {
     for (int a = 0; a < 3; ++a)
       for (const PinMonitor::Step& step : rig.monitor.steps(a))
         ASSERT_TRUE(space.contains(a, step.position));
-    expect_answers(host);
+    expect_answers(rig, host);
   }
+  EXPECT_GT(openings, 0u);
 }
 
 /// Whatever settings are accepted: a program afterwards runs or is refused.
@@ -208,8 +318,9 @@ TEST_F(Fuzz, SettingsOfAnyValue) {
     host.run_ms(2000);
     EXPECT_LE(host.answers().size(), before + 3) << script;
     expect_sound(rig, pins);
+    expect_dark(rig);
     EXPECT_EQ(host.fault(), "") << script;
-    expect_answers(host);
+    expect_answers(rig, host);
   }
 }
 
