@@ -262,13 +262,13 @@ void Controller::raise_alarm(std::uint8_t number) {
   TextLine line;
   line.add("ALARM:").add(std::int64_t{alarm_}).add("\r\n");
   link_.send_text(line.view());
+  drop_open_line();
 }
 
 void Controller::unlock() {
   if (state_ != MachineState::alarm) return;
   // The position is not what it was: the job cannot simply go on.
   stop();
-  reader_.go_on();
   link_.forget_session();
   state_ = MachineState::idle;
   alarm_ = 0;

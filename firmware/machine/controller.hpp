@@ -281,6 +281,7 @@ class Controller {
   }
   void work_lines();
   bool finish_line();
+  void drop_open_line();
   void begin_line(std::string_view line);
   GcodeError begin_program_line(std::string_view line);
   GcodeError begin_jog(std::string_view line);

@@ -91,6 +91,12 @@ bool Controller::finish_line() {
   }
 }
 
+/// After an alarm: the line under way will not be run to its end.
+void Controller::drop_open_line() {
+  if (reader_.drop_line() && !own_line_) answer(GcodeError::locked);
+  own_line_ = false;
+}
+
 void Controller::begin_line(std::string_view line) {
   if (line.empty()) return answer(GcodeError::none);
   if (line == lost_line) return answer(GcodeError::line_too_long);
