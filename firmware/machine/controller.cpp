@@ -217,14 +217,16 @@ void Controller::input_changed(Input input, bool active) {
       break;
     case Input::door:
       door_open_ = active;
-      if (active && (state_ == MachineState::run || state_ == MachineState::hold)) {
+      if (active && jogging_) {
+        cancel_jog();
+      } else if (active && (state_ == MachineState::run || state_ == MachineState::hold)) {
         state_ = MachineState::door;
         hold_reason_ = HoldReason::none;
         if (moving_) runner_.brake();
         moving_ = false;
         program_.hold();
         shots_.permit(false, BeatReason::door);
-      } else if (!active && state_ == MachineState::door) {
+      } else if (!active && job_ && state_ == MachineState::door) {
         state_ = MachineState::hold;  // a closed door waits for somebody to say go on
         hold_reason_ = HoldReason::host;
       }
@@ -298,7 +300,7 @@ void Controller::hold_after_failed_shots() {
 }
 
 void Controller::resume() {
-  if (state_ != MachineState::hold || door_open_) return;
+  if ((state_ != MachineState::hold && state_ != MachineState::door) || door_open_) return;
   state_ = MachineState::run;
   hold_reason_ = HoldReason::none;
   program_.resume();

@@ -271,7 +271,7 @@ class Controller {
   // Lines and programs (controller_program.cpp).
   /// The laser of a program, on its way and while it comes to rest there; a door ends it at once.
   bool laser_may_shine() const {
-    return program_.begun() && !reset_due_ && !jogging_ &&
+    return program_.begun() && !reset_due_ && !jogging_ && !door_open_ &&
            (state_ == wire::MachineState::run || state_ == wire::MachineState::hold);
   }
   bool program_unfinished() const { return reader_.line_open() || !program_.idle(); }
@@ -280,6 +280,7 @@ class Controller {
     return reader_.line_open() || reader_.lines_wait() || start_up_next_ < start_up_lines;
   }
   void work_lines();
+  void go_or_wait();
   bool finish_line();
   void drop_open_line();
   void begin_line(std::string_view line);

@@ -54,7 +54,16 @@ void Controller::work_lines() {
   }
   if (!reader_.lines_wait()) jogs_dropped_ = false;
   const bool busy = reader_.line_open() || !program_.drained();
-  if (state_ == MachineState::idle && busy && !check_) state_ = MachineState::run;
+  if (state_ == MachineState::idle && busy && !check_) go_or_wait();
+}
+
+/// A program begins. Behind an open door it waits, as if that had been opened on its way.
+void Controller::go_or_wait() {
+  state_ = MachineState::run;
+  if (!door_open_) return;
+  state_ = MachineState::door;
+  program_.hold();
+  say("Check Door");
 }
 
 /// Goes on with the line under way; false if it waits for something.
@@ -79,8 +88,8 @@ bool Controller::finish_line() {
         return true;
       case Step::pauses: {
         const Masked masked(mask_);
-        state_ = MachineState::hold;
-        hold_reason_ = HoldReason::realtime;
+        state_ = door_open_ ? MachineState::door : MachineState::hold;
+        hold_reason_ = door_open_ ? HoldReason::none : HoldReason::realtime;
         return false;
       }
       case Step::ended:
@@ -145,8 +154,11 @@ GcodeError Controller::begin_jog(std::string_view line) {
   if (jogs_dropped_) return GcodeError::none;
   if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_)
     return GcodeError::locked;
-  const bool free = state_ == MachineState::idle && !check_;
-  if ((!free && !jogging_) || !start_program()) return GcodeError::not_idle;
+  if (door_open_) return GcodeError::door_open;
+  // Idle may be told of a moment ago: a line of a program has been taken since.
+  const bool free = state_ == MachineState::idle && program_.drained() && !check_;
+  const bool goes_on = jogging_ && (state_ == MachineState::run || state_ == MachineState::idle);
+  if ((!free && !goes_on) || !start_program()) return GcodeError::not_idle;
   const program::Fault fault = reader_.begin_jog(line, values_, work_space_);
   if (!fault) jogging_ = true;
   return fault.error;
@@ -290,7 +302,7 @@ void Controller::on_realtime(std::uint8_t byte) {
       break;
     case '~':
       // One flipped bit must not end a hold that the host has asked for by a frame.
-      if (hold_reason_ != HoldReason::host) resume();
+      if (hold_reason_ != HoldReason::host || !job_) resume();
       break;
     case byte_reset:
       reset();

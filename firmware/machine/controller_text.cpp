@@ -36,6 +36,9 @@ GcodeError Controller::system_command(std::string_view line) {
   if (line == "$X") {
     const Masked masked(mask_);
     if (state_ == MachineState::estop) return GcodeError::emergency_stop;
+    if (state_ != MachineState::alarm) return GcodeError::none;
+    if (door_open_) return GcodeError::door_open;
+    say("Caution: Unlocked");
     unlock();
     return GcodeError::none;
   }
@@ -204,7 +207,8 @@ std::string_view Controller::state_name() const {
     case MachineState::hold:
       return rests ? "Hold:0" : "Hold:1";
     case MachineState::door:
-      return rests ? "Door:1" : "Door:2";
+      if (!rests) return "Door:2";
+      return door_open_ ? "Door:1" : "Door:0";
     default:
       return "Alarm";
   }

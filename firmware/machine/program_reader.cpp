@@ -59,8 +59,10 @@ ProgramReader::Step ProgramReader::taken() {
   return Step::done;
 }
 
-/// Whether the machine stands, for what waits for that.
-ProgramReader::Step ProgramReader::stand() { return runner_.idle() ? taken() : Step::waits; }
+/// Whether the machine stands, for what waits for that. In a hold the program does not go on.
+ProgramReader::Step ProgramReader::stand() {
+  return runner_.idle() && !runner_.held() ? taken() : Step::waits;
+}
 
 ProgramReader::Step ProgramReader::act(const settings::Values& values, const StepLimits& space,
                                        std::uint64_t clock, bool check) {
@@ -108,7 +110,7 @@ ProgramReader::Step ProgramReader::dwell(std::uint64_t clock) {
     dwells_ = true;
     dwell_end_ = clock + std::uint64_t{action_.time_us} * clocks_per_us;
   }
-  if (clock < dwell_end_) return Step::waits;
+  if (clock < dwell_end_ || runner_.held()) return Step::waits;
   dwells_ = false;
   return taken();
 }

@@ -158,5 +158,174 @@ TEST_P(ProgramAlarm, NoLineIsAnsweredAsRunThatIsNot) {
 
 INSTANTIATE_TEST_SUITE_P(Inputs, ProgramAlarm,
                          testing::Values(sim::Pin::estop, sim::Pin::limit_x, sim::Pin::limit_z));
+
+/// Opened before a program or a jog begins.
+TEST_F(ProgramSafety, NothingBeginsBehindAnOpenDoor) {
+  for (const char* script :
+       {"M3 S1000\nG1 X40 F1200\n", "G0 X40\n", "G4 P0.2\nM3 S500\nG1 X40 F1200\n",
+        "G2 X40 Y0 I20 F1200 M4 S1000\n"}) {
+    SCOPED_TRACE(script);
+    set_up();
+    set(sim::Pin::door, true);
+    host_->send(script);
+    expect_quiet(400);
+    EXPECT_EQ(state(), "Door:1");
+    host_->send("~");
+    expect_quiet(50);
+    EXPECT_EQ(state(), "Door:1");
+    set(sim::Pin::door, false);
+    expect_quiet(50);
+    EXPECT_EQ(state(), "Door:0");
+    host_->send("~");
+    ASSERT_TRUE(host_->wait_for(lines_in(script)));
+    EXPECT_TRUE(host_->stand(5));
+    EXPECT_THAT(host_->answers(), AllOf(SizeIs(lines_in(script)), Each("ok")));
+    EXPECT_EQ(x(), 40 * steps_per_mm);
+    EXPECT_EQ(state(), "Idle");
+    expect_sound_wire();
+  }
+}
+
+TEST_F(ProgramSafety, NoJogBehindAnOpenDoor) {
+  set(sim::Pin::door, true);
+  EXPECT_THAT(host_->ask("$J=G91 X5 F1200\n"), ElementsAre("error:13"));
+  expect_quiet(50);
+  EXPECT_EQ(state(), "Idle");
+  set(sim::Pin::door, false);
+  EXPECT_THAT(host_->ask("$J=G91 X5 F1200\n"), ElementsAre("ok"));
+  ASSERT_TRUE(host_->stand(2));
+  EXPECT_EQ(x(), 5 * steps_per_mm);
+}
+
+TEST_F(ProgramSafety, NoUnlockBehindAnOpenDoor) {
+  host_->send("M3 S1000\nG1 X40 F1200\n");
+  host_->run_ms(200);
+  set(sim::Pin::limit_x, true);
+  set(sim::Pin::limit_x, false);
+  set(sim::Pin::door, true);
+  EXPECT_THAT(host_->ask("$X\n"), ElementsAre("error:13"));
+  EXPECT_EQ(state(), "Alarm");
+  EXPECT_THAT(host_->ask("G1 X10\n"), ElementsAre("error:9"));
+  expect_quiet(100);
+  set(sim::Pin::door, false);
+  EXPECT_THAT(host_->ask("$X\n"), ElementsAre("[MSG:Caution: Unlocked]", "ok"));
+  EXPECT_EQ(state(), "Idle");
+  EXPECT_THAT(host_->ask("$X\n"), ElementsAre("ok"));
+}
+
+/// Opened and closed at random moments; `~` while it is open does nothing.
+TEST_F(ProgramSafety, AProgramGoesOnBehindADoorThatWasClosed) {
+  std::mt19937 random(11);
+  const std::string script =
+      "G21 G90 M3 S800\nG1 X10 F3000\nG4 P0.1\nG1 X20\nG3 X20 Y20 J10 I0\nM4\nG1 X0\nM5\nG0 X0 Y0\n"
+      "G1 X3 F600\nM30\n";
+  for (int i = 0; i < scaled(40); ++i) {
+    SCOPED_TRACE(testing::Message() << "run " << i);
+    set_up();
+    host_->send(script);
+    for (int doors = 0; doors < 3; ++doors) {
+      host_->run_ms(std::uniform_real_distribution<>(1, 700)(random));
+      const bool runs = rig_->state() == MachineState::run;
+      set(sim::Pin::door, true);
+      EXPECT_FALSE(shines());
+      host_->run_ms(std::uniform_real_distribution<>(0, 200)(random));
+      EXPECT_FALSE(shines());
+      host_->send("~");
+      host_->run_ms(250);
+      if (runs) {
+        EXPECT_EQ(state(), "Door:1");
+      }
+      expect_quiet(20);
+      set(sim::Pin::door, false);
+      expect_quiet(20);
+      if (runs) {
+        EXPECT_EQ(state(), "Door:0");
+      }
+      host_->send("~");
+    }
+    ASSERT_TRUE(host_->wait_for(lines_in(script), 20));
+    ASSERT_TRUE(host_->stand(5));
+    EXPECT_THAT(host_->answers(), AllOf(SizeIs(lines_in(script)), Each("ok")));
+    EXPECT_EQ(host_->position(), (StepPosition{3 * steps_per_mm, 0, 0, 0}));
+    EXPECT_EQ(state(), "Idle");
+    expect_sound_wire();
+  }
+}
+
+/// A pause and a dwell do not end, and do not hide the door, while it is open.
+TEST_F(ProgramSafety, ADoorInADwellAndInAPause) {
+  host_->send("G1 X1 F6000\nG4 P0.2\nM0\nG1 X2\n");
+  host_->run_ms(150);
+  set(sim::Pin::door, true);
+  host_->run_ms(400);
+  EXPECT_EQ(state(), "Door:1");
+  EXPECT_THAT(host_->answers(), SizeIs(1));
+  set(sim::Pin::door, false);
+  host_->send("~");
+  host_->run_ms(50);
+  EXPECT_EQ(state(), "Hold:0") << "the pause";
+  EXPECT_THAT(host_->answers(), SizeIs(2));
+  set(sim::Pin::door, true);
+  EXPECT_EQ(state(), "Door:1");
+  host_->send("~");
+  expect_quiet(50);
+  set(sim::Pin::door, false);
+  EXPECT_EQ(state(), "Door:0");
+  expect_quiet(50);
+  host_->send("~");
+  ASSERT_TRUE(host_->wait_for(4));
+  ASSERT_TRUE(host_->stand(2));
+  EXPECT_EQ(x(), 2 * steps_per_mm);
+  // The pause is what begins.
+  set(sim::Pin::door, true);
+  host_->send("M0\n");
+  host_->run_ms(20);
+  EXPECT_EQ(state(), "Door:1");
+  set(sim::Pin::door, false);
+  EXPECT_EQ(state(), "Door:0");
+  host_->send("~");
+  ASSERT_TRUE(host_->wait_for(5));
+  host_->run_ms(5);
+  EXPECT_EQ(state(), "Idle");
+}
+
+/// A pause that a held dwell is followed by is a pause still.
+TEST_F(ProgramSafety, AHoldDoesNotSkipAPause) {
+  host_->send("G4 P0.1\nM0\nG1 X1 F600\n");
+  host_->run_ms(50);
+  host_->send("!");
+  host_->run_ms(200);
+  EXPECT_EQ(state(), "Hold:0");
+  host_->send("~");
+  host_->run_ms(200);
+  EXPECT_EQ(state(), "Hold:0");
+  EXPECT_THAT(host_->answers(), SizeIs(1));
+  host_->send("~");
+  ASSERT_TRUE(host_->wait_for(3));
+  ASSERT_TRUE(host_->stand(2));
+  EXPECT_EQ(x(), steps_per_mm);
+}
+
+TEST_F(ProgramSafety, ADoorCancelsAJog) {
+  for (const bool cancelled : {false, true}) {
+    set_up();
+    host_->send("$J=G91 X40 F3000\n");
+    host_->run_ms(200);
+    set(sim::Pin::door, true);
+    if (cancelled) host_->send_byte(jog_cancel_byte);
+    host_->run_ms(200);
+    const std::int32_t stood = x();
+    EXPECT_GT(stood, 0);
+    EXPECT_LT(stood, 30 * steps_per_mm);
+    EXPECT_EQ(state(), "Idle");
+    EXPECT_THAT(host_->ask("$J=G91 X5 F1200\n"), ElementsAre("error:13"));
+    expect_quiet(100);
+    set(sim::Pin::door, false);
+    expect_quiet(50);
+    EXPECT_THAT(host_->ask("$J=G91 X5 F1200\n"), ElementsAre("ok"));
+    ASSERT_TRUE(host_->stand(2));
+    EXPECT_EQ(x(), stood + 5 * steps_per_mm);
+  }
+}
 }  // namespace
 }  // namespace lamplock::test
