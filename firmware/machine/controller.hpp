@@ -346,14 +346,14 @@ class Controller {
   bool job_ = false;  ///< a job has begun and was not ended
   bool dry_ = false;
   bool jogging_ = false;
-  bool jogs_dropped_ = false;       ///< a jog was cancelled: those that wait behind it are
-  bool check_ = false;              ///< programs are read and not run
-  bool kept_due_ = false;           ///< texts or places have changed
-  bool own_line_ = false;           ///< a start-up line is under way: nobody waits for an answer
-  std::uint8_t start_up_next_ = 0;  ///< start-up line to be run
-  bool asleep_ = false;             ///< drives off until a reset
-  bool reset_due_ = false;          ///< when the machine has come to rest
-  bool moved_at_reset_ = false;     ///< which it had not when that was asked for
+  std::uint32_t lines_at_cancel_ = 0;  ///< waited when a jog was cancelled: no jogs any more
+  bool check_ = false;                 ///< programs are read and not run
+  bool kept_due_ = false;              ///< texts or places have changed
+  bool own_line_ = false;              ///< a start-up line is under way: nobody waits for an answer
+  std::uint8_t start_up_next_ = 0;     ///< start-up line to be run
+  bool asleep_ = false;                ///< drives off until a reset
+  bool reset_due_ = false;             ///< when the machine has come to rest
+  bool moved_at_reset_ = false;        ///< which it had not when that was asked for
   Overrides overrides_;
   bool moving_ = false;                  ///< motion was permitted at the last prepare()
   std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be taken at rest; 0 = none

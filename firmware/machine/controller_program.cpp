@@ -46,13 +46,16 @@ void Controller::work_lines() {
   for (int i = 0; i < most_lines; ++i) {
     if (reader_.line_open() && !finish_line()) break;
     if (reset_due_ || program_.cancelling()) break;
+    // Behind a cancelled jog, until the machine stands where the next line begins.
+    if (reader_.astray() && !program_.idle()) break;
     if (run_start_up_line()) continue;
     if (!reader_.lines_wait()) break;
     if (link_.room() < (reader_.front() == '$' ? list_room : answer_room)) break;
     std::array<char, wire::max_line> room;
     begin_line(reader_.take_line(room));
+    if (lines_at_cancel_ != 0) --lines_at_cancel_;
   }
-  if (!reader_.lines_wait()) jogs_dropped_ = false;
+  if (!reader_.lines_wait()) lines_at_cancel_ = 0;
   const bool busy = reader_.line_open() || !program_.drained();
   if (state_ == MachineState::idle && busy && !check_) go_or_wait();
 }
@@ -151,7 +154,7 @@ GcodeError Controller::begin_program_line(std::string_view line) {
 }
 
 GcodeError Controller::begin_jog(std::string_view line) {
-  if (jogs_dropped_) return GcodeError::none;
+  if (lines_at_cancel_ != 0) return GcodeError::none;
   if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_)
     return GcodeError::locked;
   if (door_open_) return GcodeError::door_open;
@@ -217,7 +220,7 @@ void Controller::settle_program() {
 }
 
 void Controller::cancel_jog() {
-  jogs_dropped_ = reader_.lines_wait();
+  lines_at_cancel_ = reader_.lines();
   if (reader_.drop_line()) answer(GcodeError::none);
   program_.cancel();
   reader_.lose_position();
@@ -243,7 +246,7 @@ void Controller::reset() {
   link_.drop_line();
   const bool moves = !motion_.at_rest();
   reader_.clear();
-  jogs_dropped_ = false;
+  lines_at_cancel_ = 0;
   shots_.permit(false, idle_reason());
   reset_due_ = true;
   if (!program_.begun() || !moves) return finish_reset();

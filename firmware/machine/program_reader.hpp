@@ -50,6 +50,7 @@ class ProgramReader {
   bool lines_wait() const { return !queue_.empty(); }
   std::uint32_t free() const { return queue_.free(); }
   char front() const { return queue_.front(); }
+  std::uint32_t lines() const { return queue_.lines(); }
   std::string_view take_line(std::span<char> room) { return queue_.pop(room); }
 
   // The line under way.
@@ -72,6 +73,7 @@ class ProgramReader {
   void reset();
   /// The machine is somewhere else than the program thinks.
   void lose_position() { astray_ = true; }
+  bool astray() const { return astray_; }
   /// Where it is, if that was lost; nothing is under way.
   void find_position(const stepper::MotionState& at, const settings::Values& values);
 

@@ -327,5 +327,58 @@ TEST_F(ProgramSafety, ADoorCancelsAJog) {
     EXPECT_EQ(x(), stood + 5 * steps_per_mm);
   }
 }
+
+/// A cancel and the next jog in one write: that one begins where the machine has come to rest.
+TEST_F(ProgramSafety, AJogBehindACancelBeginsWhereTheMachineStands) {
+  host_->send("$J=G91 X45 F3000\n");
+  host_->run_ms(400);
+  const std::int32_t at_cancel = x();
+  host_->send("\x85$J=G91 X-5 F3000\n");
+  ASSERT_TRUE(host_->wait_for(2));
+  ASSERT_TRUE(host_->stand(3));
+  EXPECT_THAT(host_->answers(), AllOf(SizeIs(2), Each("ok")));
+  // Braking from 50 mm/s at 2 m/s2, and what is handed out: some millimetres.
+  EXPECT_GT(x(), at_cancel - 5 * steps_per_mm);
+  EXPECT_LT(x(), at_cancel);
+  expect_obeys();
+}
+
+/// Those that waited at the cancel are dropped, those sent later are not.
+TEST_F(ProgramSafety, JogsSentAfterACancelAreNew) {
+  const std::string jogs = many("$J=G91X.1F60\n", 240);
+  std::size_t sent = 0;
+  while (sent < jogs.size()) {
+    sent += host_->send_some(std::string_view(jogs).substr(sent, 13 * 20));
+    host_->run_ms(10);
+  }
+  ASSERT_TRUE(rig_->board.controller().reader().lines_wait());
+  const std::int32_t at_cancel = x();
+  host_->send("\x85$J=G91 Y5 F3000\n");
+  ASSERT_TRUE(host_->wait_for(241, 5));
+  ASSERT_TRUE(host_->stand(3));
+  EXPECT_THAT(host_->answers(), AllOf(SizeIs(241), Each("ok")));
+  EXPECT_EQ(host_->position()[1], 5 * steps_per_mm);
+  EXPECT_NEAR(x(), at_cancel, steps_per_mm);
+}
+
+/// Both have waited behind a cancel: the program is not under way yet when the jog is read.
+TEST_F(ProgramSafety, NoJogIntoAProgram) {
+  host_->send("$J=G91 X-40 F3000\n");
+  host_->run_ms(20);
+  host_->send("\x85M3 S1000\nG1 X5 F1200\n$J=G91 X1 F600\nG4 P0\n");
+  host_->run_ms(300);
+  EXPECT_EQ(state(), "Run");
+  EXPECT_TRUE(shines());
+  ASSERT_TRUE(host_->wait_for(5));
+  EXPECT_THAT(host_->answers(), ElementsAre("ok", "ok", "ok", "error:8", "ok"));
+  ASSERT_TRUE(host_->stand(2));
+  EXPECT_EQ(x(), 5 * steps_per_mm);
+  // Jogs in one packet are all taken.
+  host_->send("$J=G91 X1 F600\n$J=G91 X1 F600\nG1 X0\n");
+  ASSERT_TRUE(host_->wait_for(8));
+  ASSERT_TRUE(host_->stand(2));
+  EXPECT_EQ(x(), 7 * steps_per_mm);
+  EXPECT_EQ(host_->answers().back(), "error:9");
+}
 }  // namespace
 }  // namespace lamplock::test
