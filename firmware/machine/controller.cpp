@@ -254,7 +254,7 @@ void Controller::raise_alarm(std::uint8_t number) {
   runner_.halt();
   program_.halt();
   reader_.lose_position();
-  jogging_ = check_ = reset_due_ = false;
+  jogging_ = check_ = false;
   moving_ = false;
   next_beat_milli_hz_ = 0;
   // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.

@@ -212,8 +212,11 @@ void Controller::end_overrides_of_program() {
 
 // Called with beat and fill interrupts masked, as all of commit() is.
 void Controller::settle_program() {
+  if (reset_due_) {
+    if (motion_.at_rest() && !shots_.undecided()) finish_reset();
+    return;
+  }
   if (!program_.begun() || !program_.idle()) return;
-  if (reset_due_) return finish_reset();
   if (reader_.line_open() || state_ != MachineState::run || job_) return;
   jogging_ = false;
   state_ = MachineState::idle;
@@ -249,7 +252,8 @@ void Controller::reset() {
   lines_at_cancel_ = 0;
   shots_.permit(false, idle_reason());
   reset_due_ = true;
-  if (!program_.begun() || !moves) return finish_reset();
+  // Of a job that was stopped nothing is left but to come to rest.
+  if (!program_.begun() || !moves) return settle_program();
   program_.resume();
   program_.cancel();
   state_ = MachineState::run;
@@ -263,7 +267,7 @@ void Controller::finish_reset() {
   reader_.reset();
   reporter_.reset();
   end_overrides_of_program();
-  if (state_ == MachineState::run || state_ == MachineState::hold) state_ = MachineState::idle;
+  if (job_unfinished()) state_ = MachineState::idle;
   hold_reason_ = HoldReason::none;
   program_.end();
   if (lost && state_ == MachineState::idle) raise_alarm(alarm_position_lost);

@@ -156,6 +156,26 @@ TEST_P(ProgramAlarm, NoLineIsAnsweredAsRunThatIsNot) {
   EXPECT_THAT(host_->answers(), ElementsAre("ok", "error:9"));
 }
 
+TEST_P(ProgramAlarm, ComesWhileAResetBrakes) {
+  host_->send("G1 X40 F6000\nG1 X0\n");
+  host_->run_ms(150);
+  host_->send_byte(reset_byte);
+  host_->run_ms(10);
+  ASSERT_EQ(host_->count(Said::banner), 1u) << "it brakes";
+  set(GetParam(), true);
+  expect_quiet(50);
+  EXPECT_EQ(host_->count(Said::banner), 2u);
+  EXPECT_EQ(host_->count(Said::alarm), 1u);
+  set(GetParam(), false);
+  EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
+  host_->send_byte(reset_byte);
+  host_->run_ms(20);
+  EXPECT_EQ(host_->count(Said::banner), 3u);
+  EXPECT_FALSE(host_->heard("ALARM:3"));
+  EXPECT_EQ(state(), "Idle");
+  expect_obeys();
+}
+
 INSTANTIATE_TEST_SUITE_P(Inputs, ProgramAlarm,
                          testing::Values(sim::Pin::estop, sim::Pin::limit_x, sim::Pin::limit_z));
 
@@ -328,6 +348,37 @@ TEST_F(ProgramSafety, ADoorCancelsAJog) {
   }
 }
 
+/// The reset is finished where the machine comes to rest, door or not.
+TEST_F(ProgramSafety, ADoorWhileAResetBrakes) {
+  host_->send("M3 S1000\nG1 X40 F6000\nG1 X0\n");
+  host_->run_ms(150);
+  host_->send_byte(reset_byte);
+  host_->run_ms(2);
+  set(sim::Pin::door, true);
+  host_->run_ms(300);
+  EXPECT_EQ(host_->count(Said::banner), 2u);
+  EXPECT_TRUE(host_->heard("ALARM:3"));
+  EXPECT_EQ(state(), "Alarm");
+  set(sim::Pin::door, false);
+  EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
+  expect_obeys();
+}
+
+TEST_F(ProgramSafety, AResetBehindAnOpenDoorLeavesNothing) {
+  host_->send("G1 X40 F6000\nG1 X0\n");
+  host_->run_ms(150);
+  set(sim::Pin::door, true);
+  host_->run_ms(300);
+  host_->send_byte(reset_byte);
+  host_->run_ms(50);
+  EXPECT_EQ(host_->count(Said::banner), 2u);
+  EXPECT_EQ(state(), "Idle");
+  set(sim::Pin::door, false);
+  host_->send("~");
+  expect_quiet(100);
+  expect_obeys();
+}
+
 /// A cancel and the next jog in one write: that one begins where the machine has come to rest.
 TEST_F(ProgramSafety, AJogBehindACancelBeginsWhereTheMachineStands) {
   host_->send("$J=G91 X45 F3000\n");
@@ -359,6 +410,37 @@ TEST_F(ProgramSafety, JogsSentAfterACancelAreNew) {
   EXPECT_THAT(host_->answers(), AllOf(SizeIs(241), Each("ok")));
   EXPECT_EQ(host_->position()[1], 5 * steps_per_mm);
   EXPECT_NEAR(x(), at_cancel, steps_per_mm);
+}
+
+/// The report of a reset waits for rest; the banner too.
+TEST_F(ProgramSafety, AResetWhileAStoppedJobBrakes) {
+  for (int i = 0; i < 30; ++i) {
+    SCOPED_TRACE(testing::Message() << "run " << i);
+    set_up();
+    const job::Job job = job_for(wild_points(20, 5), profile_, JoinMode::start_stop);
+    BoardCable cable(*rig_);
+    link::SenderOptions options;
+    options.session = 1;
+    link::JobSender sender(cable, job, options);
+    const sim::Picoseconds at = (300 + 17 * i) * ps_per_ms;
+    while (rig_->board.now() < at && sender.step()) {
+    }
+    sender.stop();
+    while (rig_->board.controller().job_mark().session != 0 && sender.step()) {
+    }
+    cable.type("\x18");
+    for (int n = 0; n < 1000; ++n) {
+      rig_->run(250 * ps_per_us);
+      const bool rests = rig_->board.controller().runner().at_rest();
+      ASSERT_TRUE(rests || rig_->state() != MachineState::idle);
+    }
+    EXPECT_EQ(rig_->state(), MachineState::idle);
+    const std::size_t shots = rig_->shots().size();
+    EXPECT_EQ(rig_->status().first_unfired, shots);
+    host_->run_ms(300);
+    EXPECT_EQ(rig_->shots().size(), shots);
+  }
+  set_up();
 }
 
 /// Both have waited behind a cancel: the program is not under way yet when the jog is read.
