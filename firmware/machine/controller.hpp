@@ -287,7 +287,9 @@ class Controller {
   GcodeError begin_program_line(std::string_view line);
   GcodeError begin_jog(std::string_view line);
   GcodeError keep_start_up_line(std::string_view line);
+  void keep_new_start_up_line();
   bool run_start_up_line();
+  bool start_up_waits() const;
   bool start_program();
   void end_program();
   void settle_program();
@@ -351,9 +353,11 @@ class Controller {
   bool kept_due_ = false;              ///< texts or places have changed
   bool own_line_ = false;              ///< a start-up line is under way: nobody waits for an answer
   std::uint8_t start_up_next_ = 0;     ///< start-up line to be run
-  bool asleep_ = false;                ///< drives off until a reset
-  bool reset_due_ = false;             ///< when the machine has come to rest
-  bool moved_at_reset_ = false;        ///< which it had not when that was asked for
+  std::uint8_t new_start_up_ = start_up_lines;  ///< to be kept when it has run; that = none
+  KeptText new_start_up_text_;
+  bool asleep_ = false;          ///< drives off until a reset
+  bool reset_due_ = false;       ///< when the machine has come to rest
+  bool moved_at_reset_ = false;  ///< which it had not when that was asked for
   Overrides overrides_;
   bool moving_ = false;                  ///< motion was permitted at the last prepare()
   std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be taken at rest; 0 = none

@@ -49,6 +49,7 @@ void Controller::work_lines() {
     // Behind a cancelled jog, until the machine stands where the next line begins.
     if (reader_.astray() && !program_.idle()) break;
     if (run_start_up_line()) continue;
+    if (start_up_waits()) break;
     if (!reader_.lines_wait()) break;
     if (link_.room() < (reader_.front() == '$' ? list_room : answer_room)) break;
     std::array<char, wire::max_line> room;
@@ -79,11 +80,15 @@ bool Controller::finish_line() {
       case Step::waits:
         return false;
       case Step::done:
-        if (!own_line_) answer(GcodeError::none);
+        if (!own_line_) {
+          keep_new_start_up_line();
+          answer(GcodeError::none);
+        }
         own_line_ = false;
         return true;
       case Step::outside:
-        answer(GcodeError::bad_target);
+        if (!own_line_) answer(GcodeError::bad_target);
+        own_line_ = false;
         if (!check_) {
           const Masked masked(mask_);
           raise_alarm(alarm_soft_limit);
@@ -110,6 +115,7 @@ void Controller::drop_open_line() {
 }
 
 void Controller::begin_line(std::string_view line) {
+  new_start_up_ = start_up_lines;
   if (line.empty()) return answer(GcodeError::none);
   if (line == lost_line) return answer(GcodeError::line_too_long);
   const bool starts_up = line.starts_with("$N") && line.size() > 2;
@@ -175,14 +181,27 @@ GcodeError Controller::keep_start_up_line(std::string_view line) {
     return GcodeError::unknown_command;
   if (state_ != MachineState::idle || program_unfinished() || check_) return GcodeError::not_idle;
   const std::string_view text = line.substr(head);
-  if (text.size() > KeptText::capacity) return GcodeError::text_too_long;
-  if (!text.empty()) {
-    const GcodeError error = begin_program_line(text);
-    if (error != GcodeError::none) return error;
-  }
-  reader_.kept().start_up[number].set(text);
-  kept_due_ = true;
+  if (!new_start_up_text_.set(text)) return GcodeError::text_too_long;
+  const GcodeError error = text.empty() ? GcodeError::none : begin_program_line(text);
+  if (error != GcodeError::none) return error;
+  new_start_up_ = static_cast<std::uint8_t>(number);
+  if (text.empty()) keep_new_start_up_line();
   return GcodeError::none;
+}
+
+/// If the line under way is one: it has run.
+void Controller::keep_new_start_up_line() {
+  if (new_start_up_ == start_up_lines) return;
+  reader_.kept().start_up[new_start_up_] = new_start_up_text_;
+  new_start_up_ = start_up_lines;
+  kept_due_ = true;
+}
+
+/// One is still to be run: nobody else comes in between.
+bool Controller::start_up_waits() const {
+  for (std::size_t i = start_up_next_; i < start_up_lines; ++i)
+    if (!reader_.kept().start_up[i].view().empty()) return true;
+  return false;
 }
 
 /// After power-up and a reset; false if there is none left, or none may run.

@@ -78,7 +78,7 @@ class ProgramReader {
   void find_position(const stepper::MotionState& at, const settings::Values& values);
 
   const program::Interpreter& interpreter() const { return interpreter_; }
-  /// What programs leave behind; to be changed only while no line is under way.
+  /// What programs leave behind; parameters are changed only while no line is under way.
   KeptProgram& kept() { return kept_; }
   const KeptProgram& kept() const { return kept_; }
 

@@ -412,6 +412,62 @@ TEST_F(ProgramSafety, JogsSentAfterACancelAreNew) {
   EXPECT_NEAR(x(), at_cancel, steps_per_mm);
 }
 
+/// A start-up line that leaves the work space: an alarm, no answer that nobody asked for, and the
+/// next line has its own.
+TEST_F(ProgramSafety, AStartUpLineOutsideCostsNoAnswer) {
+  EXPECT_THAT(host_->ask("$N0=G0 X40\n"), Contains("ok"));
+  ASSERT_TRUE(host_->stand(5));
+  EXPECT_THAT(host_->ask("G10 L2 P1 X30\n"), Contains("ok"));
+  const std::size_t answers = host_->answers().size();
+  host_->send_byte(reset_byte);
+  host_->run_ms(50);
+  EXPECT_TRUE(host_->heard(">G0 X40:ok"));
+  EXPECT_TRUE(host_->heard("ALARM:2"));
+  EXPECT_EQ(host_->answers().size(), answers);
+  EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
+  EXPECT_THAT(host_->ask("G10 L2 P1 X0\n"), ElementsAre("ok"));
+  expect_obeys();
+}
+
+TEST_F(ProgramSafety, AStartUpLineIsKeptOnceItHasRun) {
+  EXPECT_THAT(host_->ask("$N0=G21\n$N0=G0 X999\n"), Contains("error:33"));
+  EXPECT_TRUE(host_->heard("ALARM:2"));
+  EXPECT_THAT(host_->ask("$X\n$N\n"), AllOf(Contains("$N0=G21"), Contains("$N1=")));
+  host_->send("$N1=G4 P0.5\n");
+  host_->run_ms(50);
+  set(sim::Pin::limit_x, true);
+  set(sim::Pin::limit_x, false);
+  EXPECT_THAT(host_->ask("$X\n$N\n"), AllOf(Contains("$N0=G21"), Contains("$N1=")));
+  host_->send("$N1=G4 P5\n");
+  host_->run_ms(50);
+  host_->send_byte(reset_byte);
+  host_->run_ms(50);
+  EXPECT_THAT(host_->ask("$N\n"), AllOf(Contains("$N0=G21"), Contains("$N1=")));
+  EXPECT_THAT(host_->ask("$N1=G4 P0.1\n$N\n"), ElementsAre("ok", "$N0=G21", "$N1=G4 P0.1", "ok"));
+  ASSERT_TRUE(host_->stand());
+  EXPECT_THAT(host_->ask("$N1=\n$N\n"), ElementsAre("ok", "$N0=G21", "$N1=", "ok"));
+}
+
+/// Start-up lines come before what the host says, however long they take; no job slips in between.
+TEST_F(ProgramSafety, StartUpLinesComeFirst) {
+  EXPECT_THAT(host_->ask("$N0=G4 P0.2\n"), ElementsAre("ok"));
+  ASSERT_TRUE(host_->stand());
+  EXPECT_THAT(host_->ask("$N1=G91 G0 X1\n"), ElementsAre("ok"));
+  ASSERT_TRUE(host_->stand());
+  const std::size_t heard = host_->said().size();
+  host_->send("\x18G1 X5 F600\n");
+  ASSERT_TRUE(host_->wait_for(3, 2));
+  ASSERT_TRUE(host_->stand(5));
+  EXPECT_THAT(host_->texts_from(heard),
+              ElementsAre("Grbl 1.1h ['$' for help]", ">G4 P0.2:ok", ">G91 G0 X1:ok", "ok"));
+  EXPECT_EQ(x(), 7 * steps_per_mm);
+  const job::Job job = job::make_job({{1, 0, 0}}, profile_, {});
+  host_->send_byte(reset_byte);
+  EXPECT_ANY_THROW(run_job(*rig_, job));
+  rig_->run(ps_per_s);
+  EXPECT_EQ(x(), 8 * steps_per_mm);
+}
+
 /// The report of a reset waits for rest; the banner too.
 TEST_F(ProgramSafety, AResetWhileAStoppedJobBrakes) {
   for (int i = 0; i < 30; ++i) {
