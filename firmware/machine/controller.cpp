@@ -279,7 +279,9 @@ void Controller::unlock() {
 void Controller::hold(HoldReason reason) {
   // The host's own hold outranks one that a stray byte or its silence has caused.
   if (state_ == MachineState::hold && reason == HoldReason::host) hold_reason_ = reason;
-  if (state_ != MachineState::run) return;
+  // At rest as well: what comes then is held.
+  const bool rests = state_ == MachineState::idle && program_.begun() && !check_ && !asleep_;
+  if (state_ != MachineState::run && !rests) return;
   if (jogging_) return cancel_jog();
   program_.hold();
   shots_.permit(false, BeatReason::hold);

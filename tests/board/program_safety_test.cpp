@@ -499,6 +499,35 @@ TEST_F(ProgramSafety, AResetWhileAStoppedJobBrakes) {
   set_up();
 }
 
+/// A hold is one at rest too: what is sent then is held.
+TEST_F(ProgramSafety, AHoldAtRestHoldsWhatComes) {
+  host_->ask("G90 G21\n");
+  host_->send("!");
+  host_->run_ms(5);
+  EXPECT_EQ(state(), "Hold:0");
+  host_->send("M3 S500\nG1 X5 F3000\nG4 P0.01\n");
+  expect_quiet(200);
+  EXPECT_EQ(state(), "Hold:0");
+  host_->send("~");
+  ASSERT_TRUE(host_->wait_for(4));
+  ASSERT_TRUE(host_->stand(2));
+  EXPECT_EQ(x(), 5 * steps_per_mm);
+  EXPECT_EQ(state(), "Idle");
+  // A pause that comes in a hold is one behind it.
+  host_->send("!");
+  host_->run_ms(5);
+  host_->send("M0\n");
+  host_->run_ms(50);
+  host_->send("~");
+  host_->run_ms(50);
+  EXPECT_EQ(state(), "Hold:0");
+  EXPECT_THAT(host_->answers(), SizeIs(4));
+  host_->send("~");
+  host_->run_ms(5);
+  EXPECT_THAT(host_->answers(), SizeIs(5));
+  EXPECT_EQ(state(), "Idle");
+}
+
 /// Both have waited behind a cancel: the program is not under way yet when the jog is read.
 TEST_F(ProgramSafety, NoJogIntoAProgram) {
   host_->send("$J=G91 X-40 F3000\n");
