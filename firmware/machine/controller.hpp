@@ -251,6 +251,8 @@ class Controller {
   static constexpr std::uint8_t alarm_soft_limit = 2;
   static constexpr std::uint8_t alarm_position_lost = 3;  ///< "reset while in motion"
   static constexpr std::uint8_t alarm_estop = 10;
+  /// Room that is left for answers: without it lines wait, and reports are left out.
+  static constexpr std::size_t answer_room = 128;
 
   lamp::ShotRules shot_rules(const settings::Values& values) const;
   void hold_after_failed_shots();

@@ -23,8 +23,8 @@ constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
 
 /// Lines of a program, in one round of the main loop: it has other things to do.
 constexpr int most_lines = 4;
-/// Room for answers; without it lines wait. Lists are answers to "$".
-constexpr std::size_t answer_room = 128, list_room = 2048;
+/// Room for a list, which is an answer to "$"; without it lines wait.
+constexpr std::size_t list_room = 2048;
 /// In the queue, instead of a line that was too long or spoilt.
 constexpr std::string_view lost_line = "\x01";
 

@@ -265,7 +265,8 @@ void Controller::send_status_line() {
                   values_.whole(Id::report_inches) != 0);
   add_beats(line);
   line.add(">\r\n");
-  link_.send_text(line.view());
+  // A host that does not read loses this one rather than an answer.
+  if (link_.room() >= line.view().size() + answer_room) link_.send_text(line.view());
 }
 
 void Controller::add_beats(TextLine& line) const {

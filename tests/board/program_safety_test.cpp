@@ -528,6 +528,21 @@ TEST_F(ProgramSafety, AHoldAtRestHoldsWhatComes) {
   EXPECT_EQ(state(), "Idle");
 }
 
+/// A host that asks and asks and does not read loses reports, no answers.
+TEST_F(ProgramSafety, ReportsLeaveRoomForAnswers) {
+  const int runs = 200;
+  for (int i = 0; i < runs; ++i) {
+    host_->send(i % 2 == 0 ? "G4 P.002\n" : "M30\n");
+    for (int n = 0; n < 12 + i % 3; ++n) {
+      host_->send(many("?", 30 + i % 7));
+      host_->run_ms(0.25);
+    }
+    host_->run_ms(10);
+  }
+  EXPECT_THAT(host_->answers(), AllOf(SizeIs(runs), Each("ok")));
+  EXPECT_EQ(host_->count(Said::message), runs / 2u);
+}
+
 /// Both have waited behind a cancel: the program is not under way yet when the jog is read.
 TEST_F(ProgramSafety, NoJogIntoAProgram) {
   host_->send("$J=G91 X-40 F3000\n");
