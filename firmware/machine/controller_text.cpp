@@ -42,6 +42,8 @@ GcodeError Controller::system_command(std::string_view line) {
     unlock();
     return GcodeError::none;
   }
+  // All axes or one of them; there is no homing yet.
+  if (line.starts_with("$H") && line.size() <= 3) return GcodeError::homing_disabled;
   if (line.starts_with("$RST=") || line.starts_with("$I=") || line == "$BOOT" || line == "$C" ||
       line == "$SLP")
     return command_at_rest(line);

@@ -562,5 +562,10 @@ TEST_F(ProgramSafety, NoJogIntoAProgram) {
   EXPECT_EQ(x(), 7 * steps_per_mm);
   EXPECT_EQ(host_->answers().back(), "error:9");
 }
+
+TEST_F(ProgramSafety, SaysThatThereIsNoHoming) {
+  EXPECT_THAT(host_->ask("$H\n$HX\n$HELP\n"), ElementsAre("error:5", "error:5", "error:3"));
+}
+
 }  // namespace
 }  // namespace lamplock::test
