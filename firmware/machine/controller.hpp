@@ -5,15 +5,24 @@
 //
 //   function            called from           at least every    what for
 //   receive, transmit   main loop             1 ms              bytes of the host
+//   receive_room        main loop             before receive    how many may be handed over
 //   new_connection      main loop             on change         before the first bytes of another
 //                                                               host, or of one that was away
+//   look_ahead          main loop             before prepare    what prepare need not do masked
 //   prepare             main loop             1 ms              state; true: something to plan
 //   plan                main loop, or         when so told      a slice of planning, up to 10 ms,
 //                       another core alone                      of a path with jerk 20 ms
-//   commit              main loop             after prepare     motion handed out, answers
+//   stage               main loop             before commit     what commit need not do masked
+//   commit              main loop             after prepare     motion handed out
+//   part_waits          main loop             after commit      stage and commit again at once
+//   tell                main loop             1 ms              lines, answers
 //   input_changed       main loop             on change         e-stop, door, limit switches; at
 //                                                               power-up for each active one
-//   take_settings       main loop             before prepare    settings to be stored
+//   lattice_stopped,    main loop             on an e-stop, or  where the axes stand
+//   stopped_at                                when ticks end
+//   take_settings,      main loop             before prepare    what is to be stored
+//   take_kept
+//   set_kept            once                  first of all      what was stored
 //   loader_requested    main loop             1 ms              restart into the boot loader
 //   fill                fill interrupt        2 ms ahead        steps and lattice bits
 //   next_span           timing interrupt      up to 1 ms ahead  lengths of ticks
@@ -293,7 +302,6 @@ class Controller {
   bool run_start_up_line();
   bool start_up_waits() const;
   bool start_program();
-  void end_program();
   void settle_program();
   void reset();
   void finish_reset();

@@ -121,7 +121,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
   const lamp::ShotRules rules = shot_rules(values);
   RunOptions options;
-  end_program();
+  program_.end();
   reader_.lose_position();
   planning_.recall();
   {

@@ -220,9 +220,6 @@ bool Controller::run_start_up_line() {
   return true;
 }
 
-/// Nothing is under way.
-void Controller::end_program() { program_.end(); }
-
 /// Overrides end with the program, as in grbl.
 void Controller::end_overrides_of_program() {
   overrides_ = {};

@@ -138,7 +138,7 @@ GcodeError Controller::change_setting(std::string_view line) {
 
 /// Settings that the user has changed, at rest.
 void Controller::take_over(const settings::Values& values) {
-  end_program();
+  program_.end();
   planning_.recall();
   stored_ = values;
   store_due_ = true;
