@@ -227,14 +227,16 @@ void Controller::input_changed(Input input, bool active) {
       break;
     case Input::door:
       door_open_ = active;
-      if (active && (state_ == MachineState::run || state_ == MachineState::hold)) {
+      if (active && jogging_) {
+        cancel_jog();
+      } else if (active && (state_ == MachineState::run || state_ == MachineState::hold)) {
         state_ = MachineState::door;
         hold_reason_ = HoldReason::none;
         if (moving_) runner_.brake();
         moving_ = false;
         program_.hold();
         shots_.permit(false, BeatReason::door);
-      } else if (!active && state_ == MachineState::door) {
+      } else if (!active && job_ && state_ == MachineState::door) {
         state_ = MachineState::hold;  // a closed door waits for somebody to say go on
         hold_reason_ = HoldReason::host;
       }
@@ -263,7 +265,7 @@ void Controller::raise_alarm(std::uint8_t number) {
   program_.halt();
   end_program();
   reader_.lose_position();
-  jogging_ = check_ = reset_due_ = false;
+  jogging_ = check_ = false;
   moving_ = false;
   next_beat_milli_hz_ = 0;
   // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.
@@ -273,13 +275,13 @@ void Controller::raise_alarm(std::uint8_t number) {
   TextLine line;
   line.add("ALARM:").add(std::int64_t{alarm_}).add("\r\n");
   link_.send_text(line.view());
+  drop_open_line();
 }
 
 void Controller::unlock() {
   if (state_ != MachineState::alarm) return;
   // The position is not what it was: the job cannot simply go on.
   stop();
-  reader_.go_on();
   link_.forget_session();
   state_ = MachineState::idle;
   alarm_ = 0;
@@ -288,7 +290,9 @@ void Controller::unlock() {
 void Controller::hold(HoldReason reason) {
   // The host's own hold outranks one that a stray byte or its silence has caused.
   if (state_ == MachineState::hold && reason == HoldReason::host) hold_reason_ = reason;
-  if (state_ != MachineState::run) return;
+  // At rest as well: what comes then is held.
+  const bool rests = state_ == MachineState::idle && program_.begun() && !check_ && !asleep_;
+  if (state_ != MachineState::run && !rests) return;
   if (jogging_) return cancel_jog();
   program_.hold();
   shots_.permit(false, BeatReason::hold);
@@ -309,7 +313,7 @@ void Controller::hold_after_failed_shots() {
 }
 
 void Controller::resume() {
-  if (state_ != MachineState::hold || door_open_) return;
+  if ((state_ != MachineState::hold && state_ != MachineState::door) || door_open_) return;
   state_ = MachineState::run;
   hold_reason_ = HoldReason::none;
   program_.resume();

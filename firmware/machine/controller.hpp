@@ -5,15 +5,24 @@
 //
 //   function            called from           at least every    what for
 //   receive, transmit   main loop             1 ms              bytes of the host
+//   receive_room        main loop             before receive    how many may be handed over
 //   new_connection      main loop             on change         before the first bytes of another
 //                                                               host, or of one that was away
+//   look_ahead          main loop             before prepare    what prepare need not do masked
 //   prepare             main loop             1 ms              state; true: something to plan
 //   plan                main loop, or         when so told      a slice of planning, up to 10 ms,
 //                       another core alone                      of a path with jerk 20 ms
-//   commit              main loop             after prepare     motion handed out, answers
+//   stage               main loop             before commit     what commit need not do masked
+//   commit              main loop             after prepare     motion handed out
+//   part_waits          main loop             after commit      stage and commit again at once
+//   tell                main loop             1 ms              lines, answers
 //   input_changed       main loop             on change         e-stop, door, limit switches; at
 //                                                               power-up for each active one
-//   take_settings       main loop             before prepare    settings to be stored
+//   lattice_stopped,    main loop             on an e-stop, or  where the axes stand
+//   stopped_at                                when ticks end
+//   take_settings,      main loop             before prepare    what is to be stored
+//   take_kept
+//   set_kept            once                  first of all      what was stored
 //   loader_requested    main loop             1 ms              restart into the boot loader
 //   fill                fill interrupt        2 ms ahead        steps and lattice bits
 //   next_span           timing interrupt      up to 1 ms ahead  lengths of ticks
@@ -254,6 +263,8 @@ class Controller {
   static constexpr std::uint8_t alarm_soft_limit = 2;
   static constexpr std::uint8_t alarm_position_lost = 3;  ///< "reset while in motion"
   static constexpr std::uint8_t alarm_estop = 10;
+  /// Room that is left for answers: without it lines wait, and reports are left out.
+  static constexpr std::size_t answer_room = 128;
 
   lamp::ShotRules shot_rules(const settings::Values& values) const;
   void hold_after_failed_shots();
@@ -274,7 +285,7 @@ class Controller {
   // Lines and programs (controller_program.cpp).
   /// The laser of a program, on its way and while it comes to rest there; a door ends it at once.
   bool laser_may_shine() const {
-    return program_.begun() && !reset_due_ && !jogging_ &&
+    return program_.begun() && !reset_due_ && !jogging_ && !door_open_ &&
            (state_ == wire::MachineState::run || state_ == wire::MachineState::hold);
   }
   bool program_unfinished() const {
@@ -289,13 +300,17 @@ class Controller {
     return reader_.line_open() || reader_.lines_wait() || start_up_next_ < start_up_lines;
   }
   void work_lines();
+  void go_or_wait();
   bool finish_line();
+  void drop_open_line();
   void begin_line(std::string_view line);
   GcodeError begin_program_line(std::string_view line);
   void stop_after(GcodeError error);
   GcodeError begin_jog(std::string_view line);
   GcodeError keep_start_up_line(std::string_view line);
+  void keep_new_start_up_line();
   bool run_start_up_line();
+  bool start_up_waits() const;
   bool start_program();
   bool begin_lines();
   void begin_points(program::BeatLock lock);
@@ -362,15 +377,17 @@ class Controller {
   bool job_ = false;  ///< a job, or a row of points of a program, has begun and was not ended
   bool dry_ = false;
   bool jogging_ = false;
-  bool stopped_ = false;            ///< by an error: lines of programs are refused ($981)
-  bool jogs_dropped_ = false;       ///< a jog was cancelled: those that wait behind it are
-  bool check_ = false;              ///< programs are read and not run
-  bool kept_due_ = false;           ///< texts or places have changed
-  bool own_line_ = false;           ///< a start-up line is under way: nobody waits for an answer
-  std::uint8_t start_up_next_ = 0;  ///< start-up line to be run
-  bool asleep_ = false;             ///< drives off until a reset
-  bool reset_due_ = false;          ///< when the machine has come to rest
-  bool moved_at_reset_ = false;     ///< which it had not when that was asked for
+  bool stopped_ = false;               ///< by an error: lines of programs are refused ($981)
+  std::uint32_t lines_at_cancel_ = 0;  ///< waited when a jog was cancelled: no jogs any more
+  bool check_ = false;                 ///< programs are read and not run
+  bool kept_due_ = false;              ///< texts or places have changed
+  bool own_line_ = false;              ///< a start-up line is under way: nobody waits for an answer
+  std::uint8_t start_up_next_ = 0;     ///< start-up line to be run
+  std::uint8_t new_start_up_ = start_up_lines;  ///< to be kept when it has run; that = none
+  KeptText new_start_up_text_;
+  bool asleep_ = false;          ///< drives off until a reset
+  bool reset_due_ = false;       ///< when the machine has come to rest
+  bool moved_at_reset_ = false;  ///< which it had not when that was asked for
   Overrides overrides_;
   bool moving_ = false;                  ///< motion was permitted at the last prepare()
   std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be taken at rest; 0 = none

@@ -24,8 +24,8 @@ constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
 
 /// Lines of a program, in one round of the main loop: it has other things to do.
 constexpr int most_lines = 4;
-/// Room for answers; without it lines wait. Lists are answers to "$".
-constexpr std::size_t answer_room = 128, list_room = 2048;
+/// Room for a list, which is an answer to "$"; without it lines wait.
+constexpr std::size_t list_room = 2048;
 /// In the queue, instead of a line that was too long or spoilt.
 constexpr std::string_view lost_line = "\x01";
 
@@ -44,24 +44,32 @@ constexpr std::string_view lost_line = "\x01";
 void Controller::on_line_too_long() { on_line(lost_line); }
 
 [[gnu::hot]] void Controller::work_lines() {
-  if (reader_.line_open() && (state_ == MachineState::alarm || state_ == MachineState::estop)) {
-    reader_.drop_line();
-    if (!own_line_) answer(GcodeError::locked);
-    own_line_ = false;
-  }
   for (int i = 0; i < most_lines; ++i) {
     if (reader_.line_open() && !finish_line()) break;
     if (reset_due_ || program_.cancelling() || program_.batch_waits()) break;
+    // Behind a cancelled jog, until the machine stands where the next line begins.
+    if (reader_.astray() && !program_.idle()) break;
     if (run_start_up_line()) continue;
+    if (start_up_waits()) break;
     if (!reader_.lines_wait()) break;
     if (link_.room() < (reader_.front() == '$' ? list_room : answer_room)) break;
     std::array<char, wire::max_line> room;
     begin_line(reader_.take_line(room));
+    if (lines_at_cancel_ != 0) --lines_at_cancel_;
   }
-  if (!reader_.lines_wait()) jogs_dropped_ = false;
+  if (!reader_.lines_wait()) lines_at_cancel_ = 0;
   const bool points = beat_locked() && runner_.queue().size() != 0;
   const bool busy = reader_.line_open() || !program_.drained() || points;
-  if (state_ == MachineState::idle && busy && !check_) state_ = MachineState::run;
+  if (state_ == MachineState::idle && busy && !check_) go_or_wait();
+}
+
+/// A program begins. Behind an open door it waits, as if that had been opened on its way.
+void Controller::go_or_wait() {
+  state_ = MachineState::run;
+  if (!door_open_) return;
+  state_ = MachineState::door;
+  program_.hold();
+  say("Check Door");
 }
 
 /// Goes on with the line under way; false if it waits for something.
@@ -74,11 +82,15 @@ void Controller::on_line_too_long() { on_line(lost_line); }
       case Step::waits:
         return false;
       case Step::done:
-        if (!own_line_) answer(GcodeError::none);
+        if (!own_line_) {
+          keep_new_start_up_line();
+          answer(GcodeError::none);
+        }
         own_line_ = false;
         return true;
       case Step::outside:
-        answer(GcodeError::bad_target);
+        if (!own_line_) answer(GcodeError::bad_target);
+        own_line_ = false;
         if (!check_) {
           const Masked masked(mask_);
           raise_alarm(alarm_soft_limit);
@@ -86,8 +98,8 @@ void Controller::on_line_too_long() { on_line(lost_line); }
         return true;
       case Step::pauses: {
         const Masked masked(mask_);
-        state_ = MachineState::hold;
-        hold_reason_ = HoldReason::realtime;
+        state_ = door_open_ ? MachineState::door : MachineState::hold;
+        hold_reason_ = door_open_ ? HoldReason::none : HoldReason::realtime;
         return false;
       }
       case Step::changes:
@@ -101,7 +113,14 @@ void Controller::on_line_too_long() { on_line(lost_line); }
   }
 }
 
+/// After an alarm: the line under way will not be run to its end.
+void Controller::drop_open_line() {
+  if (reader_.drop_line() && !own_line_) answer(GcodeError::locked);
+  own_line_ = false;
+}
+
 [[gnu::hot]] void Controller::begin_line(std::string_view line) {
+  new_start_up_ = start_up_lines;
   if (line.empty()) return answer(GcodeError::none);
   if (line == lost_line) {
     answer(GcodeError::line_too_long);
@@ -211,17 +230,19 @@ void Controller::configure_reader() {
   if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_ || jogging_ ||
       stopped_)
     return GcodeError::locked;
-  if (state_ == MachineState::idle && door_open_ && !check_) return GcodeError::door_open;
   if (!start_program()) return GcodeError::not_idle;
   return reader_.begin(line).error;
 }
 
 GcodeError Controller::begin_jog(std::string_view line) {
-  if (jogs_dropped_) return GcodeError::none;
+  if (lines_at_cancel_ != 0) return GcodeError::none;
   if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_)
     return GcodeError::locked;
-  const bool free = state_ == MachineState::idle && !check_;
-  if ((!free && !jogging_) || !start_program()) return GcodeError::not_idle;
+  if (door_open_) return GcodeError::door_open;
+  // Idle may be told of a moment ago: a line of a program has been taken since.
+  const bool free = state_ == MachineState::idle && program_.drained() && !check_;
+  const bool goes_on = jogging_ && (state_ == MachineState::run || state_ == MachineState::idle);
+  if ((!free && !goes_on) || !start_program()) return GcodeError::not_idle;
   const program::Fault fault = reader_.begin_jog(line, values_, work_space_);
   if (!fault) jogging_ = true;
   return fault.error;
@@ -235,14 +256,27 @@ GcodeError Controller::keep_start_up_line(std::string_view line) {
     return GcodeError::unknown_command;
   if (state_ != MachineState::idle || program_unfinished() || check_) return GcodeError::not_idle;
   const std::string_view text = line.substr(head);
-  if (text.size() > KeptText::capacity) return GcodeError::text_too_long;
-  if (!text.empty()) {
-    const GcodeError error = begin_program_line(text);
-    if (error != GcodeError::none) return error;
-  }
-  reader_.kept().start_up[number].set(text);
-  kept_due_ = true;
+  if (!new_start_up_text_.set(text)) return GcodeError::text_too_long;
+  const GcodeError error = text.empty() ? GcodeError::none : begin_program_line(text);
+  if (error != GcodeError::none) return error;
+  new_start_up_ = static_cast<std::uint8_t>(number);
+  if (text.empty()) keep_new_start_up_line();
   return GcodeError::none;
+}
+
+/// If the line under way is one: it has run.
+void Controller::keep_new_start_up_line() {
+  if (new_start_up_ == start_up_lines) return;
+  reader_.kept().start_up[new_start_up_] = new_start_up_text_;
+  new_start_up_ = start_up_lines;
+  kept_due_ = true;
+}
+
+/// One is still to be run: nobody else comes in between.
+bool Controller::start_up_waits() const {
+  for (std::size_t i = start_up_next_; i < start_up_lines; ++i)
+    if (!reader_.kept().start_up[i].view().empty()) return true;
+  return false;
 }
 
 /// After power-up and a reset; false if there is none left, or none may run.
@@ -283,8 +317,11 @@ void Controller::use_overrides() {
 // Called with beat and fill interrupts masked, as all of commit() is.
 [[gnu::hot]] void Controller::settle_program() {
   if (beat_locked()) return settle_points();
+  if (reset_due_) {
+    if (motion_.at_rest() && !shots_.undecided()) finish_reset();
+    return;
+  }
   if (!program_.begun() || !program_.idle()) return;
-  if (reset_due_) return finish_reset();
   if (reader_.line_open() || state_ != MachineState::run || job_) return;
   jogging_ = false;
   state_ = MachineState::idle;
@@ -300,7 +337,7 @@ void Controller::settle_points() {
 }
 
 void Controller::cancel_jog() {
-  jogs_dropped_ = reader_.lines_wait();
+  lines_at_cancel_ = reader_.lines();
   if (reader_.drop_line()) answer(GcodeError::none);
   program_.cancel();
   reader_.lose_position();
@@ -326,10 +363,11 @@ void Controller::reset() {
   link_.drop_line();
   const bool moves = !motion_.at_rest();
   reader_.clear();
-  jogs_dropped_ = false;
+  lines_at_cancel_ = 0;
   shots_.permit(false, idle_reason());
   reset_due_ = true;
-  if ((!program_.begun() && !beat_locked()) || !moves) return finish_reset();
+  // Of a job that was stopped nothing is left but to come to rest.
+  if ((!program_.begun() && !beat_locked()) || !moves) return settle_program();
   if (beat_locked()) {
     if (moving_) runner_.brake();
     moving_ = false;
@@ -348,7 +386,7 @@ void Controller::finish_reset() {
   reader_.reset();
   reporter_.reset();
   end_overrides_of_program();
-  if (state_ == MachineState::run || state_ == MachineState::hold) state_ = MachineState::idle;
+  if (job_unfinished()) state_ = MachineState::idle;
   hold_reason_ = HoldReason::none;
   end_program();
   if (lost && state_ == MachineState::idle) raise_alarm(alarm_position_lost);

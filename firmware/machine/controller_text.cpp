@@ -36,11 +36,16 @@ GcodeError Controller::system_command(std::string_view line) {
   if (line == "$X") {
     if (state_ == MachineState::estop) return GcodeError::emergency_stop;
     stopped_ = false;
-    if (state_ == MachineState::alarm) reader_.end_lock();  // no shot before it is asked for again
+    if (state_ != MachineState::alarm) return GcodeError::none;
+    if (door_open_) return GcodeError::door_open;
+    reader_.end_lock();  // no shot before it is asked for again
+    say("Caution: Unlocked");
     const Masked masked(mask_);
     unlock();
     return GcodeError::none;
   }
+  // All axes or one of them; there is no homing yet.
+  if (line.starts_with("$H") && line.size() <= 3) return GcodeError::homing_disabled;
   if (line.starts_with("$RST=") || line.starts_with("$I=") || line == "$BOOT" || line == "$C" ||
       line == "$SLP")
     return command_at_rest(line);
@@ -206,7 +211,8 @@ std::string_view Controller::state_name() const {
     case MachineState::hold:
       return rests ? "Hold:0" : "Hold:1";
     case MachineState::door:
-      return rests ? "Door:1" : "Door:2";
+      if (!rests) return "Door:2";
+      return door_open_ ? "Door:1" : "Door:0";
     default:
       return "Alarm";
   }
@@ -263,7 +269,8 @@ void Controller::send_status_line() {
                   values_.whole(Id::report_inches) != 0);
   add_beats(line);
   line.add(">\r\n");
-  link_.send_text(line.view());
+  // A host that does not read loses this one rather than an answer.
+  if (link_.room() >= line.view().size() + answer_room) link_.send_text(line.view());
 }
 
 void Controller::add_beats(TextLine& line) const {

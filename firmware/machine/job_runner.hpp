@@ -9,8 +9,8 @@
 //   look_ahead() unmasked finds the points of the next window
 //   prepare()  masked     reads outcomes, takes back what was missed, decides whether to plan
 //   plan       unmasked   a slice of it (planning.hpp, window_plan.hpp), on data that no interrupt
-//   touches, until
-//                         it is complete: by the main loop, or by another core while that goes on
+//                         touches, until it is complete: by the main loop, or by another core
+//                         while that goes on
 //   stage()    unmasked   copies what is next to the place it is handed out from, and its brake;
 //                         where interrupts are masked for it, which is said once (Parts::staged)
 //   commit()   masked     hands the plan out; a start from rest moves on by whole beats if planning

@@ -25,6 +25,15 @@ class LineQueue {
   bool empty() const { return size_ == 0; }
   std::uint32_t free() const { return capacity - size_; }
 
+  /// How many lines there are.
+  std::uint32_t lines() const {
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < size_; ++i) {
+      const std::uint32_t at = begin_ + i;
+      if (bytes_[at < capacity ? at : at - capacity] == end_of_line) ++count;
+    }
+    return count;
+  }
   /// The first character of the oldest line; there is one. A blank line begins with its end.
   char front() const { return bytes_[begin_]; }
   /// False if it does not fit.

@@ -73,9 +73,10 @@ program::Fault ProgramReader::begin_jog(std::string_view line, const settings::V
   return Step::done;
 }
 
-/// Whether the machine stands, every move done. What waits for that is the end of a row of points.
+/// Whether the machine stands, every move done. What waits for that is the end of a row of points;
+/// in a hold the program does not go on.
 bool ProgramReader::rests() {
-  if (lock_ == BeatLock::off) return runner_.idle();
+  if (lock_ == BeatLock::off) return runner_.idle() && !runner_.held();
   points_.close();
   return points_.drained();
 }
@@ -142,7 +143,7 @@ ProgramReader::Step ProgramReader::dwell(std::uint64_t clock) {
     dwells_ = true;
     dwell_end_ = clock + std::uint64_t{action_.time_us} * clocks_per_us;
   }
-  if (clock < dwell_end_) return Step::waits;
+  if (clock < dwell_end_ || runner_.held()) return Step::waits;
   dwells_ = false;
   return taken();
 }

@@ -63,6 +63,7 @@ class ProgramReader {
   bool lines_wait() const { return !queue_.empty(); }
   std::uint32_t free() const { return queue_.free(); }
   char front() const { return queue_.front(); }
+  std::uint32_t lines() const { return queue_.lines(); }
   std::string_view take_line(std::span<char> room) { return queue_.pop(room); }
 
   // The line under way.
@@ -87,11 +88,12 @@ class ProgramReader {
   void lose_position() { astray_ = true; }
   void toggle_flood() { interpreter_.toggle_flood(); }
   void toggle_mist() { interpreter_.toggle_mist(); }
+  bool astray() const { return astray_; }
   /// Where it is, if that was lost; nothing is under way.
   void find_position(const stepper::MotionState& at, const settings::Values& values);
 
   const program::Interpreter& interpreter() const { return interpreter_; }
-  /// What programs leave behind; to be changed only while no line is under way.
+  /// What programs leave behind; parameters are changed only while no line is under way.
   KeptProgram& kept() { return kept_; }
   const KeptProgram& kept() const { return kept_; }
 

@@ -59,6 +59,7 @@ class ProgramRunner {
   /// Comes to rest on the path and stays there.
   void hold() { orders_.held = true; }
   void resume() { orders_.held = false; }
+  bool held() const { return orders_.held; }
   /// Comes to rest on the path and forgets all lines; none are taken until idle().
   void cancel();
   bool cancelling() const { return orders_.cancel; }

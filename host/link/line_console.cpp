@@ -103,11 +103,14 @@ void LineConsole::step() {
 }
 
 void LineConsole::take(const std::string& line) {
-  if (parse_status(line)) {
-    if (reports_asked_ == 0) return;
-    --reports_asked_;
-    if (waiting_ == Waiting::status) waiting_ = Waiting::nothing;
-    return show_(line);
+  if (const auto status = parse_status(line)) {
+    if (reports_asked_ != 0) {
+      --reports_asked_;
+      if (waiting_ == Waiting::status) waiting_ = Waiting::nothing;
+      show_(line);
+    }
+    if (status->waits()) send_word_behind_pause();
+    return;
   }
   if (const auto error = parse_answer(line)) {
     if (waiting_ == Waiting::answer) waiting_ = Waiting::nothing;
@@ -135,12 +138,22 @@ void LineConsole::send_next() {
   waiting_ = Waiting::answer;
 }
 
+/// The machine waits for somebody, and so does the line that is not answered: a pause of the
+/// program. What the script says next may be what they wait for.
+void LineConsole::send_word_behind_pause() {
+  if (!in_order_ || waiting_ != Waiting::answer || queue_.empty()) return;
+  const auto byte = realtime_word(queue_.front().text);
+  if (!byte) return;
+  queue_.pop_front();
+  send_byte(*byte);
+}
+
 void LineConsole::send_byte(std::uint8_t byte) {
   port_.send_realtime(byte);
   sent_at_ = heard_at_ = port_.transport().now();
   if (byte == realtime::status) {
     ++reports_asked_;
-    if (in_order_) waiting_ = Waiting::status;
+    if (in_order_ && waiting_ == Waiting::nothing) waiting_ = Waiting::status;
   } else if (byte == realtime::reset) {
     // Whatever was under way will not be answered.
     if (!in_order_) queue_.clear();

@@ -5,7 +5,9 @@
 // Who: `lamplock console`. No port of its own, no terminal: tests talk to it as well.
 //
 // Typed by hand, real-time words go out at once: a hold must not wait behind a line. In order, as a
-// script wants it, each waits for its turn, and the first error or alarm ends the conversation.
+// script wants it, each waits for its turn, and the first error or alarm ends the conversation; but
+// while the machine pauses in the middle of a line, words behind it go out, or it would wait for
+// ever.
 #pragma once
 
 #include <chrono>
@@ -60,6 +62,7 @@ class LineConsole {
   void take(const std::string& line);
   void fail(const std::string& text);
   void send_next();
+  void send_word_behind_pause();
   void send_byte(std::uint8_t byte);
   void check_silence();
 

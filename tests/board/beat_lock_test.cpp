@@ -478,17 +478,20 @@ TEST_F(BeatLock, HoldsBetweenPointsAndLines) {
   }
 }
 
-/// An open door while the machine is idle: no line of a program is taken.
-TEST_F(BeatLock, AnOpenDoorRefusesPrograms) {
+/// An open door while the machine is idle: what is asked for waits for a closed one and a word.
+TEST_F(BeatLock, WaitsBehindAnOpenDoor) {
   start(2);
   EXPECT_THAT(host_->ask("M130 P0\n"), ElementsAre("ok"));
   open_door(true);
   host_->run_ms(2);
-  EXPECT_THAT(host_->ask("G1 X1 F600\n"), ElementsAre("error:13"));
-  open_door(false);
-  host_->run_ms(2);
+  EXPECT_THAT(host_->ask("G1 X1 F600\n"), ElementsAre("ok", "[MSG:Check Door]"));
+  host_->run_ms(300);
   EXPECT_TRUE(rig_->monitor.nothing_happened());
-  EXPECT_THAT(host_->ask("G1 X1 F600\n"), ElementsAre("ok"));
+  open_door(false);
+  host_->run_ms(300);
+  EXPECT_TRUE(rig_->monitor.nothing_happened());
+  host_->send("~");
+  host_->run_ms(5);
   ASSERT_TRUE(host_->stand());
   EXPECT_EQ(rig_->shots().size(), 1u);
 }

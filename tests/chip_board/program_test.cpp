@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/program/program_run.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
 #include "tests/chip_board/chip_rig.hpp"
 #include "tests/chip_board/program_sender.hpp"
 
@@ -86,6 +87,56 @@ TEST(ChipProgram, EndsWhereAndWhenTheVirtualBoardDoes) {
 
 /// More lines a second than it can read. The machine brakes wherever the next batch is late, also
 /// while that is being handed out, and goes on from where it stands.
+/// How far from the spiral of spiral() the machine has been at most, mm.
+double way_off(const ChipRig& rig, double steps_per_mm) {
+  std::map<Picoseconds, std::pair<int, std::int32_t>> steps;
+  for (int axis : {0, 1})
+    for (const PinMonitor::Step& step : rig.monitor.steps(axis))
+      steps[step.at + axis] = {axis, step.position};  // a picosecond apart
+  std::array<double, 2> at{};
+  double off = 0;
+  bool begun = false;
+  for (const auto& [time, step] : steps) {
+    at[static_cast<std::size_t>(step.first)] = step.second / steps_per_mm;
+    begun = begun || step.first == 1;  // before there is the way to its beginning
+    const double angle = std::atan2(at[1], at[0]), radius = std::hypot(at[0], at[1]);
+    if (begun && angle > 0) off = std::max(off, std::abs(radius - (20 - angle * 20 / 0.02 * 1e-4)));
+  }
+  return off;
+}
+
+/// 20 um at 100 mm/s are 5000 lines a second.
+TEST(ChipProgram, RunsFiveThousandLinesASecond) {
+  const job::Profile profile = program_profile();
+  const auto lines = static_cast<std::size_t>(scaled(2500));
+  const std::string text = spiral(lines, 0.02, 6000);
+  const auto plan = program_run::run_program(text, profile.settings, 1);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  const Picoseconds begin = rig.now();
+  ProgramSender sender(rig.board);
+  run(sender, text, begin + 60 * ps_per_s);
+  const double seconds = sim::seconds(rig.now() - begin);
+  std::cout << fmt::format("{} lines of 20 um in {:.3f} s, planned {:.3f} s\n", lines, seconds,
+                           plan.seconds());
+  EXPECT_LE(seconds, 1.03 * plan.seconds() + 0.02);
+}
+
+/// Far more lines a second than can be planned: the machine slows down, and stays on its path.
+TEST(ChipProgram, KeepsItsPathHoweverFastItIsAsked) {
+  const job::Profile profile = program_profile();
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  ProgramSender sender(rig.board);
+  const auto lines = static_cast<std::size_t>(scaled(1500));
+  const Picoseconds begin = rig.now();
+  run(sender, spiral(lines, 0.02, 30'000), begin + 60 * ps_per_s);
+  // Two steps of 5 um, and what the junction deviation and chords make.
+  EXPECT_LE(way_off(rig, 200), 0.025);
+  EXPECT_GE(static_cast<double>(lines) / sim::seconds(rig.now() - begin), 3500);
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+}
+
 TEST(ChipProgram, EndsWhereItShouldThoughLinesAreLate) {
   const job::Profile profile = program_profile();
   for (const double feed_mm_s : {80, 100, 250}) {
@@ -139,8 +190,8 @@ TEST(ChipProgram, FiresPointsOnTheBeatAsTheVirtualBoardDoes) {
   other.run_until(other.now() + 3 * ps_per_s);
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
-  const Streamed streamed = stream(rig, text, 20 * ps_per_s);
-  EXPECT_EQ(streamed.errors, 0u);
+  ProgramSender sender(rig.board);
+  run(sender, text, rig.now() + 20 * ps_per_s);
   const sim::Shots& wanted = other.world().laser().shots();
   ASSERT_EQ(wanted.size(), 96u);
   ASSERT_EQ(rig.shots().size(), wanted.size());
@@ -153,7 +204,7 @@ TEST(ChipProgram, FiresPointsOnTheBeatAsTheVirtualBoardDoes) {
   };
   EXPECT_EQ(beats(rig.shots(), 0, 59), beats(wanted, 0, 59));
   EXPECT_EQ(beats(rig.shots(), 60, 95), beats(wanted, 60, 95));
-  EXPECT_THAT(rig.heard, HasSubstr("[MSG:Pgm End]"));
+  EXPECT_THAT(sender.heard(), HasSubstr("[MSG:Pgm End]"));
 }
 
 }  // namespace

@@ -49,6 +49,32 @@ TEST(LineConsole, lines_are_answered_one_by_one) {
   EXPECT_FALSE(talk.console.failure());
 }
 
+/// The answer to a pause comes behind the word that ends it.
+TEST(LineConsole, in_order_a_word_ends_a_pause) {
+  GrblModel board;
+  Talk talk(board, true);
+  for (const char* line : {"G1 X1", "M0", "?", "~", "G1 X2"}) talk.console.type(line);
+  const auto limit = board.now() + 20s;
+  while (!talk.console.done() && !talk.console.failure() && board.now() < limit)
+    talk.console.step();
+  EXPECT_TRUE(talk.console.done());
+  EXPECT_FALSE(talk.console.failure());
+  EXPECT_THAT(talk.shown, ElementsAre("ok", StartsWith("<Hold:0|"), "ok", "ok"));
+  EXPECT_THAT(board.lines, ElementsAre("G1 X1", "M0", "G1 X2"));
+}
+
+/// Without a pause each waits for its turn.
+TEST(LineConsole, in_order_a_hold_waits_for_the_answer) {
+  GrblModel board;
+  Talk talk(board, true);
+  for (const char* line : {"G4 P3", "!", "~"}) talk.console.type(line);
+  talk.run_for(2s);
+  EXPECT_THAT(board.bytes_seen, testing::IsEmpty());
+  talk.until_done();
+  talk.run_for(100ms);
+  EXPECT_THAT(board.bytes_seen, ElementsAre('!', '~'));
+}
+
 TEST(LineConsole, in_order_nothing_follows_an_error) {
   GrblModel board;
   board.refused["bad"] = 1;
