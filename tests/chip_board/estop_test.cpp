@@ -71,7 +71,7 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
     rig.run(40 * ps_per_ms);
     EXPECT_EQ(rig.reported_position(profile.settings), rig.board.world().drives().position());
     EXPECT_THAT(rig.status(), HasSubstr("<Alarm"));
-    EXPECT_EQ(rig.answer("$X"), "ok\r\n");
+    EXPECT_EQ(rig.answer("$X"), "[MSG:Caution: Unlocked]\r\nok\r\n");
     EXPECT_THAT(rig.status(), HasSubstr("<Idle"));
     EXPECT_FALSE(rig.monitor.stepped(pressed + contract, rig.now()));
     EXPECT_FALSE(rig.step_high());

@@ -120,7 +120,7 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
     // The rest of the job, by a program that asks first.
     RunningJob locked(rig(), job, session + 1, shots);
     EXPECT_ANY_THROW(locked.sender.run());
-    EXPECT_EQ(rig().answer("$X"), "ok\r\n");
+    EXPECT_EQ(rig().answer("$X"), "[MSG:Caution: Unlocked]\r\nok\r\n");
     expect_no_violations(rig());
   }
   std::printf("last step %.1f us after the loss\n", static_cast<double>(longest) / 1e6);
@@ -189,7 +189,7 @@ TEST_F(Loss, OfTheSecondCoreInAPlan) {
                                                      : "[MSG:Started by watchdog"));
     EXPECT_THAT(rig().heard, HasSubstr("job 7 first point not fired"));
     EXPECT_THAT(rig().status(), HasSubstr("<Alarm"));
-    EXPECT_EQ(rig().answer("$X"), "ok\r\n");
+    EXPECT_EQ(rig().answer("$X"), "[MSG:Caution: Unlocked]\r\nok\r\n");
   }
 }
 

@@ -112,7 +112,7 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
     // Settings are written to flash, and a new job begun, perhaps before the slice is over.
     if (round % 5 == 3) {
       rig().run(65 * ps_per_ms);
-      EXPECT_EQ(rig().answer("$X"), "ok\r\n");
+      EXPECT_EQ(rig().answer("$X"), "[MSG:Caution: Unlocked]\r\nok\r\n");
     }
     for (const char* line : {"$929=250", "$929=200"}) EXPECT_EQ(rig().answer(line), "ok\r\n");
     const std::size_t fired = rig().shots().size() - before;
