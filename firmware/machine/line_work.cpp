@@ -9,8 +9,8 @@ namespace {
 constexpr std::uint32_t most_lines = 2 * LineWork::most_segments;
 
 constexpr std::uint32_t nm_per_milli_mm = 1000;
-/// What a line has to last on the average where very many are very short: reading, planning and
-/// handing out takes some 150 us of the chip (docs/chip-timing.md).
+/// What a line has to last on the average where very many are very short: reading them takes
+/// some 190 us of the chip, planning and handing out 150 us of its other core (docs/testing.md).
 constexpr std::uint32_t least_line_ticks = 195;
 
 }  // namespace
