@@ -237,7 +237,7 @@ TEST_F(Fuzz, SpoiltLines) {
         ASSERT_TRUE(space.contains(a, step.position));
     expect_answers(rig, host);
   }
-  EXPECT_GT(openings, 0u);
+  EXPECT_TRUE(openings != 0 || scaled(6) < 6) << "a few alone may all stay dark";
 }
 
 /// Lines with real-time bytes between and inside of them. A reset throws lines away, so no more
@@ -289,7 +289,7 @@ TEST_F(Fuzz, RealTimeBytesAnywhere) {
         ASSERT_TRUE(space.contains(a, step.position));
     expect_answers(rig, host);
   }
-  EXPECT_GT(openings, 0u);
+  EXPECT_TRUE(openings != 0 || scaled(6) < 6) << "a few alone may all stay dark";
 }
 
 /// Whatever settings are accepted: a program afterwards runs or is refused.
