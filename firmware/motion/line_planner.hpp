@@ -65,8 +65,6 @@ class LinePlanner {
 
   /// Starts anew from a state at rest, in the middle of its steps. `limits` may have changed.
   void start(const stepper::MotionState& at);
-  /// The next segment starts at `tick`; only while at_rest().
-  void set_tick(std::uint64_t tick) { at_.tick = tick; }
 
   /// Takes a line; false if the ring is full. One of no length is taken and leaves nothing but its
   /// exact stop.

@@ -148,6 +148,12 @@ class Fuzz : public testing::Test {
     EXPECT_EQ(rig.shots().size(), 0u);
   }
   static void expect_dark(Rig& rig) { EXPECT_EQ(rig.board.world().beam().openings(), 0u); }
+  void expect_inside(const Rig& rig) const {
+    const auto space = work_space(profile_.settings);
+    for (int a = 0; a < 3; ++a)
+      for (const PinMonitor::Step& step : rig.monitor.steps(a))
+        ASSERT_TRUE(space.contains(a, step.position));
+  }
   /// Reset, unlocked, asked.
   static void expect_answers(Rig& rig, WireHost& host) {
     host.send_byte('\n');
@@ -231,10 +237,7 @@ TEST_F(Fuzz, SpoiltLines) {
     expect_sound(rig, pins);
     EXPECT_FALSE(motion.shone_at_rest(rig.board.world().beam(), rig.board.now()));
     openings += rig.board.world().beam().openings();
-    const auto space = work_space(profile_.settings);
-    for (int a = 0; a < 3; ++a)
-      for (const PinMonitor::Step& step : rig.monitor.steps(a))
-        ASSERT_TRUE(space.contains(a, step.position));
+    ASSERT_NO_FATAL_FAILURE(expect_inside(rig));
     expect_answers(rig, host);
   }
   EXPECT_TRUE(openings != 0 || scaled(6) < 6) << "a few alone may all stay dark";
@@ -283,10 +286,7 @@ TEST_F(Fuzz, RealTimeBytesAnywhere) {
     EXPECT_LE(host.answers().size(), lines);
     EXPECT_EQ(host.fault(), "");
     expect_sound(rig, pins);
-    const auto space = work_space(profile_.settings);
-    for (int a = 0; a < 3; ++a)
-      for (const PinMonitor::Step& step : rig.monitor.steps(a))
-        ASSERT_TRUE(space.contains(a, step.position));
+    ASSERT_NO_FATAL_FAILURE(expect_inside(rig));
     expect_answers(rig, host);
   }
   EXPECT_TRUE(openings != 0 || scaled(6) < 6) << "a few alone may all stay dark";
