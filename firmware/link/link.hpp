@@ -65,7 +65,7 @@ class Link {
   template <LinkSink Sink>
   void receive(std::span<const std::uint8_t> bytes, Sink& sink) {
     Events<Sink> events{*this, sink};
-    for (const std::uint8_t byte : bytes) parser_.push(byte, events);
+    parser_.push(bytes, events);
     if (status_due_) send_status(sink);
   }
 

@@ -1,18 +1,19 @@
 #include "firmware/program/interpreter.hpp"
 
 #include <bit>
+#include <utility>
 
 namespace lamplock::program {
 
 [[gnu::hot]] Fault Interpreter::run(std::string_view line) {
-  Statement statement(options_, parameters_, saved_, state_, plan_);
+  Statement statement(options_, parameters_, saved_, *state_, *next_, plan_);
   const Fault fault = statement.check(line);
   if (!fault) take_over(statement);
   return fault;
 }
 
 Fault Interpreter::jog(std::string_view line) {
-  Statement statement(options_, parameters_, saved_, state_, plan_);
+  Statement statement(options_, parameters_, saved_, *state_, *next_, plan_);
   const Fault fault = statement.check_jog(line);
   if (!fault) take_over(statement);
   return fault;
@@ -22,7 +23,7 @@ Fault Interpreter::jog(std::string_view line) {
   switch (statement.saving()) {
     case 70:
     case 73:
-      saved_ = {state_.modal, true, statement.saving() == 73};
+      saved_ = {state_->modal, true, statement.saving() == 73};
       break;
     case 71:
       saved_ = {};
@@ -30,7 +31,7 @@ Fault Interpreter::jog(std::string_view line) {
     default:
       break;
   }
-  state_ = statement.after();
+  std::swap(state_, next_);
   change_parameters(statement.changes());
   if (plan_.has(Stage::curve)) begin_curve(statement);
   if (plan_.has(Stage::cycle)) cycle_.begin(statement.cycle());
@@ -40,11 +41,11 @@ void Interpreter::begin_curve(const Statement& statement) {
   const PlaneAxes axes = axes_of(statement.after().modal.plane);
   const CurvePlane plane{axes.first, axes.second, axes.normal};
   if (is_arc(plan_.motion))
-    curve_.begin_arc({plan_.start, state_.programmed_e7, plan_.points[0], plane,
+    curve_.begin_arc({plan_.start, state_->programmed_e7, plan_.points[0], plane,
                       plan_.motion == Motion::arc_clockwise, plan_.turns,
                       options_.arc_tolerance_e7});
   else
-    curve_.begin_spline({plan_.start, plan_.points[0], plan_.points[1], state_.programmed_e7, plane,
+    curve_.begin_spline({plan_.start, plan_.points[0], plan_.points[1], state_->programmed_e7, plane,
                          options_.arc_tolerance_e7});
   if (plan_.time_us != 0)
     share_.begin(plan_.start, curve_.length_e7(), curve_.pieces(), plan_.time_us);
@@ -69,22 +70,22 @@ void Interpreter::begin_curve(const Statement& statement) {
   return false;
 }
 
-[[gnu::hot]] Action Interpreter::plain_action(ActionKind kind) const {
-  Action action;
+/// In place: actions are large.
+[[gnu::hot]] void Interpreter::begin_action(Action& action, ActionKind kind) const {
+  action = {};
   action.kind = kind;
   action.line = plan_.line;
-  action.flood = state_.modal.flood;
-  action.mist = state_.modal.mist;
-  action.speed_milli = state_.modal.speed_milli;
+  action.flood = state_->modal.flood;
+  action.mist = state_->modal.mist;
+  action.speed_milli = state_->modal.speed_milli;
   if (!plan_.jog) {
-    action.spindle = state_.modal.spindle;
-    action.beat_lock = state_.modal.beat_lock;
+    action.spindle = state_->modal.spindle;
+    action.beat_lock = state_->modal.beat_lock;
   }
-  return action;
 }
 
 [[gnu::hot]] void Interpreter::fill_move(Action& action, bool rapid) const {
-  action = plain_action(ActionKind::move);
+  begin_action(action, ActionKind::move);
   action.rapid = rapid;
   if (!rapid) {
     action.feed_um_min = plan_.feed_um_min;
@@ -92,20 +93,20 @@ void Interpreter::begin_curve(const Statement& statement) {
     action.time_us = plan_.time_us;
   }
   if (plan_.jog) return;
-  action.exact_stop = plan_.exact_stop || state_.modal.path == PathMode::stop;
-  action.blend_um = state_.modal.blend_um;
+  action.exact_stop = plan_.exact_stop || state_->modal.path == PathMode::stop;
+  action.blend_um = state_->modal.blend_um;
 }
 
 [[gnu::hot]] bool Interpreter::give(Stage stage, Action& action) {
   switch (stage) {
     case Stage::spindle:
-      action = plain_action(ActionKind::spindle);
+      begin_action(action, ActionKind::spindle);
       break;
     case Stage::coolant:
-      action = plain_action(ActionKind::coolant);
+      begin_action(action, ActionKind::coolant);
       break;
     case Stage::beat_lock:
-      action = plain_action(ActionKind::beat_lock);
+      begin_action(action, ActionKind::beat_lock);
       break;
     case Stage::dwell:
       return give_dwell(action);
@@ -125,7 +126,7 @@ void Interpreter::begin_curve(const Statement& statement) {
 }
 
 bool Interpreter::give_dwell(Action& action) {
-  action = plain_action(ActionKind::dwell);
+  begin_action(action, ActionKind::dwell);
   action.time_us = plan_.dwell_us;
   done(Stage::dwell);
   return true;
@@ -134,9 +135,9 @@ bool Interpreter::give_dwell(Action& action) {
 [[gnu::hot]] bool Interpreter::give_move(Stage stage, Action& action) {
   fill_move(action, stage != Stage::move || plan_.motion == Motion::rapid);
   if (stage == Stage::via)
-    action.target_e7 = state_.modal.rotation.turned(plan_.points[0]);
+    action.target_e7 = state_->modal.rotation.turned(plan_.points[0]);
   else
-    action.target_e7 = state_.machine_e7;
+    action.target_e7 = state_->machine_e7;
   action.programmed_end = stage != Stage::via;
   if (stage == Stage::move && is_probe(plan_.motion)) {
     action.kind = ActionKind::probe;
@@ -157,7 +158,7 @@ bool Interpreter::give_curve(Action& action) {
   if (action.timed) action.time_us = share_.next(end);
   if (!curve_.active()) done(Stage::curve);
   action.programmed_end = !plan_.has(Stage::curve);
-  action.target_e7 = action.programmed_end ? state_.machine_e7 : state_.modal.rotation.turned(end);
+  action.target_e7 = action.programmed_end ? state_->machine_e7 : state_->modal.rotation.turned(end);
   return true;
 }
 
@@ -168,12 +169,12 @@ bool Interpreter::give_cycle(Action& action) {
     return false;
   }
   if (move.kind == CycleMove::Kind::dwell) {
-    action = plain_action(ActionKind::dwell);
+    begin_action(action, ActionKind::dwell);
     action.time_us = plan_.dwell_us;
     return true;
   }
   fill_move(action, move.kind == CycleMove::Kind::rapid);
-  action.target_e7 = state_.modal.rotation.turned(move.to);
+  action.target_e7 = state_->modal.rotation.turned(move.to);
   action.programmed_end = move.bottom || action.rapid;
   return true;
 }
@@ -182,7 +183,7 @@ bool Interpreter::give_stop(Action& action) {
   const bool end = plan_.stop == 2 || plan_.stop == 30;
   done(Stage::stop);
   if (end) end_program();
-  action = plain_action(end ? ActionKind::program_end : ActionKind::pause);
+  begin_action(action, end ? ActionKind::program_end : ActionKind::pause);
   return true;
 }
 
@@ -191,7 +192,7 @@ bool Interpreter::give_stop(Action& action) {
 /// As grbl: groups 1 to 5, 7 and 12 and spindle and coolant are set back; units, distance of
 /// centres, tool length, retract level, path mode and the words F S T are not.
 void Interpreter::end_program() {
-  Modal& modal = state_.modal;
+  Modal& modal = state_->modal;
   modal.motion = Motion::line;
   modal.plane = Plane::xy;
   modal.relative = false;
@@ -203,14 +204,14 @@ void Interpreter::end_program() {
   modal.flood = modal.mist = false;
   modal.beat_lock = BeatLock::off;
   if (saved_.valid && saved_.restore_at_end) restore_saved();
-  state_.programmed_e7 = modal.rotation.turned_back(state_.machine_e7);
-  state_.cycle = {};
-  state_.spline = {};
+  state_->programmed_e7 = modal.rotation.turned_back(state_->machine_e7);
+  state_->cycle = {};
+  state_->spline = {};
 }
 
 void Interpreter::restore_saved() {
-  const Modal ended = state_.modal;
-  Modal& modal = state_.modal;
+  const Modal ended = state_->modal;
+  Modal& modal = state_->modal;
   modal = saved_.modal;
   modal.motion = ended.motion;
   modal.tool = ended.tool;
@@ -221,24 +222,24 @@ void Interpreter::restore_saved() {
 }
 
 void Interpreter::reset() {
-  state_.modal = {};
+  state_->modal = {};
   saved_ = {};
-  set_position(state_.machine_e7);
+  set_position(state_->machine_e7);
 }
 
 void Interpreter::set_position(const Place& machine_e7) {
-  state_.machine_e7 = machine_e7;
-  state_.programmed_e7 = state_.modal.rotation.turned_back(machine_e7);
-  state_.cycle.series = false;
-  state_.spline.known = false;
+  state_->machine_e7 = machine_e7;
+  state_->programmed_e7 = state_->modal.rotation.turned_back(machine_e7);
+  state_->cycle.series = false;
+  state_->spline.known = false;
   plan_.stages = 0;
 }
 
 Place Interpreter::work_offset_e7() const {
-  Place offset = parameters_.systems_e7[state_.modal.system];
+  Place offset = parameters_.systems_e7[state_->modal.system];
   for (std::size_t i = 0; i < offset.size(); ++i)
-    if (state_.modal.shifted) offset[i] += parameters_.shift_e7[i];
-  if (state_.modal.tool_length) offset[2] += parameters_.tool_length_e7;
+    if (state_->modal.shifted) offset[i] += parameters_.shift_e7[i];
+  if (state_->modal.tool_length) offset[2] += parameters_.tool_length_e7;
   return offset;
 }
 

@@ -27,6 +27,7 @@
 // homing, a probe, a jog that was broken off and the like the machine tells by set_position().
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -46,6 +47,8 @@ class Interpreter {
   /// Both must outlive the interpreter. Options may change while it is not busy.
   Interpreter(Parameters& parameters, const Options& options)
       : parameters_(parameters), options_(options) {}
+  Interpreter(const Interpreter&) = delete;
+  Interpreter& operator=(const Interpreter&) = delete;
 
   /// Checks a line and puts it into force; only while not busy(). With an error nothing at all has
   /// changed. The column counts from 1.
@@ -60,8 +63,8 @@ class Interpreter {
   bool busy() const { return plan_.stages != 0; }
 
   /// The user switches flood or mist by hand; the program goes on from there.
-  void toggle_flood() { state_.modal.flood = !state_.modal.flood; }
-  void toggle_mist() { state_.modal.mist = !state_.modal.mist; }
+  void toggle_flood() { state_->modal.flood = !state_->modal.flood; }
+  void toggle_mist() { state_->modal.mist = !state_->modal.mist; }
 
   /// After power-up and soft reset: modal state as it is by default, nothing left to do. Position
   /// and parameters stay.
@@ -69,13 +72,13 @@ class Interpreter {
   /// The machine is here and nothing is left to do.
   void set_position(const Place& machine_e7);
 
-  const Modal& modal() const { return state_.modal; }
-  const State& state() const { return state_; }
+  const Modal& modal() const { return state_->modal; }
+  const State& state() const { return *state_; }
   const Saved& saved() const { return saved_; }
   /// The end of the program so far, in machine coordinates.
-  const Place& machine_e7() const { return state_.machine_e7; }
+  const Place& machine_e7() const { return state_->machine_e7; }
   /// The same without rotation.
-  const Place& programmed_e7() const { return state_.programmed_e7; }
+  const Place& programmed_e7() const { return state_->programmed_e7; }
   /// What a program's coordinates are off machine coordinates (grbl's WCO); a rotation comes on
   /// top.
   Place work_offset_e7() const;
@@ -84,7 +87,7 @@ class Interpreter {
   void take_over(const Statement& statement);
   void begin_curve(const Statement& statement);
   void change_parameters(const Changes& changes);
-  Action plain_action(ActionKind kind) const;
+  void begin_action(Action& action, ActionKind kind) const;
   bool give(Stage stage, Action& action);
   bool give_dwell(Action& action);
   bool give_move(Stage stage, Action& action);
@@ -96,7 +99,9 @@ class Interpreter {
   void end_program();
   void restore_saved();
 
-  State state_;
+  std::array<State, 2> states_;
+  State* state_ = &states_[0];
+  State* next_ = &states_[1];  ///< room for the one behind the next line
   Saved saved_;
   Plan plan_{};
   Curve curve_;

@@ -118,10 +118,13 @@ constexpr PlaneAxes axes_of(Plane plane) {
 
 class Statement {
  public:
-  /// The plan is made in place and has no stage behind an error.
+  /// The state behind the line and the plan are made in place; behind an error the plan has no stage
+  /// and that state is worth nothing.
   Statement(const Options& options, const Parameters& parameters, const Saved& saved,
-            const State& before, Plan& plan)
-      : plan_(plan), options_(options), parameters_(parameters), saved_(saved), after_(before) {}
+            const State& before, State& after, Plan& plan)
+      : plan_(plan), options_(options), parameters_(parameters), saved_(saved), after_(after) {
+    after_ = before;
+  }
 
   /// Reads a line and finds out what it means.
   Fault check(std::string_view line);
@@ -212,7 +215,7 @@ class Statement {
   const Options& options_;
   const Parameters& parameters_;
   const Saved& saved_;
-  State after_;
+  State& after_;
   Block block_;
   Changes changes_;
   CycleRequest cycle_;

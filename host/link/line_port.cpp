@@ -34,7 +34,7 @@ void LinePort::read() {
   constexpr std::size_t piece = 4096;
   std::array<std::uint8_t, piece> bytes{};
   const std::size_t count = transport_.read(bytes);
-  for (std::size_t i = 0; i < count; ++i) parser_.push(bytes[i], *this);
+  parser_.push(std::span<const std::uint8_t>(bytes).first(count), *this);
 }
 
 }  // namespace lamplock::link

@@ -85,11 +85,16 @@ template <End end>
 class StreamParser {
  public:
   template <class Events>
-  void push(std::uint8_t byte, Events& events) {
-    if (is_plain(byte) && state_ == State::line) {  // nearly all of a program
-      after_cr_ = false;
-      return append(byte, max_line);
+  void push(std::span<const std::uint8_t> bytes, Events& events) {
+    const std::uint8_t* at = bytes.data();
+    for (const std::uint8_t* const stop = at + bytes.size(); at != stop;) {
+      if (state_ == State::line) at = append_plain(at, stop);
+      if (at != stop) push(*at++, events);
     }
+  }
+
+  template <class Events>
+  void push(std::uint8_t byte, Events& events) {
     if constexpr (end == End::device) {
       if (is_realtime(byte)) return events.on_realtime(byte);
     }
@@ -172,6 +177,22 @@ class StreamParser {
     const bool printable = (byte >= 0x20 && byte != 0x7F) || byte == '\t';
     if (!printable) spoilt_ = true;
     append(byte, max_line);
+  }
+
+  /// Appends to a line what is plain, nearly all of a program; returns where that ends.
+  const std::uint8_t* append_plain(const std::uint8_t* at, const std::uint8_t* stop) {
+    std::size_t size = size_;
+    const std::size_t limit = spoilt_ ? size : max_line;
+    const std::uint8_t* const begin = at;
+    for (; at != stop && is_plain(*at); ++at) {
+      if (size != limit)
+        buffer_[size++] = *at;
+      else
+        spoilt_ = true;
+    }
+    size_ = size;
+    if (at != begin) after_cr_ = false;
+    return at;
   }
 
   void append(std::uint8_t byte, std::size_t limit) {

@@ -174,7 +174,7 @@ inline std::uint32_t expand_some(StepPhase& axis, std::uint32_t word, std::uint3
 /// As expand_words() where the axis steps_rarely(): whole words without a step at once.
 inline void expand_rare_words(StepPhase& axis, std::uint32_t* out, const std::uint32_t* end,
                               std::uint32_t dir) {
-  StepPhase s = axis;
+  StepPhase& s = axis;
   const std::uint64_t accel16 = s.accel << 4, accel120 = (accel16 << 3) - (s.accel << 3);
   for (; out != end; ++out) {
     const std::uint64_t next = s.rate + accel16;
@@ -187,7 +187,6 @@ inline void expand_rare_words(StepPhase& axis, std::uint32_t* out, const std::ui
       *out = expand_some_ticks(s, 0, ticks_per_step_word) | dir;
     }
   }
-  axis = s;
 }
 
 }  // namespace lamplock::rp2040
