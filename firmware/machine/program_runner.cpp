@@ -20,6 +20,8 @@ constexpr PaceStep paces[] = {
 /// There is time again.
 constexpr std::uint64_t ahead_ticks = 9 * ticks_per_ms;
 constexpr std::uint8_t full_pace = 100;
+/// Boards give ticks their lengths no further ahead.
+constexpr std::uint64_t timed_ticks = ticks_per_ms;
 
 }  // namespace
 
@@ -33,7 +35,7 @@ Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q
   if (result != Result::ok) return result;
   brake_limits_ = planning_.lines().limits();
   tick_q16_ = tick_q16;
-  begun_ = drained_ = resting_ = true;
+  begun_ = drained_ = stands_ = resting_ = true;
   pace_percent_ = full_pace;
   lost_ = staged_ = false;
   brakes_ = 0;
@@ -54,7 +56,7 @@ bool ProgramRunner::take(const motion::LineTarget& line) {
   LineInbox& inbox = planning_.lines().inbox();
   if (orders_.cancel || inbox.full()) return false;
   inbox.push(line);
-  drained_ = false;
+  drained_ = stands_ = false;
   return true;
 }
 
@@ -81,8 +83,10 @@ bool ProgramRunner::wants_batch() const {
 void ProgramRunner::choose_pace() {
   const std::uint64_t head = generator_.head();
   const std::uint64_t left = end_tick_ > head ? end_tick_ - head : 0;
-  if (resting_ || lost_ || left >= ahead_ticks) pace_percent_ = full_pace;
-  if (resting_ || lost_) return;
+  if (resting_ || lost_ || left >= ahead_ticks) {
+    pace_percent_ = full_pace;
+    return;
+  }
   for (const PaceStep& pace : paces) {
     if (left >= pace.left_ticks) continue;
     if (pace.percent < pace_percent_) pace_percent_ = pace.percent;
@@ -119,9 +123,15 @@ void ProgramRunner::miss() {
   planning_.hand_over().recall();
 }
 
+/// What was filled is not played yet: 2 ms of it. Ticks have got their length before they are.
+bool ProgramRunner::stands() const {
+  return drained_ && output_.at_rest() && clock_.next_tick() >= end_tick_ + timed_ticks;
+}
+
 bool ProgramRunner::prepare() {
   if (!begun_) return false;
   if (brake_begun()) miss();
+  stands_ = stands();
   HandOver& hand_over = planning_.hand_over();
   if (hand_over.at_home() && wants_batch()) hand_out();
   return hand_over.asked();

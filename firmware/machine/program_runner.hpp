@@ -74,8 +74,9 @@ class ProgramRunner {
   /// Stops dead: what was taken is gone. Masked.
   void halt();
 
-  /// Every line was run to its end, and the machine stands.
-  bool idle() const { return !begun_ || (drained_ && output_.at_rest()); }
+  /// Every line was run to its end, and the machine stands: its last step is out. As of the last
+  /// prepare().
+  bool idle() const { return !begun_ || stands_; }
   /// As idle(), and what is handed out is at its end, or will be before anything could be planned.
   bool drained() const { return !begun_ || drained_; }
   /// Lines that can be taken before the planner is full, about.
@@ -86,6 +87,7 @@ class ProgramRunner {
   std::uint32_t starvations() const { return starvations_; }
 
  private:
+  bool stands() const;
   bool brake_begun() const { return segments_.size() < brakes_; }
   bool wants_batch() const;
   bool batch_fits() const;
@@ -105,6 +107,7 @@ class ProgramRunner {
   std::uint32_t tick_q16_ = full_tick_q16;  ///< shortest that limits were made for
   bool begun_ = false;
   bool drained_ = true;             ///< the planner has nothing left
+  bool stands_ = true;              ///< idle()
   bool resting_ = true;             ///< what is handed out ends at rest, without a brake
   bool lost_ = false;               ///< the brake was run: the next batch rejoins the path
   bool staged_ = false;             ///< the batch lies in the queue, but for its first segment

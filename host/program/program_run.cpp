@@ -72,7 +72,7 @@ class Lines {
   }
   /// Lets the machine come to rest.
   void finish() {
-    while (!work_->drained() || now_ + filled_ticks < end_) round();
+    while (!work_->drained() || now_ < end_) round();
   }
   void dwell(std::uint32_t us) {
     finish();
