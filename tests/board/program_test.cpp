@@ -77,6 +77,30 @@ TEST_F(Program, DwellsPausesAndEnds) {
   EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
 }
 
+/// "Hold", "Idle" and the answer to a dwell are said when the last step is out, not when it is
+/// planned: what a user does then finds the machine where it stays.
+TEST_F(Program, WhatWaitsForARestWaitsForTheLastStep) {
+  const StepPosition target = at_mm(1, 0), back = at_mm(0, 0);
+  const auto steps = [this] { return rig_.board.world().drives().position(); };
+  const auto run_until = [this](auto&& said) {
+    for (int i = 0; i < 20'000 && !said(); ++i) host_.run(ps_per_ms / 20);
+    EXPECT_TRUE(said());
+  };
+  host_.send("G1 X1 F6000\nM0\n");
+  run_until([this] { return rig_.state() == MachineState::hold; });
+  EXPECT_EQ(steps(), target);
+  host_.send("~G1 X0\nG4 P0.001\n");
+  run_until([this] { return host_.answers().size() == 4; });
+  EXPECT_EQ(steps(), back);
+  host_.send("G1 X1\nM2\n");
+  run_until([this] { return host_.has_said("[MSG:Pgm End]"); });
+  EXPECT_EQ(steps(), target);
+  host_.send("G1 X0\n");
+  host_.run_ms(5);
+  run_until([this] { return rig_.state() == MachineState::idle; });
+  EXPECT_EQ(steps(), back);
+}
+
 TEST_F(Program, HoldsAtAnyMomentAndEndsWhereItShould) {
   std::mt19937 random(7);
   for (int i = 0; i < static_cast<int>(scaled(20)); ++i) {

@@ -42,16 +42,13 @@ class ProgramSender {
     while (!answered() && board_.now() < end) step();
     return answered();
   }
-  /// Until the machine stands, with nothing left to do; false if it does not by `end`. It says so
-  /// when the last ticks are filled, up to 2 ms before they are put out.
+  /// Until the machine stands, with nothing left to do; false if it does not by `end`.
   bool run_until_idle(sim::Picoseconds end) {
     while (board_.now() < end) {
       type("?");
       const std::size_t from = heard_.size();
       step(sim::ps_per_ms);
-      if (heard_.find("<Idle", from) == std::string::npos) continue;
-      step(filled_ahead);
-      return true;
+      if (heard_.find("<Idle", from) != std::string::npos) return true;
     }
     return false;
   }
@@ -70,8 +67,6 @@ class ProgramSender {
   static constexpr std::size_t window = 1024;
 
  private:
-  static constexpr sim::Picoseconds filled_ahead = 3 * sim::ps_per_ms;
-
   void type(std::string_view text) {
     board_.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }

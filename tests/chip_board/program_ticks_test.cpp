@@ -58,7 +58,8 @@ std::string mixed_program() {
          "G0 X20 Y26\nM4 S1000\nG1 X20 Y20 F6000\nG5 I0 J-4 P0 Q4 X26 Y12\n"
          "G2 X26 Y12 I2 J0 Z-1\nG1 F5000\n" +
          wave(scaled(80), 26, 12) +
-         "G4 P0.02\nG91 G1 X-3 Y1 Z1 F4000\nG18 G3 X-8 Z0 R6\nM5\nG90 G17 G0 X0 Y0\nM2\n";
+         "G4 P0.02\nG91 G1 X-3 Y1 Z1 F4000\nG18 G3 X-8 Z0 R6\nM5\nG90 G17 G0 X0 Y0\n"
+         "M3 S700\nG1 X2 F8000\nM2\n";
 }
 
 struct Program {
