@@ -1,4 +1,4 @@
-// Programs: lines in their turn, jogs, overrides, resets, and who runs the moves.
+// Programs: lines in their turn, jogs, and who runs the moves.
 #include "firmware/machine/controller.hpp"
 #include "firmware/machine/program_text.hpp"
 
@@ -7,20 +7,6 @@ namespace {
 
 using wire::HoldReason;
 using wire::MachineState;
-
-// Real-time bytes of grbl 1.1.
-constexpr std::uint8_t byte_reset = 0x18;
-constexpr std::uint8_t byte_door = 0x84;
-constexpr std::uint8_t byte_jog_cancel = 0x85;
-constexpr std::uint8_t byte_feed_full = 0x90;     // then +10, -10, +1, -1
-constexpr std::uint8_t byte_rapid_full = 0x95;    // then 50 %, 25 %
-constexpr std::uint8_t byte_spindle_full = 0x99;  // then as for the feed
-constexpr std::uint8_t byte_flood = 0xa0, byte_mist = 0xa1;
-
-constexpr std::uint8_t full_percent = 100;
-constexpr int least_override = 10, most_override = 200;
-constexpr std::array<std::uint8_t, 3> rapid_percents{100, 50, 25};
-constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
 
 /// Lines of a program, in one round of the main loop: it has other things to do.
 constexpr int most_lines = 4;
@@ -248,70 +234,12 @@ GcodeError Controller::begin_jog(std::string_view line) {
   return fault.error;
 }
 
-/// "$N0=line": run, and then kept.
-GcodeError Controller::keep_start_up_line(std::string_view line) {
-  constexpr std::size_t head = 4;  // "$N0="
-  const std::size_t number = static_cast<std::size_t>(line[2] - '0');
-  if (line.size() < head || number >= start_up_lines || line[3] != '=')
-    return GcodeError::unknown_command;
-  if (state_ != MachineState::idle || program_unfinished() || check_) return GcodeError::not_idle;
-  const std::string_view text = line.substr(head);
-  if (!new_start_up_text_.set(text)) return GcodeError::text_too_long;
-  const GcodeError error = text.empty() ? GcodeError::none : begin_program_line(text);
-  if (error != GcodeError::none) return error;
-  new_start_up_ = static_cast<std::uint8_t>(number);
-  if (text.empty()) keep_new_start_up_line();
-  return GcodeError::none;
-}
-
-/// If the line under way is one: it has run.
-void Controller::keep_new_start_up_line() {
-  if (new_start_up_ == start_up_lines) return;
-  reader_.kept().start_up[new_start_up_] = new_start_up_text_;
-  new_start_up_ = start_up_lines;
-  kept_due_ = true;
-}
-
-/// One is still to be run: nobody else comes in between.
-bool Controller::start_up_waits() const {
-  for (std::size_t i = start_up_next_; i < start_up_lines; ++i)
-    if (!reader_.kept().start_up[i].view().empty()) return true;
-  return false;
-}
-
-/// After power-up and a reset; false if there is none left, or none may run.
-[[gnu::hot]] bool Controller::run_start_up_line() {
-  if (start_up_next_ >= start_up_lines || reader_.line_open()) return false;
-  if (state_ == MachineState::alarm || state_ == MachineState::estop)
-    start_up_next_ = start_up_lines;
-  if (state_ != MachineState::idle || link_.room() < answer_room) return false;
-  const std::string_view text = reader_.kept().start_up[start_up_next_++].view();
-  if (text.empty()) return true;
-  const GcodeError error = begin_program_line(text);
-  own_line_ = error == GcodeError::none;
-  TextLine line;
-  write_start_up_result(line, text, static_cast<int>(error));
-  link_.send_text(line.view());
-  return true;
-}
-
 /// Nothing is under way, or nothing of it goes on.
 void Controller::end_program() {
   program_.end();
   if (!beat_locked()) return;
   reader_.set_lock(program::BeatLock::off);
   job_ = moving_ = false;
-}
-
-/// Overrides end with the program, as in grbl.
-void Controller::end_overrides_of_program() {
-  overrides_ = {};
-  use_overrides();
-}
-
-void Controller::use_overrides() {
-  program_.set_overrides(overrides_.feed, overrides_.rapid, overrides_.spindle);
-  runner_.set_overrides(overrides_.feed, overrides_.rapid);
 }
 
 // Called with beat and fill interrupts masked, as all of commit() is.
@@ -334,125 +262,6 @@ void Controller::settle_points() {
   // The edge may have come since prepare(): who sees idle shall see every shot.
   runner_.read_outcomes();
   if (runner_.drained()) state_ = MachineState::idle;
-}
-
-void Controller::cancel_jog() {
-  lines_at_cancel_ = reader_.lines();
-  if (reader_.drop_line()) answer(GcodeError::none);
-  program_.cancel();
-  reader_.lose_position();
-}
-
-void Controller::toggle_check() {
-  if (!check_) {
-    say("Enabled");
-    check_ = true;
-    return;
-  }
-  say("Disabled");
-  check_ = false;
-  reader_.reset();
-  send_banner();
-}
-
-/// 0x18. In a job it may be one flipped bit: nothing is lost but time. Else it throws away what was
-/// typed and what is left of the program, and what still moves comes to rest on its path first.
-void Controller::reset() {
-  if (wire_job() && state_ == MachineState::run) return hold(HoldReason::reset);
-  if (wire_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
-  link_.drop_line();
-  const bool moves = !motion_.at_rest();
-  reader_.clear();
-  lines_at_cancel_ = 0;
-  shots_.permit(false, idle_reason());
-  reset_due_ = true;
-  // Of a job that was stopped nothing is left but to come to rest.
-  if ((!program_.begun() && !beat_locked()) || !moves) return settle_program();
-  if (beat_locked()) {
-    if (moving_) runner_.brake();
-    moving_ = false;
-  } else {
-    program_.resume();
-    program_.cancel();
-  }
-  state_ = MachineState::run;
-  moved_at_reset_ = true;
-}
-
-/// The machine is at rest.
-void Controller::finish_reset() {
-  const bool lost = moved_at_reset_ || asleep_;
-  reset_due_ = moved_at_reset_ = asleep_ = jogging_ = check_ = stopped_ = false;
-  reader_.reset();
-  reporter_.reset();
-  end_overrides_of_program();
-  if (job_unfinished()) state_ = MachineState::idle;
-  hold_reason_ = HoldReason::none;
-  end_program();
-  if (lost && state_ == MachineState::idle) raise_alarm(alarm_position_lost);
-  start_up_next_ = 0;
-  own_line_ = false;
-  send_banner();
-  if (state_ == MachineState::alarm) say("'$H'|'$X' to unlock");
-}
-
-void Controller::change_override(std::uint8_t& percent, int by) {
-  const int changed = by == 0 ? full_percent : percent + by;
-  percent = static_cast<std::uint8_t>(changed < least_override  ? least_override
-                                      : changed > most_override ? most_override
-                                                                : changed);
-}
-
-void Controller::override_byte(std::uint8_t byte) {
-  const std::size_t feed = byte - std::size_t{byte_feed_full};
-  const std::size_t rapid = byte - std::size_t{byte_rapid_full};
-  const std::size_t spindle = byte - std::size_t{byte_spindle_full};
-  if (feed < override_changes.size())
-    change_override(overrides_.feed, override_changes[feed]);
-  else if (rapid < rapid_percents.size())
-    overrides_.rapid = rapid_percents[rapid];
-  else if (spindle < override_changes.size())
-    change_override(overrides_.spindle, override_changes[spindle]);
-  else
-    return;
-  use_overrides();
-}
-
-/// Flood and mist by hand, where grbl lets them be switched; false if it is another byte.
-bool Controller::toggle_coolant(std::uint8_t byte) {
-  if (byte != byte_flood && byte != byte_mist) return false;
-  const bool may =
-      state_ == MachineState::idle || state_ == MachineState::run || state_ == MachineState::hold;
-  if (!may || wire_job() || check_ || asleep_) return true;
-  if (byte == byte_flood)
-    reader_.toggle_flood();
-  else
-    reader_.toggle_mist();
-  return true;
-}
-
-void Controller::on_realtime(std::uint8_t byte) {
-  if (byte == '?') return send_status_line();
-  const Masked masked(mask_);
-  switch (byte) {
-    case '!':
-    case byte_door:
-      hold(HoldReason::realtime);
-      break;
-    case '~':
-      // One flipped bit must not end a hold that the host has asked for by a frame.
-      if (hold_reason_ != HoldReason::host || !wire_job()) resume();
-      break;
-    case byte_reset:
-      reset();
-      break;
-    case byte_jog_cancel:
-      if (jogging_) cancel_jog();
-      break;
-    default:
-      if (!toggle_coolant(byte)) override_byte(byte);
-      break;
-  }
 }
 
 }  // namespace lamplock::machine

@@ -298,4 +298,16 @@ void Controller::fill_status(wire::Status& status) const {
   status.repeats = shots_.checks().repeats;
 }
 
+void Controller::toggle_check() {
+  if (!check_) {
+    say("Enabled");
+    check_ = true;
+    return;
+  }
+  say("Disabled");
+  check_ = false;
+  reader_.reset();
+  send_banner();
+}
+
 }  // namespace lamplock::machine

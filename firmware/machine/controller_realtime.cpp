@@ -1,0 +1,144 @@
+// Real-time bytes: overrides, coolant, the end of a jog, resets.
+#include "firmware/machine/controller.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using wire::HoldReason;
+using wire::MachineState;
+
+// Real-time bytes of grbl 1.1.
+constexpr std::uint8_t byte_reset = 0x18;
+constexpr std::uint8_t byte_door = 0x84;
+constexpr std::uint8_t byte_jog_cancel = 0x85;
+constexpr std::uint8_t byte_feed_full = 0x90;     // then +10, -10, +1, -1
+constexpr std::uint8_t byte_rapid_full = 0x95;    // then 50 %, 25 %
+constexpr std::uint8_t byte_spindle_full = 0x99;  // then as for the feed
+constexpr std::uint8_t byte_flood = 0xa0, byte_mist = 0xa1;
+
+constexpr std::uint8_t full_percent = 100;
+constexpr int least_override = 10, most_override = 200;
+constexpr std::array<std::uint8_t, 3> rapid_percents{100, 50, 25};
+constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
+
+}  // namespace
+
+/// Overrides end with the program, as in grbl.
+void Controller::end_overrides_of_program() {
+  overrides_ = {};
+  use_overrides();
+}
+
+void Controller::use_overrides() {
+  program_.set_overrides(overrides_.feed, overrides_.rapid, overrides_.spindle);
+  runner_.set_overrides(overrides_.feed, overrides_.rapid);
+}
+
+void Controller::cancel_jog() {
+  lines_at_cancel_ = reader_.lines();
+  if (reader_.drop_line()) answer(GcodeError::none);
+  program_.cancel();
+  reader_.lose_position();
+}
+
+/// 0x18. In a job it may be one flipped bit: nothing is lost but time. Else it throws away what was
+/// typed and what is left of the program, and what still moves comes to rest on its path first.
+void Controller::reset() {
+  if (wire_job() && state_ == MachineState::run) return hold(HoldReason::reset);
+  if (wire_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
+  link_.drop_line();
+  const bool moves = !motion_.at_rest();
+  reader_.clear();
+  lines_at_cancel_ = 0;
+  shots_.permit(false, idle_reason());
+  reset_due_ = true;
+  // Of a job that was stopped nothing is left but to come to rest.
+  if ((!program_.begun() && !beat_locked()) || !moves) return settle_program();
+  if (beat_locked()) {
+    if (moving_) runner_.brake();
+    moving_ = false;
+  } else {
+    program_.resume();
+    program_.cancel();
+  }
+  state_ = MachineState::run;
+  moved_at_reset_ = true;
+}
+
+/// The machine is at rest.
+void Controller::finish_reset() {
+  const bool lost = moved_at_reset_ || asleep_;
+  reset_due_ = moved_at_reset_ = asleep_ = jogging_ = check_ = stopped_ = false;
+  reader_.reset();
+  reporter_.reset();
+  end_overrides_of_program();
+  if (job_unfinished()) state_ = MachineState::idle;
+  hold_reason_ = HoldReason::none;
+  end_program();
+  if (lost && state_ == MachineState::idle) raise_alarm(alarm_position_lost);
+  start_up_next_ = 0;
+  own_line_ = false;
+  send_banner();
+  if (state_ == MachineState::alarm) say("'$H'|'$X' to unlock");
+}
+
+void Controller::change_override(std::uint8_t& percent, int by) {
+  const int changed = by == 0 ? full_percent : percent + by;
+  percent = static_cast<std::uint8_t>(changed < least_override  ? least_override
+                                      : changed > most_override ? most_override
+                                                                : changed);
+}
+
+void Controller::override_byte(std::uint8_t byte) {
+  const std::size_t feed = byte - std::size_t{byte_feed_full};
+  const std::size_t rapid = byte - std::size_t{byte_rapid_full};
+  const std::size_t spindle = byte - std::size_t{byte_spindle_full};
+  if (feed < override_changes.size())
+    change_override(overrides_.feed, override_changes[feed]);
+  else if (rapid < rapid_percents.size())
+    overrides_.rapid = rapid_percents[rapid];
+  else if (spindle < override_changes.size())
+    change_override(overrides_.spindle, override_changes[spindle]);
+  else
+    return;
+  use_overrides();
+}
+
+/// Flood and mist by hand, where grbl lets them be switched; false if it is another byte.
+bool Controller::toggle_coolant(std::uint8_t byte) {
+  if (byte != byte_flood && byte != byte_mist) return false;
+  const bool may =
+      state_ == MachineState::idle || state_ == MachineState::run || state_ == MachineState::hold;
+  if (!may || wire_job() || check_ || asleep_) return true;
+  if (byte == byte_flood)
+    reader_.toggle_flood();
+  else
+    reader_.toggle_mist();
+  return true;
+}
+
+void Controller::on_realtime(std::uint8_t byte) {
+  if (byte == '?') return send_status_line();
+  const Masked masked(mask_);
+  switch (byte) {
+    case '!':
+    case byte_door:
+      hold(HoldReason::realtime);
+      break;
+    case '~':
+      // One flipped bit must not end a hold that the host has asked for by a frame.
+      if (hold_reason_ != HoldReason::host || !wire_job()) resume();
+      break;
+    case byte_reset:
+      reset();
+      break;
+    case byte_jog_cancel:
+      if (jogging_) cancel_jog();
+      break;
+    default:
+      if (!toggle_coolant(byte)) override_byte(byte);
+      break;
+  }
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,56 @@
+// Start-up lines ($N): kept, and run after power-up and a reset.
+#include "firmware/machine/controller.hpp"
+#include "firmware/machine/program_text.hpp"
+
+namespace lamplock::machine {
+
+using wire::MachineState;
+
+/// "$N0=line": run, and then kept.
+GcodeError Controller::keep_start_up_line(std::string_view line) {
+  constexpr std::size_t head = 4;  // "$N0="
+  const std::size_t number = static_cast<std::size_t>(line[2] - '0');
+  if (line.size() < head || number >= start_up_lines || line[3] != '=')
+    return GcodeError::unknown_command;
+  if (state_ != MachineState::idle || program_unfinished() || check_) return GcodeError::not_idle;
+  const std::string_view text = line.substr(head);
+  if (!new_start_up_text_.set(text)) return GcodeError::text_too_long;
+  const GcodeError error = text.empty() ? GcodeError::none : begin_program_line(text);
+  if (error != GcodeError::none) return error;
+  new_start_up_ = static_cast<std::uint8_t>(number);
+  if (text.empty()) keep_new_start_up_line();
+  return GcodeError::none;
+}
+
+/// If the line under way is one: it has run.
+void Controller::keep_new_start_up_line() {
+  if (new_start_up_ == start_up_lines) return;
+  reader_.kept().start_up[new_start_up_] = new_start_up_text_;
+  new_start_up_ = start_up_lines;
+  kept_due_ = true;
+}
+
+/// One is still to be run: nobody else comes in between.
+bool Controller::start_up_waits() const {
+  for (std::size_t i = start_up_next_; i < start_up_lines; ++i)
+    if (!reader_.kept().start_up[i].view().empty()) return true;
+  return false;
+}
+
+/// After power-up and a reset; false if there is none left, or none may run.
+[[gnu::hot]] bool Controller::run_start_up_line() {
+  if (start_up_next_ >= start_up_lines || reader_.line_open()) return false;
+  if (state_ == MachineState::alarm || state_ == MachineState::estop)
+    start_up_next_ = start_up_lines;
+  if (state_ != MachineState::idle || link_.room() < answer_room) return false;
+  const std::string_view text = reader_.kept().start_up[start_up_next_++].view();
+  if (text.empty()) return true;
+  const GcodeError error = begin_program_line(text);
+  own_line_ = error == GcodeError::none;
+  TextLine line;
+  write_start_up_result(line, text, static_cast<int>(error));
+  link_.send_text(line.view());
+  return true;
+}
+
+}  // namespace lamplock::machine
