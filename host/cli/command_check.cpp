@@ -46,6 +46,7 @@ void say_result(Console& console, const ProgramRun& run) {
   for (int a = 0; a < run.axes; ++a)
     console.say("{}         {:.3f} to {:.3f} mm", axis_names[a], run.bounds.low[index(a)],
                 run.bounds.high[index(a)]);
+  if (run.locked != 0) console.say("shots     {} on the beat", run.beats.shots);
   if (run.pauses != 0) console.say("pauses    {}, whose time is not counted", run.pauses);
 }
 
@@ -58,10 +59,12 @@ Json document(const Options& options, const ProgramRun& run) {
   for (const Problem& p : run.problems)
     problems.push_back(
         {{"line", p.line}, {"column", p.column}, {"error", p.error}, {"text", p.text}});
-  return {{"input", options.input},  {"lines", run.lines},     {"moves", run.moves},
-          {"time_s", run.seconds()}, {"feed_mm", run.feed_mm}, {"rapid_mm", run.rapid_mm},
-          {"low_mm", low},           {"high_mm", high},        {"pauses", run.pauses},
-          {"ended", run.ended},      {"problems", problems}};
+  return {{"input", options.input}, {"lines", run.lines},
+          {"moves", run.moves},     {"time_s", run.seconds()},
+          {"feed_mm", run.feed_mm}, {"rapid_mm", run.rapid_mm},
+          {"low_mm", low},          {"high_mm", high},
+          {"pauses", run.pauses},   {"shots", run.beats.shots},
+          {"ended", run.ended},     {"problems", problems}};
 }
 
 Exit check_program(const Options& options) {

@@ -191,6 +191,7 @@ class Machine {
     }
     piece.to = at_;
     ++run_.moves;
+    if (action.beat_lock != program::BeatLock::off) ++run_.locked;
     (piece.rapid ? run_.rapid_mm : run_.feed_mm) += std::sqrt(squares);
     run_.pieces.push_back(piece);
   }
@@ -223,11 +224,13 @@ std::string_view take_line(std::string_view& text) {
 }  // namespace
 
 double ProgramRun::seconds() const {
+  if (beats.seconds > 0) return beats.seconds;
   return static_cast<double>(ticks) / ticks_per_second + static_cast<double>(dwell_us) / 1e6;
 }
 
 ProgramRun run_program(std::string_view text, const settings::Values& values,
                        std::size_t most_problems) {
+  const std::string_view whole = text;
   program::Parameters parameters;
   const program::Options options = options_of(values);
   program::Interpreter interpreter(parameters, options);
@@ -252,6 +255,7 @@ ProgramRun run_program(std::string_view text, const settings::Values& values,
     if (run.problems.size() >= most_problems) break;
   }
   machine.finish();
+  if (run.locked != 0 && run.problems.empty()) run.beats = run_locked(whole, values);
   return std::move(run);
 }
 

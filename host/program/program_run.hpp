@@ -4,7 +4,7 @@
 // In:  the text of a program, the settings of a machine. It starts at machine zero, at rest.
 // Out: what is wrong with it, by line and column; the time that the machine will take, to the
 //      tick but for what it needs to begin anew after a dwell or pause; ways, bounds, and the path
-//      for a picture.
+//      for a picture. A program with points on the beat takes what the virtual board takes.
 // Who: `lamplock check`; tests.
 //
 // A line that is wrong is left out, as the machine would with $-setting "go on after an error"; the
@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/program/locked_run.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 
@@ -49,6 +50,8 @@ struct ProgramRun {
   std::uint64_t ticks = 0;     ///< in motion
   std::uint64_t dwell_us = 0;  ///< standing by G4 and cycles
   std::size_t pauses = 0;      ///< M0 and M1
+  std::size_t locked = 0;      ///< moves that are locked to the beat (M130)
+  LockedRun beats;             ///< of all of it, if there are such
   bool ended = false;          ///< by M2 or M30
   int axes = 3;
   Bounds bounds;  ///< of all moves, where it starts included

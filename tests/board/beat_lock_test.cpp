@@ -5,6 +5,8 @@
 
 #include <random>
 
+#include "host/program/program_run.hpp"
+#include "host/units.hpp"
 #include "tests/board/program_host.hpp"
 
 namespace lamplock::test {
@@ -147,6 +149,18 @@ class BeatLock : public testing::Test {
     host_->run_ms(5);  // what is filled is put out
     return rig_->board.world().drives().position();
   }
+  /// From the first step to the last step or shot.
+  double busy_seconds() const {
+    sim::Picoseconds first = sim::never, last = 0;
+    for (int a = 0; a < 3; ++a) {
+      const auto& steps = rig_->monitor.steps(a);
+      if (steps.empty()) continue;
+      first = std::min(first, steps.front().at);
+      last = std::max(last, steps.back().at);
+    }
+    for (const auto& fire : rig_->monitor.fires()) last = std::max(last, fire.rise);
+    return sim::seconds(last - first);
+  }
   /// From now on nothing fires any more, and after a while nothing moves.
   void expect_quiet() {
     host_->run_ms(1);  // until it is seen, and a shot that the hardware had decided is over
@@ -177,6 +191,23 @@ TEST_F(BeatLock, FiresOnceAtEveryEndOfAFeedMoveAndNowhereElse) {
     EXPECT_THAT(host_->answers(), Each("ok"));
     ASSERT_NO_FATAL_FAILURE(expect_fired(program.shots()));
     EXPECT_EQ(stood(), program.end());
+  }
+}
+
+/// Beats fall where the lamp has them: each part may begin a beat earlier or later.
+TEST_F(BeatLock, TakesTheTimeThatCheckSays) {
+  constexpr int parts = 6;
+  for (int seed = 0; seed < scaled(18); ++seed) {
+    SCOPED_TRACE(seed);
+    start(static_cast<std::uint64_t>(seed));
+    if (jitter_ || seed % 6 == 0) continue;  // check knows of a lamp without a fault
+    const LockedProgram program = LockedProgram(static_cast<std::uint64_t>(seed)).parts(parts);
+    const auto plan = program_run::run_program(program.text(), profile_.settings, 1);
+    ASSERT_TRUE(plan.problems.empty());
+    ASSERT_TRUE(host_->stream(program.text()));
+    EXPECT_EQ(plan.beats.shots, rig_->shots().size());
+    const double beat_s = 1 / in_units(profile_.settings, settings::Id::lamp_frequency);
+    EXPECT_NEAR(plan.seconds(), busy_seconds(), parts * beat_s);
   }
 }
 

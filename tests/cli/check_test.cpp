@@ -1,5 +1,6 @@
 // `lamplock check`: programs are run without a machine; what is wrong is told
 // by line and column.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -57,6 +58,17 @@ TEST(Check, PointsOnTheBeatAreTaken) {
   EXPECT_EQ(seen["problems"], nlohmann::json::array());
   EXPECT_EQ(seen["feed_mm"], 15);
   EXPECT_EQ(seen["ended"], true);
+}
+
+/// 20 points 0.5 mm apart at 50 mm/s and 100 Hz: a beat each, behind a way of 2 mm from rest.
+TEST(Check, ARowOnTheBeatTakesItsBeats) {
+  const Folder folder;
+  std::string text = "F3000\nG0 X0.5\nM130 P0\n";
+  for (int i = 2; i <= 21; ++i) text += fmt::format("G1 X{:.1f}\n", 0.5 * i);
+  const nlohmann::json seen = check(folder.write("a.ngc", text + "M2\n"));
+  EXPECT_EQ(seen["shots"], 20);
+  EXPECT_GE(seen["time_s"].get<double>(), 19 * 0.010);
+  EXPECT_LE(seen["time_s"].get<double>(), 19 * 0.010 + 0.1);
 }
 
 TEST(Check, ArcsAreRoundAndAsLongAsTheyShouldBe) {

@@ -1,0 +1,64 @@
+#include "host/program/locked_run.hpp"
+
+#include <algorithm>
+
+#include "host/error.hpp"
+#include "host/link/line_sender.hpp"
+#include "host/link/simulated_transport.hpp"
+#include "host/units.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+
+namespace lamplock::program_run {
+namespace {
+
+using settings::Id;
+using sim::Picoseconds;
+using sim::Pin;
+
+/// When the machine has moved or fired first and last.
+class Busy final : public sim::PinListener {
+ public:
+  explicit Busy(sim::PinBus& bus) {
+    for (const Pin pin : {Pin::step_x, Pin::step_y, Pin::step_z, Pin::step_a, Pin::q_switch})
+      bus.listen(pin, *this);
+  }
+  void pin_changed(Pin pin, bool level, Picoseconds at) override {
+    if (!level) return;
+    if (pin == Pin::q_switch) ++shots_;
+    first_ = any_ ? std::min(first_, at) : at;
+    last_ = std::max(last_, at);
+    any_ = true;
+  }
+  LockedRun run() const { return {shots_, sim::seconds(last_ - first_)}; }
+
+ private:
+  Picoseconds first_ = 0, last_ = 0;
+  std::size_t shots_ = 0;
+  bool any_ = false;
+};
+
+sim::WorldConfig world_of(const settings::Values& values) {
+  sim::WorldConfig world;
+  world.lamp.frequency_hz = in_units(values, Id::lamp_frequency);
+  world.lamp.triggered =
+      values.whole(Id::lamp_mode) == static_cast<int>(settings::LampMode::master);
+  return world;
+}
+
+}  // namespace
+
+LockedRun run_locked(std::string_view text, const settings::Values& values) {
+  sim::VirtualBoard board(values, world_of(values));
+  Busy busy(board.bus());
+  link::SimulatedTransport transport(board);
+  link::LinePort port(transport);
+  link::LineSender sender(port, link::program_lines(text, "program"));
+  while (sender.step())
+    if (sender.waits()) sender.resume();
+  if (sender.result().end != link::LineEnd::done)
+    throw Error(Exit::job_failed, "program", "does not come to its end on the simulated board",
+                "run it by `lamplock send` with --board virtual to see why");
+  return busy.run();
+}
+
+}  // namespace lamplock::program_run
