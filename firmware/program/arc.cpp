@@ -29,6 +29,9 @@ constexpr std::int64_t radius_share = 1000;
 /// Radii that differ by no more than their rounding.
 constexpr std::int64_t round_e7 = 2;
 
+/// Parts of a spiral that are looked at for its length.
+constexpr int length_parts = 16;
+
 struct Vector {
   std::int64_t x, y;
 };
@@ -117,13 +120,28 @@ std::uint32_t pieces_of(const Ends& ends, std::int64_t sweep_q48, std::int64_t t
   return static_cast<std::uint32_t>((sweep_q48 + piece - 1) / piece);
 }
 
-std::int64_t length_in_plane(const Ends& ends, std::int64_t sweep_q48) {
-  // Mean radius times sweep times 2 pi, in eighths: 2^-48 2^-1 2^3.
-  const Int128 eighths = Int128::product(ends.start_radius + ends.end_radius, sweep_q48) >> 46;
+/// How long all of it would be if it were like place `part` of the spiral.
+std::int64_t length_like(const Ends& ends, std::int64_t sweep_q48, int part) {
+  const std::int64_t change = ends.end_radius - ends.start_radius;
+  const std::int64_t radius_parts = ends.start_radius * length_parts + change * part;
+  // That times sweep times 2 pi, in eighths: 2^-48 2^-4 2^3.
+  const Int128 eighths = Int128::product(radius_parts, sweep_q48) >> 49;
   // Only ten thousand turns of a radius beyond the machine are longer.
   const std::int64_t most = std::min(eighths, Int128(one_q62)).to_int64();
-  const std::int64_t along = times_q62(most, radians_of_eighth_q62);
-  return length_of(along, ends.end_radius - ends.start_radius);
+  return length_of(times_q62(most, radians_of_eighth_q62), change);
+}
+
+std::int64_t length_in_plane(const Ends& ends, std::int64_t sweep_q48) {
+  // The place in the middle is wrong by up to 1/96 (change / radius)^2.
+  if (abs64(ends.end_radius - ends.start_radius) <= ends.start_radius / 16)
+    return length_like(ends, sweep_q48, length_parts / 2);
+  // Simpson's rule.
+  Int128 sum;
+  for (int part = 0; part <= length_parts; ++part) {
+    const int twice = part == 0 || part == length_parts ? 0 : part % 2 == 0 ? 1 : 2;
+    sum = sum + (Int128(length_like(ends, sweep_q48, part)) << twice);
+  }
+  return sum.divided_by(3 * length_parts).to_int64();
 }
 
 }  // namespace

@@ -22,6 +22,12 @@
 //   * There are 2^30 pieces at most: longer ones where that is not enough, which takes a radius
 //     larger than the machine.
 //
+// Length. The way round grows with the radius and the way outwards does not, so a spiral is not as
+// long as a place of it times the whole: 0.4 % at a radius that halves, 4 % at one that falls to
+// nothing, which the radii of a hole of some um may do. Where they differ by more than a 16th its
+// length is Simpson's rule over 16 parts: within 10^-5 down to a tenth of the radius, within 2
+// 10^-4 always. Such an arc takes 17 roots of 128 bits more to begin.
+//
 // What is no arc (start or end is the centre, a coordinate beyond 7 km) becomes one straight piece.
 // Start and end at the same place or in the same direction, seen from the centre: a full turn.
 // "G-code Reference" of LinuxCNC, G2/G3, has arcs with both; the rule for radii that differ is

@@ -133,6 +133,40 @@ TEST(Arc, SpiralsBlendFromOneRadiusToTheOther) {
   }
 }
 
+/// Length of a spiral of other radii by closed form: the integral of the root of r^2 + c^2, c the
+/// change in each radian.
+long double spiral_length(const TrueArc& arc) {
+  const long double c = std::abs((arc.end_radius - arc.start_radius) / arc.sweep);
+  const auto integral = [c](long double r) {
+    return (r * std::hypot(r, c) + c * c * std::asinh(r / c)) / 2;
+  };
+  return std::abs(integral(arc.end_radius) - integral(arc.start_radius)) / c;
+}
+
+TEST(Arc, SpiralsOfAFewMicrometresAreAsLongAsTheyAre) {
+  // Radii may differ by 0.005 mm however small they are: by any factor, up to three turns.
+  Random random(7);
+  for (int i = 0; i < test::scaled(4000); ++i) {
+    long double small = any_size(random, 20, 2e5L), large = small + any_size(random, 20, 4.99e4L);
+    if (random() % 2 != 0) std::swap(small, large);
+    const long double sweep = between(random, 0.01L, two_pi_l - 0.01L);
+    ArcRequest r{{rounded(small), 0, 0, 0}, {}, {}, xy, random() % 2 != 0, 0, 100};
+    r.end[0] = rounded(large * std::cos(sweep));
+    r.end[1] = rounded(large * std::sin(sweep));
+    if (random() % 2 != 0) r.end[2] = rounded(any_size(random, 1e2L, 1e6L));
+    r.turns = static_cast<std::uint32_t>(random() % 4);
+    ASSERT_TRUE(arc_fits(r));
+    SCOPED_TRACE(testing::Message() << i << ": from " << small << " to " << large);
+    Curve curve;
+    ASSERT_LE(run(r, curve).point, point_error);
+    const TrueArc arc(r);
+    const long double want = std::hypot(spiral_length(arc), other_way(r.start, r.end, r.plane));
+    // Radii are whole numbers, rounded down.
+    EXPECT_NEAR(static_cast<double>(curve.length_e7()), static_cast<double>(want),
+                static_cast<double>(want / 10000 + 3 + std::abs(arc.sweep)));
+  }
+}
+
 TEST(Arc, TheAngleGrowsFromPieceToPiece) {
   Random random(4);
   for (int i = 0; i < test::scaled(500); ++i) {
