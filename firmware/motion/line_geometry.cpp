@@ -67,7 +67,8 @@ Turn make_turn(const LineShape& from, const LineShape& to, const LineLimits& lim
         noise_q30;
     if (magnitude(u + v) > rounding) turn.back = false;
     const std::uint32_t change = magnitude(v - u);
-    if (!sharp && change <= rounding) continue;
+    // In a sharp turn, too, an axis that stands or goes on as it did has no part.
+    if (change <= (sharp ? noise_q30 : rounding)) continue;
     // Near a way back, noise is rather a sharper turn.
     const std::uint32_t left = sharp ? change + noise_q30 : change - rounding;
     turn.change_q30[index(a)] = left;

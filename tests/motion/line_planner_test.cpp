@@ -35,6 +35,33 @@ TEST(LinePlanner, ALineFromRestToRest) {
   EXPECT_NEAR(rig.seconds(), 0.5 + 0.1 / 1.25, 0.0005);
 }
 
+TEST(LinePlanner, ASharpCornerIsPassedAsFastAsTheAxesThatTurnMayJump) {
+  // X goes on as it did, Z stands: that they may not jump says nothing. Y turns by 1.6 of the
+  // speed.
+  LineMachine m;
+  m.jump_mm_s = {0, 8, 0};
+  m.deviation_mm = 0.001;
+  LineRig rig(m);
+  rig.push(to_mm(m, {6, 8, 0}, 100));
+  rig.push(to_mm(m, {12, 0, 0}, 100));
+  rig.run();
+  ASSERT_FALSE(testing::Test::HasFatalFailure());
+  double corner = 0;
+  for (const LineSegment& s : rig.segments())
+    if (s.ends_line && s.line == 0) corner = rig.speed_mm_s(s);
+  EXPECT_NEAR(corner, 8 / 1.6, 0.01);
+  // An axis that turns with it and may not jump takes it away.
+  LineRig other(m);
+  other.push(to_mm(m, {6, 8, 0}, 100));
+  other.push(to_mm(m, {12, 0, 0.1}, 100));
+  other.run();
+  for (const LineSegment& s : other.segments()) {
+    if (s.ends_line && s.line == 0) {
+      EXPECT_LT(other.speed_mm_s(s), 2.5);
+    }
+  }
+}
+
 /// Points on a curve of 0.1 mm lines.
 std::vector<LineTarget> curve(const LineMachine& m, double radius_mm, double length_mm,
                               double mm_s) {

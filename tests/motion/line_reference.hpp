@@ -93,9 +93,11 @@ class LineReference {
     const bool sharp = dot < -6.2e-8;
     for (std::size_t a = 0; a < axes(); ++a) {
       const double u = from[a] / l0, v = to[a] / l1;
-      const double rounding = (1 / l0 + 1 / l1) / m_.steps_mm[a] + 1.5e-8;
+      const double noise = 1.5e-8, rounding = (1 / l0 + 1 / l1) / m_.steps_mm[a] + noise;
       if (std::fabs(u + v) > rounding) back = false;
-      change[a] = std::max(0.0, std::fabs(v - u) - (sharp ? 0 : rounding));
+      const double all = std::fabs(v - u);
+      if (all <= (sharp ? noise : rounding)) continue;
+      change[a] = all - (sharp ? 0 : rounding);
       squares += change[a] * change[a];
     }
     if (sharp && back && corner) return 0;
