@@ -92,7 +92,10 @@ struct FireTiming {
 /// How far a job is: what has to survive a crash. How many flashes of that point have been fired
 /// does not.
 struct JobMark {
-  std::uint32_t session = 0;  ///< 0 = no job
+  /// Programs have no sessions, and hosts do not draw this one.
+  static constexpr std::uint32_t of_program = 0xffffffff;
+
+  std::uint32_t session = 0;  ///< 0 = nothing has moved, or nothing but what has ended
   std::uint32_t first_unfired = 0;
   bool shot_out = false;  ///< the board may have fired that point by now
 };
@@ -207,6 +210,7 @@ class Controller {
   }
   /// Exact as of the last lamp_edge(). Beat interrupt, or main loop with it masked.
   JobMark job_mark() {
+    if (program_.begun() || beat_locked()) return {JobMark::of_program, 0, false};
     if (!wire_job()) return {};
     return {link_.session(), runner_.first_unfired(), shots_.undecided()};
   }

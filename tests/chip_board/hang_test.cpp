@@ -222,6 +222,21 @@ TEST_F(Loss, InAHold) {
   EXPECT_THAT(rig().heard, HasSubstr(told(1, shots, false)));
 }
 
+/// Nobody knows where the machine is, in motion and behind it: what comes next is refused.
+TEST_F(Loss, InAProgramAndBehindIt) {
+  for (const bool behind : {false, true}) {
+    SCOPED_TRACE(behind);
+    boot_anew();
+    rig().type("G1 X20 F6000\n");
+    rig().run((behind ? 500 : 60) * ps_per_ms);
+    ASSERT_THAT(rig().status(), HasSubstr(behind ? "<Idle" : "<Run"));
+    lose(End::spins_deaf);
+    ASSERT_NO_FATAL_FAILURE(restart());
+    EXPECT_THAT(rig().status(), HasSubstr("<Alarm"));
+    EXPECT_THAT(rig().heard, HasSubstr("Started by watchdog, programs had run]"));
+  }
+}
+
 /// The record of the job is three stores; a reset between them leaves it unreadable.
 TEST_F(Loss, WithARecordHalfWritten) {
   RunningJob running(rig(), job::make_job(chip_points(60, random_()), profile_, {}), 1);

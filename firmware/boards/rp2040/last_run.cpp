@@ -2,6 +2,7 @@
 
 #include "firmware/boards/rp2040/registers/vreg.hpp"
 #include "firmware/boards/rp2040/watchdog.hpp"
+#include "firmware/machine/controller.hpp"
 
 namespace lamplock::rp2040 {
 namespace {
@@ -95,6 +96,10 @@ void describe(const LastRun& run, machine::TextLine& line) {
     add_hex(line, run.fault.xpsr);
   }
   if (run.session == 0) return;
+  if (run.session == machine::JobMark::of_program) {
+    line.add(", programs had run");
+    return;
+  }
   line.add(", job ").add(std::int64_t{run.session});
   line.add(" first point not fired ").add(std::int64_t{run.first_unfired});
   if (run.shot_out) line.add(", which may have been");

@@ -40,7 +40,9 @@ struct LastRun {
   FaultRecord fault;  ///< reason fault only
   /// A job may have been under way: nobody knows where the axes stand.
   bool in_job = false;
-  std::uint32_t session = 0;  ///< 0 = no job, or nothing is known of it
+  /// 0 = no job, or nothing is known of it; JobMark::of_program = none, but programs have moved the
+  /// machine.
+  std::uint32_t session = 0;
   std::uint32_t first_unfired = 0;
   /// A shot at that point was given out: the hardware may have fired it after the end.
   bool shot_out = false;
