@@ -8,30 +8,13 @@
 #include <system_error>
 
 #include "host/error.hpp"
+#include "host/text.hpp"
 #include "shared/wire/framing.hpp"
 
 namespace lamplock::link {
 namespace {
 
 constexpr unsigned char del = 0x7F;
-
-/// Takes the next line off the front, without its end.
-std::string_view take_line(std::string_view& text) {
-  const std::size_t end = text.find_first_of("\r\n");
-  const std::string_view line = text.substr(0, end);
-  if (end == std::string_view::npos)
-    text = {};
-  else
-    text.remove_prefix(end + (text.substr(end, 2) == "\r\n" ? 2 : 1));
-  return line;
-}
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t";
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
-}
 
 /// As the firmware reads comments: a bracket that is not closed makes the rest of the line one.
 std::string without_comments(std::string_view line) {

@@ -11,6 +11,7 @@
 #include "firmware/machine/program_motion.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/error.hpp"
+#include "host/text.hpp"
 #include "shared/wire/framing.hpp"
 
 namespace lamplock::program_run {
@@ -206,18 +207,6 @@ std::string text_of(GcodeError error) {
   for (const GcodeErrorRow& row : gcode_errors)
     if (row.error == error) return std::string(row.text);
   return "unknown";
-}
-
-/// Takes the next line off the front, without its end; CR, LF and both are one.
-std::string_view take_line(std::string_view& text) {
-  const std::size_t end = text.find_first_of("\r\n");
-  const std::string_view line = text.substr(0, end);
-  if (end == std::string_view::npos) {
-    text = {};
-    return line;
-  }
-  text.remove_prefix(end + (text.substr(end, 2) == "\r\n" ? 2 : 1));
-  return line;
 }
 
 }  // namespace
