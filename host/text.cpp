@@ -2,6 +2,11 @@
 
 namespace lamplock {
 
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 std::string_view take_line(std::string_view& text) {
   const auto end = text.find_first_of("\r\n");
   const std::string_view line = text.substr(0, end);

@@ -9,6 +9,9 @@
 
 namespace lamplock {
 
+/// Without the mark that some editors put before UTF-8.
+std::string_view without_byte_order_mark(std::string_view text);
+
 /// Takes the next line off the front, without its end; CR, LF and both are one.
 std::string_view take_line(std::string_view& text);
 

@@ -214,10 +214,11 @@ ProgramRun run_program(std::string_view text, const settings::Values& values,
   Machine machine(values);
   ProgramRun& run = machine.result();
   bool more = true;
+  text = without_byte_order_mark(text);
   for (std::size_t number = 1; more && !text.empty(); ++number) {
     const std::string_view line = take_line(text);
     machine.receive(line.size() + 1);
-    if (line.empty()) continue;
+    if (line.empty() || line.starts_with('$')) continue;
     ++run.lines;
     program::Fault fault;
     if (line.size() > wire::max_line)
