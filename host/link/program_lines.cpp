@@ -30,12 +30,12 @@ std::string without_comments(std::string_view line) {
   return result;
 }
 
-void check(const std::string& line, const std::string& file, std::size_t number) {
+void check(const std::string& line, const std::string& where) {
   for (const char c : line) {
     const auto byte = static_cast<unsigned char>(c);
     if (wire::is_realtime(byte) || byte >= 0x80 || byte == del || (byte < ' ' && byte != '\t'))
       throw Error(
-          Exit::bad_input, fmt::format("{}:{}", file, number),
+          Exit::bad_input, where,
           fmt::format("the byte 0x{:02X} outside of a comment is a command to the board", byte),
           "take it out; is this a program of G-code?");
   }
@@ -61,17 +61,20 @@ void each_word(std::string_view line, char letter, Use use) {
 
 }  // namespace
 
+std::string line_to_send(std::string_view line, const std::string& where) {
+  line = trimmed(line);
+  std::string text(line);
+  if (!line.starts_with('$')) text = trimmed(without_comments(line));
+  check(text, where);
+  return text;
+}
+
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file) {
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  text = without_byte_order_mark(text);
   std::vector<ProgramLine> lines;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::string_view whole = trimmed(take_line(text));
-    const bool system = whole.starts_with('$');
-    const std::string stripped = system ? std::string(whole) : without_comments(whole);
-    std::string line(trimmed(stripped));
+    std::string line = line_to_send(take_line(text), fmt::format("{}:{}", file, number));
     if (line.find_first_not_of("% \t") == std::string::npos) continue;
-    check(line, file, number);
     lines.push_back({number, std::move(line)});
   }
   return lines;
