@@ -12,6 +12,34 @@ using wire::MachineState;
 constexpr std::string_view ok_line = "ok\r\n";
 constexpr std::string_view version_begin = "[VER:1.1h.20261122:", product = "lamplock";
 
+/// Where the machine is and how fast it moves along its path.
+void report_motion(ReportedStatus& status, const stepper::MotionState& motion,
+                   const settings::Values& values) {
+  std::uint64_t squares = 0;
+  for (int a = 0; a < status.axes; ++a) {
+    const stepper::AxisState& axis = motion.axis[index(a)];
+    const auto steps_per_mm_milli = static_cast<std::uint32_t>(values.milli(Id::steps_per_mm_x, a));
+    status.machine_e7[index(a)] =
+        axis.step() * (program::one_e7 * 1000) / std::int64_t{steps_per_mm_milli};
+    const std::int64_t steps_per_min =
+        (Int128::product(axis.speed_q62, 60 * std::int64_t{ticks_per_second}) >> 62).to_int64();
+    const std::int64_t um_min = mul_div(abs64(steps_per_min), 1'000'000, steps_per_mm_milli);
+    squares += wide_product(static_cast<std::uint32_t>(um_min), static_cast<std::uint32_t>(um_min));
+  }
+  status.feed_um_min = isqrt(squares);
+}
+
+/// What the program has set.
+void report_program(ReportedStatus& status, const program::Interpreter& interpreter) {
+  const program::Modal& modal = interpreter.modal();
+  status.work_offset_e7 = interpreter.work_offset_e7();
+  if (modal.spindle != program::Spindle::off) status.speed_milli = modal.speed_milli;
+  status.clockwise = modal.spindle == program::Spindle::constant;
+  status.counterclockwise = modal.spindle == program::Spindle::proportional;
+  status.flood = modal.flood;
+  status.mist = modal.mist;
+}
+
 }  // namespace
 
 void Controller::tell_version() {
@@ -221,41 +249,20 @@ std::string_view Controller::state_name() const {
 ReportedStatus Controller::reported_status() const {
   stepper::MotionState motion;
   ReportedStatus status;
-  std::uint32_t line = 0;
   {
     const Masked masked(mask_);
     motion = runner_.generator().state();
     status.state = state_name();
-    line = program_.line();
+    status.line = program_.line();
   }
   status.busy = job_unfinished();
   status.axes = values_.whole(Id::axes);
-  std::uint64_t squares = 0;
-  for (int a = 0; a < status.axes; ++a) {
-    const stepper::AxisState& axis = motion.axis[index(a)];
-    const auto steps_per_mm_milli =
-        static_cast<std::uint32_t>(values_.milli(Id::steps_per_mm_x, a));
-    status.machine_e7[index(a)] =
-        axis.step() * (program::one_e7 * 1000) / std::int64_t{steps_per_mm_milli};
-    const std::int64_t steps_per_min =
-        (Int128::product(axis.speed_q62, 60 * std::int64_t{ticks_per_second}) >> 62).to_int64();
-    const std::int64_t um_min = mul_div(abs64(steps_per_min), 1'000'000, steps_per_mm_milli);
-    squares += wide_product(static_cast<std::uint32_t>(um_min), static_cast<std::uint32_t>(um_min));
-  }
-  status.feed_um_min = isqrt(squares);
-  const program::Interpreter& interpreter = reader_.interpreter();
-  const program::Modal& modal = interpreter.modal();
-  status.work_offset_e7 = interpreter.work_offset_e7();
+  report_motion(status, motion, values_);
+  report_program(status, reader_.interpreter());
   status.free_lines = beat_locked() ? runner_.queue().free() : program_.free();
   constexpr std::size_t beyond = LineQueue::capacity - LineQueue::window;
   const std::size_t room = receive_room();
   status.free_bytes = static_cast<std::uint32_t>(room > beyond ? room - beyond : 0);
-  status.line = line;
-  if (modal.spindle != program::Spindle::off) status.speed_milli = modal.speed_milli;
-  status.clockwise = modal.spindle == program::Spindle::constant;
-  status.counterclockwise = modal.spindle == program::Spindle::proportional;
-  status.flood = modal.flood;
-  status.mist = modal.mist;
   status.overrides = overrides_;
   constexpr std::uint16_t door_pin = 1u << pin_letters.find('D');
   if (door_open_) status.pins |= door_pin;

@@ -12,12 +12,18 @@ using program::ActionKind;
 using program::BeatLock;
 using settings::Id;
 
-void ProgramReader::configure(const settings::Values& values, std::uint8_t channels) {
+program::Options program_options(const settings::Values& values, bool beat_lock) {
   constexpr std::int64_t e7_per_milli = program::one_e7 / 1000;
-  options_.axes = values.whole(Id::axes);
-  options_.arc_tolerance_e7 = values.milli(Id::arc_tolerance) * e7_per_milli;
-  options_.beat_lock = channels != 0;
-  options_.laser = values.whole(Id::laser_mode) != 0;
+  program::Options options;
+  options.axes = values.whole(Id::axes);
+  options.arc_tolerance_e7 = values.milli(Id::arc_tolerance) * e7_per_milli;
+  options.laser = values.whole(Id::laser_mode) != 0;
+  options.beat_lock = beat_lock;
+  return options;
+}
+
+void ProgramReader::configure(const settings::Values& values, std::uint8_t channels) {
+  options_ = program_options(values, channels != 0);
   channel_ =
       channels == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(std::countr_zero(channels));
 }

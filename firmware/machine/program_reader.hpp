@@ -27,6 +27,9 @@
 
 namespace lamplock::machine {
 
+/// What the interpreter follows on a machine with these settings; `beat_lock`: it may have it.
+program::Options program_options(const settings::Values& values, bool beat_lock);
+
 class ProgramReader {
  public:
   /// What came of a step.

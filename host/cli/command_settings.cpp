@@ -64,8 +64,6 @@ void say_setting(Console& console, std::uint32_t number, const std::string& text
               text == default_text(id) ? ' ' : '*', row.unit, default_text(id), row.description);
 }
 
-Id row_of(std::uint32_t number) { return link::find_setting(fmt::format("{}", number)); }
-
 Exit list(const Options& options) {
   Console console(options.board.json);
   const Board board(options);
@@ -73,8 +71,8 @@ Exit list(const Options& options) {
   if (!console.json())
     console.say("{:>6}  {:<20} {:>12}  {:<8} {:>12}", "number", "name", "value", "unit", "default");
   for (const auto& [number, text] : board.settings().texts) {
-    if (!console.json()) say_setting(console, number, text, row_of(number));
-    document.push_back(as_json(number, text, row_of(number)));
+    if (!console.json()) say_setting(console, number, text, link::find_setting(number));
+    document.push_back(as_json(number, text, link::find_setting(number)));
   }
   console.document(document);
   return Exit::done;
@@ -92,7 +90,7 @@ Exit get(const Options& options) {
     throw Error(Exit::bad_input, link::setting_name(*number), "the board has no such setting",
                 "lamplock settings list shows those that it has");
   if (console.json())
-    console.document(as_json(*number, found->second, row_of(*number)));
+    console.document(as_json(*number, found->second, link::find_setting(*number)));
   else
     console.line(found->second);
   return Exit::done;
@@ -106,7 +104,7 @@ Exit bring_to(const Options& options, const std::vector<Change>& wanted) {
   const BoardSettings after = link::change_settings(board.port(), board.settings(), changes);
   Json document = Json::array();
   for (const Change& change : changes) {
-    const Id id = row_of(change.number);
+    const Id id = link::find_setting(change.number);
     const std::string &old = board.settings().texts.at(change.number),
                       &now = after.texts.at(change.number);
     console.say("{}: {} -> {}{}", link::setting_name(change.number), old, now,

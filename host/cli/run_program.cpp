@@ -30,7 +30,7 @@ constexpr std::string_view axis_names = "XYZA";
 
 /// A program and what is known of it before it is sent.
 struct Program {
-  std::string file, text;
+  std::string file;
   std::vector<link::ProgramLine> lines;
   std::optional<double> planned_s;
 };
@@ -64,13 +64,15 @@ void ask_permission(const Program& program, const BoardOptions& options) {
                 "answer yes, or give --yes");
 }
 
-/// What `lamplock check` says for the settings that the board has; nothing where the program or the
-/// board does not allow to tell.
+/// What `lamplock check` says of the lines, for the settings that the board has; nothing where the
+/// program or the board does not allow to tell.
 std::optional<double> planned_time(const Program& program, link::LinePort& port) {
   try {
     const link::BoardSettings settings = link::read_settings(port);
     if (settings.known.none()) return std::nullopt;
-    const auto run = program_run::run_program(program.text, settings.values, 1);
+    std::string sent;
+    for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
+    const auto run = program_run::run_program(sent, settings.values, 1);
     if (run.problems.empty()) return run.seconds();
   } catch (const Error& error) {
     if (error.exit() == Exit::no_device) throw;
@@ -200,8 +202,7 @@ Exit tell_end(const Program& program, const LineResult& result, const std::strin
 }
 
 Program read_program(const std::string& file) {
-  Program program{file, read_file(file), {}, {}};
-  program.lines = link::program_lines(program.text, file);
+  Program program{file, link::program_lines(read_file(file), file), {}};
   if (program.lines.empty())
     throw Error(Exit::bad_input, file, "has no line to send", "is this the right file?");
   return program;

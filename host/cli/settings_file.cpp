@@ -7,6 +7,7 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/job/profile.hpp"
+#include "host/text.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::cli {
@@ -38,7 +39,7 @@ std::string toml_text(const link::BoardSettings& board) {
   std::string text = "# Settings of a board, by `lamplock settings backup`.\n";
   for (std::size_t i = 0; i < settings::setting_count;) add_toml(text, board, i);
   for (const auto& [number, value] : board.texts)
-    if (link::find_setting(fmt::format("{}", number)) == Id::count)
+    if (link::find_setting(number) == Id::count)
       text += fmt::format("# ${}={} is not known to this program\n", number, value);
   return text;
 }
@@ -55,14 +56,9 @@ std::vector<link::Change> from_profile(const std::filesystem::path& file) {
   return changes;
 }
 
-/// The next line without its end; grbl 0.9 and some senders put a remark in brackets behind it.
-std::string take_line(std::string_view& text) {
-  const auto end = text.find('\n');
-  std::string line(text.substr(0, end));
-  text = end == std::string_view::npos ? std::string_view{} : text.substr(end + 1);
-  line.resize(std::min(line.size(), line.find_first_of("(;#")));
-  line.resize(line.find_last_not_of(" \t\r") + 1);
-  return line;
+/// grbl 0.9 and some senders put a remark in brackets behind a setting.
+std::string_view without_remark(std::string_view line) {
+  return trimmed(line.substr(0, line.find_first_of("(;#")));
 }
 
 std::vector<link::Change> from_lines(const std::filesystem::path& file) {
@@ -70,7 +66,7 @@ std::vector<link::Change> from_lines(const std::filesystem::path& file) {
   std::string_view text = whole;
   std::vector<link::Change> changes;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::string line = take_line(text);
+    const std::string_view line = without_remark(take_line(text));
     if (line.empty() || line == "ok") continue;
     const std::string where = fmt::format("{}:{}", file.string(), number);
     if (!line.starts_with('$'))

@@ -1,10 +1,10 @@
 #include "host/cli/steering.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdint>
-#include <system_error>
+
+#include "host/text.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -77,14 +77,13 @@ void Steering::take_line(const std::string& line) {
     return;
   }
   const std::uint32_t present = sender_.job_speed();
-  std::uint32_t percent = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), percent);
+  const auto percent = number_of<std::uint32_t>(word);
   if (word == "+")
     change_job_speed(present + job_speed_step);
   else if (word == "-")
     change_job_speed(present > job_speed_step ? present - job_speed_step : 1);
-  else if (error == std::errc{} && end == word.data() + word.size() && percent > 0)
-    change_job_speed(percent);
+  else if (percent && *percent > 0)
+    change_job_speed(*percent);
   else
     progress_.note("type a job speed in percent, + or -; a blank line goes on after a hold");
 }

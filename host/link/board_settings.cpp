@@ -3,38 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
-#include <system_error>
 #include <utility>
 
 #include "firmware/machine/settings_text.hpp"
 #include "host/error.hpp"
+#include "host/text.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::link {
 namespace {
 
 using settings::Id;
-
-std::optional<std::uint32_t> whole_number(std::string_view text) {
-  std::uint32_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-Id row_of(std::uint32_t number) {
-  if (number > std::numeric_limits<std::uint16_t>::max()) return Id::count;
-  return settings::find_number(static_cast<std::uint16_t>(number));
-}
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t";
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
-}
 
 std::string command(std::uint32_t number, std::string_view value) {
   return fmt::format("${}={}", number, value);
@@ -62,13 +42,6 @@ void check_unknown(std::uint32_t number, std::string_view value, const std::stri
                 "write what $$ of the board shows");
 }
 
-std::optional<double> number_of(std::string_view text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
 /// The same value, however it is written.
 bool has_value(const BoardSettings& board, const Change& change) {
   const std::string& text = board.texts.at(change.number);
@@ -76,7 +49,7 @@ bool has_value(const BoardSettings& board, const Change& change) {
   const machine::SettingLine theirs = machine::read_setting(command(change.number, text));
   if (ours.error == GcodeError::none && theirs.error == GcodeError::none)
     return ours.milli == theirs.milli;
-  const auto one = number_of(text), other = number_of(change.text);
+  const auto one = number_of<double>(text), other = number_of<double>(change.text);
   return one && other ? *one == *other : text == change.text;
 }
 
@@ -101,7 +74,7 @@ std::vector<std::pair<Change, int>> send_changes(LinePort& port, std::vector<Cha
 bool take_setting(std::string_view line, BoardSettings& settings) {
   const auto equals = line.find('=');
   if (!line.starts_with('$') || equals == std::string_view::npos) return false;
-  const auto number = whole_number(line.substr(1, equals - 1));
+  const auto number = number_of<std::uint32_t>(line.substr(1, equals - 1));
   if (!number) return false;
   settings.texts[*number] = line.substr(equals + 1);
   const machine::SettingLine row = machine::read_setting(line);
@@ -124,16 +97,16 @@ std::optional<std::uint32_t> find_number(std::string_view name) {
   name = trimmed(name);
   if (const Id id = settings::find_name(name); id != Id::count) return settings::row(id).number;
   if (name.starts_with('$')) name.remove_prefix(1);
-  return whole_number(name);
+  return number_of<std::uint32_t>(name);
 }
 
-Id find_setting(std::string_view name) {
-  const auto number = find_number(name);
-  return number ? row_of(*number) : Id::count;
+Id find_setting(std::uint32_t number) {
+  if (number > std::numeric_limits<std::uint16_t>::max()) return Id::count;
+  return settings::find_number(static_cast<std::uint16_t>(number));
 }
 
 std::string setting_name(std::uint32_t number) {
-  const Id id = row_of(number);
+  const Id id = find_setting(number);
   return id == Id::count ? fmt::format("${}", number)
                          : fmt::format("${} {}", number, settings::row(id).name);
 }
@@ -155,7 +128,7 @@ Change parse_change(std::string_view text, const std::string& where) {
   if (!number)
     throw Error(Exit::bad_input, where, fmt::format("there is no setting '{}'", name),
                 "lamplock settings list shows their names and numbers");
-  const Id id = row_of(*number);
+  const Id id = find_setting(*number);
   if (id == Id::count) {
     check_unknown(*number, value, where);
     return {*number, std::string(value)};

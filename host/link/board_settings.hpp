@@ -44,8 +44,8 @@ struct Change {
   std::string text;
 };
 
-/// Row of a setting given by number, $number or name; Id::count if the table has none.
-settings::Id find_setting(std::string_view name);
+/// Row of a setting; Id::count if the table has none with this number.
+settings::Id find_setting(std::uint32_t number);
 /// The number of a setting given by number, $number or name; nothing if it is no number and no
 /// name.
 std::optional<std::uint32_t> find_number(std::string_view name);

@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
-#include <system_error>
 
+#include "host/text.hpp"
 #include "shared/gcode_errors.hpp"
 
 namespace lamplock::link {
@@ -33,12 +32,6 @@ constexpr std::array<std::string_view, 18> alarm_texts{
     "a drive reports a fault",
 };
 
-template <class Number>
-bool read_whole(std::string_view text, Number& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc{} && end == text.data() + text.size() && !text.empty();
-}
-
 /// Takes what stands before the next separator off the front.
 std::string_view take_part(std::string_view& text, char separator) {
   const auto end = text.find(separator);
@@ -50,16 +43,16 @@ std::string_view take_part(std::string_view& text, char separator) {
 std::vector<double> numbers(std::string_view text) {
   std::vector<double> result;
   while (!text.empty()) {
-    double value = 0;
-    if (!read_whole(take_part(text, ','), value)) return {};
-    result.push_back(value);
+    const auto value = number_of<double>(take_part(text, ','));
+    if (!value) return {};
+    result.push_back(*value);
   }
   return result;
 }
 
 void take_state(std::string_view text, BoardStatus& status) {
   status.state = take_part(text, ':');
-  if (int number = 0; read_whole(text, number)) status.substate = number;
+  if (const auto number = number_of<int>(text)) status.substate = *number;
 }
 
 void take_field(std::string_view field, BoardStatus& status) {
@@ -71,15 +64,13 @@ void take_field(std::string_view field, BoardStatus& status) {
     status.work_offset = numbers(field);
   } else if (name == "Bf") {
     take_part(field, ',');
-    if (std::size_t bytes = 0; read_whole(field, bytes)) status.free_bytes = bytes;
+    if (const auto bytes = number_of<std::size_t>(field)) status.free_bytes = bytes;
   }
 }
 
 std::optional<int> number_behind(std::string_view line, std::string_view prefix) {
-  int number = 0;
-  if (!line.starts_with(prefix) || !read_whole(line.substr(prefix.size()), number))
-    return std::nullopt;
-  return number;
+  if (!line.starts_with(prefix)) return std::nullopt;
+  return number_of<int>(line.substr(prefix.size()));
 }
 
 }  // namespace
@@ -114,7 +105,8 @@ bool take_identity(std::string_view line, BoardIdentity& identity) {
   }
   identity.options = take_part(line, ',');
   take_part(line, ',');
-  if (std::size_t bytes = 0; read_whole(take_part(line, ','), bytes)) identity.window_bytes = bytes;
+  if (const auto bytes = number_of<std::size_t>(take_part(line, ',')))
+    identity.window_bytes = *bytes;
   return true;
 }
 

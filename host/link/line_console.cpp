@@ -9,6 +9,7 @@
 #include "host/error.hpp"
 #include "host/link/board_text.hpp"
 #include "host/link/dialog.hpp"
+#include "host/link/program_lines.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -81,9 +82,10 @@ void LineConsole::type(const std::string& line) {
   const auto byte = realtime_word(line);
   ++typed_;
   if (byte && !in_order_) return send_byte(*byte);
-  std::string text = line;
-  if (!text.empty() && text.back() == '\r') text.pop_back();
-  queue_.push_back({typed_, std::move(text)});
+  std::string_view text = line;
+  if (text.ends_with('\r')) text.remove_suffix(1);
+  const std::string where = fmt::format("line {}", typed_);
+  queue_.push_back({typed_, byte ? std::string(text) : line_to_send(text, where)});
 }
 
 bool LineConsole::done() const {

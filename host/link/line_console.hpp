@@ -41,7 +41,7 @@ class LineConsole {
   LineConsole(LinePort& port, bool in_order, Show show)
       : port_(port), in_order_(in_order), show_(std::move(show)) {}
 
-  /// Takes a typed line. Throws Error(bad_input) as realtime_word().
+  /// Takes a typed line. Throws Error(bad_input) as realtime_word() and line_to_send().
   void type(const std::string& line);
   /// One round: reads, shows, sends, waits a little. Throws Error(no_device): the board is gone or
   /// does not answer.

@@ -8,30 +8,13 @@
 #include <system_error>
 
 #include "host/error.hpp"
+#include "host/text.hpp"
 #include "shared/wire/framing.hpp"
 
 namespace lamplock::link {
 namespace {
 
 constexpr unsigned char del = 0x7F;
-
-/// Takes the next line off the front, without its end.
-std::string_view take_line(std::string_view& text) {
-  const std::size_t end = text.find_first_of("\r\n");
-  const std::string_view line = text.substr(0, end);
-  if (end == std::string_view::npos)
-    text = {};
-  else
-    text.remove_prefix(end + (text.substr(end, 2) == "\r\n" ? 2 : 1));
-  return line;
-}
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t";
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
-}
 
 /// As the firmware reads comments: a bracket that is not closed makes the rest of the line one.
 std::string without_comments(std::string_view line) {
@@ -47,12 +30,12 @@ std::string without_comments(std::string_view line) {
   return result;
 }
 
-void check(const std::string& line, const std::string& file, std::size_t number) {
+void check(const std::string& line, const std::string& where) {
   for (const char c : line) {
     const auto byte = static_cast<unsigned char>(c);
     if (wire::is_realtime(byte) || byte >= 0x80 || byte == del || (byte < ' ' && byte != '\t'))
       throw Error(
-          Exit::bad_input, fmt::format("{}:{}", file, number),
+          Exit::bad_input, where,
           fmt::format("the byte 0x{:02X} outside of a comment is a command to the board", byte),
           "take it out; is this a program of G-code?");
   }
@@ -78,17 +61,20 @@ void each_word(std::string_view line, char letter, Use use) {
 
 }  // namespace
 
+std::string line_to_send(std::string_view line, const std::string& where) {
+  line = trimmed(line);
+  std::string text(line);
+  if (!line.starts_with('$')) text = trimmed(without_comments(line));
+  check(text, where);
+  return text;
+}
+
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file) {
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  text = without_byte_order_mark(text);
   std::vector<ProgramLine> lines;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::string_view whole = trimmed(take_line(text));
-    const bool system = whole.starts_with('$');
-    const std::string stripped = system ? std::string(whole) : without_comments(whole);
-    std::string line(trimmed(stripped));
+    std::string line = line_to_send(take_line(text), fmt::format("{}:{}", file, number));
     if (line.find_first_not_of("% \t") == std::string::npos) continue;
-    check(line, file, number);
     lines.push_back({number, std::move(line)});
   }
   return lines;

@@ -1,7 +1,7 @@
 // A program of G-code as lines to send.
 //
 // In:  the text of a file. Out: its lines with their numbers, without comments and blanks.
-// Who: senders of programs.
+// Who: senders of programs, the console.
 //
 // Comments must not go out: a board takes `?`, `!`, `~` and bytes from 0x80 up for commands
 // wherever they stand, and a comment may have any of them.
@@ -20,9 +20,13 @@ struct ProgramLine {
   std::string text;
 };
 
-/// Takes a program apart; lines end in CR, LF or both. Comments (brackets, semicolon), white space
-/// at both ends, blank lines and lines of `%` are left out; `$` lines stay as they are. Throws
-/// Error(bad_input) with FILE:LINE if a line has a byte that a board would take for a command.
+/// What goes out for a line: without comments (brackets, semicolon) and white space at both ends;
+/// `$` lines keep what looks like a comment. Throws Error(bad_input) about `where` if it has a byte
+/// that a board would take for a command.
+std::string line_to_send(std::string_view line, const std::string& where);
+
+/// Takes a program apart; lines end in CR, LF or both. Blank lines and lines of `%` are left
+/// out. Throws Error(bad_input) about FILE:LINE as line_to_send().
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file);
 
 /// True if the line pauses the program: M0, M1 or M60.

@@ -1,6 +1,6 @@
 #include "host/model/text.hpp"
 
-#include <charconv>
+#include "host/text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -10,10 +10,7 @@ constexpr std::string_view white_space = " \t\r\n\f\v";
 template <class Number>
 std::optional<Number> to_number(std::string_view field) {
   if (field.size() > 1 && field.front() == '+' && field[1] != '-') field.remove_prefix(1);
-  Number number{};
-  const auto [end, failure] = std::from_chars(field.data(), field.data() + field.size(), number);
-  if (failure != std::errc{} || end != field.data() + field.size()) return std::nullopt;
-  return number;
+  return number_of<Number>(field);
 }
 
 }  // namespace

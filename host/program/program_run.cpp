@@ -9,8 +9,10 @@
 #include "firmware/machine/line_work.hpp"
 #include "firmware/machine/program_horizon.hpp"
 #include "firmware/machine/program_motion.hpp"
+#include "firmware/machine/program_reader.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/error.hpp"
+#include "host/text.hpp"
 #include "shared/wire/framing.hpp"
 
 namespace lamplock::program_run {
@@ -22,7 +24,6 @@ using settings::Id;
 
 /// Limits are those of ticks of their nominal length; which beat they are made for does not matter.
 constexpr std::uint32_t some_beat_ticks = ticks_per_second / 100;
-constexpr std::int64_t um_per_mm = 1000;
 /// A board that takes all that the cable brings, USB at full speed: 19 packets of 64 bytes in a
 /// millisecond, looked at four times in it; and the ticks that it has filled.
 constexpr std::uint64_t round_ticks = ticks_per_second / 4000;
@@ -30,15 +31,6 @@ constexpr std::size_t bytes_per_round = 19 * 64 / 4;
 constexpr std::uint64_t filled_ticks = 9 * round_ticks;
 constexpr double e7 = static_cast<double>(program::one_e7);
 constexpr std::string_view axis_names = "XYZA";
-
-program::Options options_of(const settings::Values& values) {
-  program::Options options;
-  options.axes = values.whole(Id::axes);
-  options.arc_tolerance_e7 =
-      std::int64_t{values.milli(Id::arc_tolerance)} * (program::one_e7 / um_per_mm);
-  options.laser = values.whole(Id::laser_mode) != 0;
-  return options;
-}
 
 /// For a machine that cannot be.
 Error no_motion(const settings::Values& values) {
@@ -209,18 +201,6 @@ std::string text_of(GcodeError error) {
   return "unknown";
 }
 
-/// Takes the next line off the front, without its end; CR, LF and both are one.
-std::string_view take_line(std::string_view& text) {
-  const std::size_t end = text.find_first_of("\r\n");
-  const std::string_view line = text.substr(0, end);
-  if (end == std::string_view::npos) {
-    text = {};
-    return line;
-  }
-  text.remove_prefix(end + (text.substr(end, 2) == "\r\n" ? 2 : 1));
-  return line;
-}
-
 }  // namespace
 
 double ProgramRun::seconds() const {
@@ -232,15 +212,16 @@ ProgramRun run_program(std::string_view text, const settings::Values& values,
                        std::size_t most_problems) {
   const std::string_view whole = text;
   program::Parameters parameters;
-  const program::Options options = options_of(values);
+  const program::Options options = machine::program_options(values, true);
   program::Interpreter interpreter(parameters, options);
   Machine machine(values);
   ProgramRun& run = machine.result();
   bool more = true;
+  text = without_byte_order_mark(text);
   for (std::size_t number = 1; more && !text.empty(); ++number) {
     const std::string_view line = take_line(text);
     machine.receive(line.size() + 1);
-    if (line.empty()) continue;
+    if (line.empty() || line.starts_with('$')) continue;
     ++run.lines;
     program::Fault fault;
     if (line.size() > wire::max_line)

@@ -7,6 +7,7 @@
 //      for a picture. A program with points on the beat takes what the virtual board takes.
 // Who: `lamplock check`; tests.
 //
+// Lines that begin with `$` are for the board and say nothing of the program: they are passed over.
 // A line that is wrong is left out, as the machine would with $-setting "go on after an error"; the
 // time is then that of the rest. A pause (M0) takes no time.
 #pragma once

@@ -15,6 +15,7 @@ using testing::EndsWith;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 using testing::Not;
+using namespace std::string_literals;
 
 nlohmann::json check(const std::string& file, const std::vector<std::string>& options = {}) {
   std::vector<std::string> arguments{"check", file, "--json"};
@@ -94,6 +95,16 @@ TEST(Check, WhatIsWrongIsToldByLineColumnAndNumber) {
   // The rest is done.
   EXPECT_THAT(done.out, HasSubstr("Y         0.000 to 2.000 mm"));
   EXPECT_THAT(run({"check", file, "--most", "2"}).err, HasSubstr("2 or more lines are wrong"));
+}
+
+TEST(Check, WhatEditorsAndSendersAddIsNoPartOfTheProgram) {
+  const Folder folder;
+  const nlohmann::json plain = check(folder.write("a.ngc", "G1 X10 F600\n"));
+  for (const char* before : {"\xEF\xBB\xBF", "$X\n", "%\n"}) {
+    const nlohmann::json seen = check(folder.write("b.ngc", before + "G1 X10 F600\n"s));
+    EXPECT_EQ(seen["problems"], plain["problems"]);
+    EXPECT_EQ(seen["time_s"], plain["time_s"]);
+  }
 }
 
 TEST(Check, TheWorkSpaceIsThatOfTheMachine) {

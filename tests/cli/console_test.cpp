@@ -24,6 +24,9 @@ TEST(ConsoleCommand, ends_at_the_first_error) {
   EXPECT_THAT(wrong.err, HasSubstr("error: line 2: error:3 no such $ command"));
   EXPECT_THAT(wrong.out, Not(HasSubstr("$901")));
   EXPECT_EQ(run({"console"}, ":nonsense\n").status, 2);
+  const Finished loud = run({"console"}, "G0 X1 ! Y1\n");
+  EXPECT_EQ(loud.status, 2);
+  EXPECT_THAT(loud.err, HasSubstr("error: line 1: the byte 0x21"));
 }
 
 TEST(ConsoleCommand, in_a_terminal) {

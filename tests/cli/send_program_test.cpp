@@ -80,6 +80,18 @@ TEST(SendProgram, sends_it_and_tells) {
   EXPECT_EQ(board.stop().lines, (std::vector<std::string>{"G21", "G1 X1", "M30"}));
 }
 
+TEST(SendProgram, the_time_is_planned_from_what_is_sent) {
+  const Folder folder;
+  const std::string long_comment = "(" + std::string(300, 'x') + "?)";
+  const std::string file =
+      folder.write("a.ngc", "\xEF\xBB\xBF$X\n" + long_comment + "\nG1 X10 F600\n");
+  const Finished done = run({"send", file, "--board", "virtual", "--json"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  const auto document = nlohmann::json::parse(done.out);
+  ASSERT_TRUE(document["planned_seconds"].is_number());
+  EXPECT_NEAR(document["planned_seconds"].get<double>(), 1, 0.01);
+}
+
 TEST(SendProgram, tells_the_line_of_an_error) {
   const Folder folder;
   const std::string file = folder.write("a.nc", "G21\n\nG1 X2\n" + many_moves(100));

@@ -8,18 +8,13 @@
 
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
 #include "firmware/boards/rp2040/watchdog.hpp"
+#include "host/text.hpp"
 #include "shared/boards/pico_pins.hpp"
 #include "shared/units.hpp"
 #include "tests/docs/page.hpp"
 
 namespace lamplock::boards {
 namespace {
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(' ');
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(' ') - first + 1);
-}
 
 using Row = std::vector<std::string>;
 
@@ -35,7 +30,7 @@ std::vector<Row> table_of(const std::string& page, const std::string& heading) {
     if (line.rfind('|', 0) != 0) continue;
     std::istringstream cells(line.substr(1));
     Row row;
-    for (std::string cell; std::getline(cells, cell, '|');) row.push_back(trimmed(cell));
+    for (std::string cell; std::getline(cells, cell, '|');) row.emplace_back(trimmed(cell));
     rows.push_back(row);
   }
   if (rows.size() > 1) rows.erase(rows.begin(), rows.begin() + 2);

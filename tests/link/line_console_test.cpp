@@ -49,6 +49,18 @@ TEST(LineConsole, lines_are_answered_one_by_one) {
   EXPECT_FALSE(talk.console.failure());
 }
 
+TEST(LineConsole, bytes_that_act_at_once_do_not_go_out_in_the_middle_of_a_line) {
+  GrblModel board;
+  Talk talk(board, true);
+  talk.console.type("G1 X1 (stop! \xC3\x84)");
+  talk.console.type("$100=2(b)");
+  for (const char* line : {"G1 X2 !", "$100=\xC3\x84", "G1 X3 ~ (on)"})
+    EXPECT_THAT(error_of([&] { talk.console.type(line); }), HasSubstr("is a command to the board"));
+  talk.until_done();
+  EXPECT_THAT(board.bytes_seen, testing::IsEmpty());
+  EXPECT_THAT(board.lines, ElementsAre("G1 X1", "$100=2(b)"));
+}
+
 /// The answer to a pause comes behind the word that ends it.
 TEST(LineConsole, in_order_a_word_ends_a_pause) {
   GrblModel board;

@@ -182,6 +182,28 @@ inline double steps_off_middle(Int128 position_q64, std::int32_t step) {
   return std::ldexp(static_cast<double>(native(position_q64 - stepper::middle_of_step(step))), -64);
 }
 
+/// The machine stands where the last line ends.
+inline void expect_at_end(const LineRig& rig) {
+  ASSERT_FALSE(testing::Test::HasFatalFailure());
+  ASSERT_TRUE(rig.at().at_rest());
+  for (int a = 0; a < rig.machine().axes; ++a)
+    ASSERT_LT(std::fabs(steps_off_middle(rig.at().axis[index(a)].position_q64,
+                                         rig.targets().back().steps[index(a)])),
+              2e-6);
+}
+
+/// After a cancel: the machine stands in the middle of a step, and knows of no line.
+inline void expect_cancelled(LineRig& rig) {
+  ASSERT_FALSE(testing::Test::HasFatalFailure());
+  ASSERT_TRUE(rig.planner().idle());
+  ASSERT_FALSE(rig.planner().held());
+  ASSERT_TRUE(rig.at().at_rest());
+  for (int a = 0; a < rig.machine().axes; ++a) {
+    const Int128 at = rig.at().axis[index(a)].position_q64;
+    ASSERT_LT(std::fabs(steps_off_middle(at, static_cast<std::int32_t>(at.hi()))), 2e-6);
+  }
+}
+
 /// The speed along the path goes on but for the whole ticks of both.
 inline void LineRig::look_at_joint(const LineSegment& line) const {
   const double start = start_mm_s(line);

@@ -9,15 +9,6 @@
 namespace lamplock::test {
 namespace {
 
-void expect_at_end(const LineRig& rig) {
-  ASSERT_FALSE(testing::Test::HasFatalFailure());
-  ASSERT_TRUE(rig.at().at_rest());
-  for (int a = 0; a < rig.machine().axes; ++a)
-    ASSERT_LT(std::fabs(steps_off_middle(rig.at().axis[index(a)].position_q64,
-                                         rig.targets().back().steps[index(a)])),
-              2e-6);
-}
-
 /// No line is left out: in order, and every one that has a length ends.
 void expect_all_lines(const LineRig& rig) {
   const auto is_nothing = [&](std::uint32_t line) {
@@ -155,13 +146,7 @@ TEST(LineReturn, ACancelMeanwhileStaysACancel) {
         rig.miss(random() % 9, [&] { rig.planner().cancel(); });
       }
       rig.run();
-      ASSERT_FALSE(testing::Test::HasFatalFailure());
-      ASSERT_TRUE(rig.planner().idle());
-      ASSERT_FALSE(rig.planner().held());
-      for (int a = 0; a < m.axes; ++a) {
-        const Int128 at = rig.at().axis[index(a)].position_q64;
-        ASSERT_LT(std::fabs(steps_off_middle(at, static_cast<std::int32_t>(at.hi()))), 2e-6);
-      }
+      ASSERT_NO_FATAL_FAILURE(expect_cancelled(rig));
     }
     for (const LineTarget& t : random_lines(random, m, 10, 1)) rig.push(t);
     rig.run();

@@ -57,6 +57,13 @@ class DyingFlash {
   /// Power fails within the n-th byte from now; 0 = never.
   void live_for(std::uint64_t n) { left_ = n; }
   std::array<std::uint8_t, size>& bytes() { return bytes_; }
+  /// Bytes of work that have been done since it was as `before`.
+  std::uint64_t work_since(const DyingFlash& before) const {
+    std::uint64_t work = (programs - before.programs) * settings::flash_page;
+    for (std::size_t i = 0; i < sectors; ++i)
+      work += std::uint64_t{erases[i] - before.erases[i]} * settings::flash_sector;
+    return work;
+  }
 
   std::uint32_t misuses = 0;  ///< unaligned, or a page programmed that was not erased
   std::uint64_t programs = 0;

@@ -12,6 +12,7 @@
 #include "tests/machine/random_kept_program.hpp"
 #include "tests/scale.hpp"
 #include "tests/settings/dying_flash.hpp"
+#include "tests/settings/random_values.hpp"
 
 namespace lamplock::settings {
 namespace {
@@ -20,6 +21,7 @@ using machine::KeptProgram;
 using machine::KeptProgramRecord;
 using test::PowerLoss;
 using test::random_kept_program;
+using test::random_values;
 using test::scaled;
 using Random = std::mt19937_64;
 
@@ -65,19 +67,6 @@ struct Stores {
   Values values;
   KeptProgram kept;
 };
-
-Values random_values(Random& random) {
-  Values values;
-  for (std::size_t i = 0; i < setting_count; ++i) {
-    if (random() % 3 != 0) continue;
-    const Row& row = table[i];
-    std::int64_t value =
-        std::uniform_int_distribution<std::int64_t>(row.min_milli, row.max_milli)(random);
-    if (row.whole) value -= value % 1000;
-    values.set_milli(static_cast<Id>(i), static_cast<std::int32_t>(value));
-  }
-  return values;
-}
 
 TEST(KeptStore, GivesDefaultsWhenNothingWasEverSaved) {
   Chip chip;
@@ -159,8 +148,7 @@ TEST(KeptStore, DyingAtEveryByteOfAWriteLeavesOldOrNew) {
     Stores(whole).program.save(wanted);
     const bool erases = whole.erases != full.erases;
     (erases ? with_erase : without) = true;
-    const std::uint64_t work =
-        std::uint64_t{whole.programs - full.programs} * flash_page + (erases ? flash_sector : 0);
+    const std::uint64_t work = whole.work_since(full);
     const auto step = static_cast<std::uint64_t>(std::max(1, 7 / scaled(1)));
     for (std::uint64_t moment = 1; moment <= work; moment += step) {
       Chip chip = full;

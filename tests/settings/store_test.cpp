@@ -9,33 +9,20 @@
 
 #include "tests/scale.hpp"
 #include "tests/settings/dying_flash.hpp"
+#include "tests/settings/random_values.hpp"
 
 namespace lamplock::settings {
 namespace {
 
 using test::DyingFlash;
 using test::PowerLoss;
+using test::random_values;
 using test::scaled;
 using Random = std::mt19937_64;
 
 template <class Flash>
 Values loaded(Flash& flash) {
   return Store<Flash>(flash).load();
-}
-
-/// A few settings, or all, at random values within their ranges.
-Values random_values(Random& random) {
-  Values values;
-  const bool all = random() % 8 == 0;
-  for (std::size_t i = 0; i < setting_count; ++i) {
-    if (!all && random() % 4 != 0) continue;
-    const Row& row = table[i];
-    std::int64_t value =
-        std::uniform_int_distribution<std::int64_t>(row.min_milli, row.max_milli)(random);
-    if (row.whole) value -= value % 1000;
-    values.set_milli(static_cast<Id>(i), static_cast<std::int32_t>(value));
-  }
-  return values;
 }
 
 /// The format as the header of the store describes it, written down a second time.
@@ -217,8 +204,7 @@ TEST(SettingsStore, DyingAtEveryByteOfAWriteLeavesOldOrNew) {
     ASSERT_TRUE(writer.save(wanted));
     const bool erases = whole.erases != full.erases;
     (erases ? with_erase : without) = true;
-    const std::uint64_t work =
-        std::uint64_t{whole.programs - full.programs} * flash_page + (erases ? flash_sector : 0);
+    const std::uint64_t work = whole.work_since(full);
     const auto step = static_cast<std::uint64_t>(std::max(1, 7 / scaled(1)));
     for (std::uint64_t moment = 1; moment <= work; moment += step) {
       DyingFlash flash = full;
