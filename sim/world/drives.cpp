@@ -26,6 +26,7 @@ Drives::Drives(const DriveConfig& config, PinBus& bus)
     axis.mode = config.mode[index(number)];
     axis.inverted = {config.first_active_low[index(number)],
                      config.second_active_low[index(number)]};
+    axis.plain = axis.mode == PulseMode::step_dir && !axis.inverted[0] && !axis.inverted[1];
     axis.active = {bus.level(step_pin(number)) != axis.inverted[0],
                    bus.level(dir_pin(number)) != axis.inverted[1]};
     axis.direction = axis.active[1] ? -1 : 1;
@@ -34,13 +35,26 @@ Drives::Drives(const DriveConfig& config, PinBus& bus)
   }
 }
 
-void Drives::other_mode_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at) {
+/// Inverted wires and other modes.
+void Drives::special_changed(Axis& axis, std::size_t wire, bool level, Picoseconds at) {
+  const bool active = level != axis.inverted[wire];
   axis.active[wire] = active;
   if (axis.mode == PulseMode::cw_ccw)
     pulse_changed(axis, wire, active, at);
-  else
+  else if (axis.mode == PulseMode::quadrature)
     quadrature_changed(axis, wire, active, at);
+  else if (wire != 0)
+    turn(axis, active, at);
+  else if (active)
+    step(axis, at);
+  else if (at - axis.last_step < min_pulse_)
+    ++axis.faults.short_pulses;
   axis.last_change[wire] = at;
+}
+
+void Drives::tell(const Axis& axis, Picoseconds at) {
+  for (LoadListener* listener : axis.listeners)
+    listener->load_moves(axis.number, axis.position, at + axis.lag);
 }
 
 /// CW is the first wire. The last change of a wire that is low is the end of its last pulse.

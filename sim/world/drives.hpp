@@ -94,18 +94,17 @@ class Drives final : public PinListener {
   /// Tells about the steps of one axis from now on; the listener must live as long as the drives.
   void listen(int axis, LoadListener& listener) {
     axes_[index(axis)].listeners.push_back(&listener);
+    axes_[index(axis)].heard = true;
   }
 
   void pin_changed(Pin pin, bool level, Picoseconds at) override {
     const auto line = static_cast<std::size_t>(pin);
     Axis& axis = axes_[line / 2];
-    const std::size_t second = line % 2;
-    const bool active = level != axis.inverted[second];
-    if (axis.mode != PulseMode::step_dir)
-      other_mode_changed(axis, second, active, at);
-    else if (second != 0)
-      turn(axis, active, at);
-    else if (active)
+    if (!axis.plain)
+      special_changed(axis, line % 2, level, at);
+    else if (line % 2 != 0)
+      turn(axis, level, at);
+    else if (level)
       step(axis, at);
     else if (at - axis.last_step < min_pulse_)
       ++axis.faults.short_pulses;
@@ -125,9 +124,11 @@ class Drives final : public PinListener {
     std::int32_t direction = 1;
     std::uint32_t steps = 0;  ///< wraps; a multiple of remembered_steps fits
     int number = 0;
+    bool plain = true;   ///< STEP and DIR, not inverted
+    bool heard = false;  ///< there are listeners
     PulseMode mode = PulseMode::step_dir;
     std::array<bool, 2> inverted{};
-    std::array<bool, 2> active{};  ///< of the other modes
+    std::array<bool, 2> active{};
     Picoseconds last_step = long_ago;
     Picoseconds last_turn = long_ago;
     std::array<Picoseconds, 2> last_change{long_ago, long_ago};  ///< of the other modes
@@ -151,10 +152,10 @@ class Drives final : public PinListener {
     axis.last_step = at;
     axis.recent[axis.steps++ % remembered_steps] = {at, axis.position};
     axis.position += way;
-    for (LoadListener* listener : axis.listeners)
-      listener->load_moves(axis.number, axis.position, at + axis.lag);
+    if (axis.heard) tell(axis, at);
   }
-  void other_mode_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
+  static void tell(const Axis& axis, Picoseconds at);
+  void special_changed(Axis& axis, std::size_t wire, bool level, Picoseconds at);
   void pulse_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
   void quadrature_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
 
