@@ -123,9 +123,18 @@ Picoseconds VirtualBoard::next_event() const {
       {world_->next_event(), next_service_, fire_.next_event(), bits_change_, token_expiry()});
 }
 
+/// Steps that may work a switch come in short slices.
+Picoseconds VirtualBoard::next_look() const {
+  const Picoseconds look = world_->next_look(now_);
+  if (look == never) return never;
+  const bool moves = std::any_of(blocks_.begin(), blocks_.end(),
+                                 [](const stepper::TickBlock& block) { return block.moving; });
+  return moves ? look : never;
+}
+
 void VirtualBoard::run_until(Picoseconds until) {
   while (now_ < until) {
-    const Picoseconds next = std::max(now_, std::min(until, next_event()));
+    const Picoseconds next = std::max(now_, std::min({until, next_event(), next_look()}));
     play(next);
     now_ = next;
     if (fire_.drive(bus_, now_)) report_shot(true);

@@ -69,6 +69,7 @@ class VirtualBoard final : public Board, private PinListener {
  private:
   void pin_changed(Pin pin, bool level, Picoseconds at) override;
   Picoseconds next_event() const;
+  Picoseconds next_look() const;
   Picoseconds token_expiry() const;
   void service();
   void main_loop();

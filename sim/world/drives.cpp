@@ -15,14 +15,70 @@ Picoseconds from_ns(double ns) {
 Drives::Drives(const DriveConfig& config, PinBus& bus)
     : min_pulse_(from_ns(config.min_pulse_ns)),
       min_period_(from_ns(config.min_period_ns)),
-      dir_setup_(from_ns(config.dir_setup_ns)) {
-  for (int axis = 0; axis < max_axes; ++axis) {
-    bus.listen(step_pin(axis), *this);
-    bus.listen(dir_pin(axis), *this);
-    axes_[static_cast<std::size_t>(axis)].direction = bus.level(dir_pin(axis)) ? -1 : 1;
-    lag_[static_cast<std::size_t>(axis)] =
-        from_ns(1000 * config.lag_us[static_cast<std::size_t>(axis)]);
+      dir_setup_(from_ns(config.dir_setup_ns)),
+      dir_hold_(from_ns(config.dir_hold_ns)),
+      quadrature_gap_(from_ns(config.quadrature_gap_ns)) {
+  for (int number = 0; number < max_axes; ++number) {
+    bus.listen(step_pin(number), *this);
+    bus.listen(dir_pin(number), *this);
+    Axis& axis = axes_[index(number)];
+    axis.number = number;
+    axis.mode = config.mode[index(number)];
+    axis.inverted = {config.first_active_low[index(number)],
+                     config.second_active_low[index(number)]};
+    axis.plain = axis.mode == PulseMode::step_dir && !axis.inverted[0] && !axis.inverted[1];
+    axis.active = {bus.level(step_pin(number)) != axis.inverted[0],
+                   bus.level(dir_pin(number)) != axis.inverted[1]};
+    axis.direction = axis.active[1] ? -1 : 1;
+    axis.position = config.start[index(number)];
+    axis.lag = from_ns(1000 * config.lag_us[index(number)]);
   }
+}
+
+/// Inverted wires and other modes.
+void Drives::special_changed(Axis& axis, std::size_t wire, bool level, Picoseconds at) {
+  const bool active = level != axis.inverted[wire];
+  axis.active[wire] = active;
+  if (axis.mode == PulseMode::cw_ccw)
+    pulse_changed(axis, wire, active, at);
+  else if (axis.mode == PulseMode::quadrature)
+    quadrature_changed(axis, wire, active, at);
+  else if (wire != 0)
+    turn(axis, active, at);
+  else if (active)
+    step(axis, at);
+  else if (at - axis.last_step < min_pulse_)
+    ++axis.faults.short_pulses;
+  axis.last_change[wire] = at;
+}
+
+void Drives::tell(const Axis& axis, Picoseconds at) {
+  for (LoadListener* listener : axis.listeners)
+    listener->load_moves(axis.number, axis.position, at + axis.lag);
+}
+
+/// CW is the first wire. The last change of a wire that is low is the end of its last pulse.
+void Drives::pulse_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at) {
+  const std::size_t other = 1 - wire;
+  if (!active) {
+    if (at - axis.last_change[wire] < min_pulse_) ++axis.faults.short_pulses;
+    return;
+  }
+  if (axis.active[other])
+    ++axis.faults.both_high;
+  else if (at - axis.last_change[other] < dir_setup_)
+    ++axis.faults.late_directions;
+  move(axis, wire == 0 ? 1 : -1, at);
+}
+
+/// A is the first wire. Up is 00, 10, 11, 01 (A B): A changes to what B is not, or B to what A is.
+void Drives::quadrature_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at) {
+  const std::size_t other = 1 - wire;
+  // A decoder samples: of two edges in one sample it cannot tell which came first.
+  if (at - axis.last_change[other] < quadrature_gap_) ++axis.faults.quadrature_jumps;
+  if (at - axis.last_change[wire] < min_pulse_) ++axis.faults.short_pulses;
+  const bool differ = active != axis.active[other];
+  move(axis, differ == (wire == 0) ? 1 : -1, at);
 }
 
 StepPosition Drives::position() const {
@@ -33,17 +89,17 @@ StepPosition Drives::position() const {
 }
 
 StepPosition Drives::position_at(Picoseconds at) const {
-  const auto undo = [at](const Axis& axis, Picoseconds lag) {
+  const auto undo = [at](const Axis& axis) {
     std::int32_t position = axis.position;
     for (std::uint32_t back = 1; back <= remembered_steps; ++back) {
       const Step& step = axis.recent[(axis.steps - back) % remembered_steps];
-      if (step.at + lag <= at) break;  // also ends at slots never written: they are long ago
+      if (step.at + axis.lag <= at) break;  // also ends at slots never written: they are long ago
       position = step.position_before;
     }
     return position;
   };
   StepPosition result{};
-  std::transform(axes_.begin(), axes_.end(), lag_.begin(), result.begin(), undo);
+  std::transform(axes_.begin(), axes_.end(), result.begin(), undo);
   return result;
 }
 

@@ -1,10 +1,15 @@
-// The motor drives: integrate STEP/DIR into positions and complain as real drives would (silently).
+// The motor drives: integrate pulses into positions and complain as real drives would (silently).
 //
-// In:  STEP and DIR of four axes. A rising edge of STEP moves one step, DIR high is negative.
+// In:  the two wires of each of four axes, as the axis is set: STEP and DIR (a rising edge of STEP
+//      moves one step, DIR high is negative), CW and CCW (a rising edge of CW is a step up, of CCW
+//      a step down), or A and B in quadrature (every edge is a step; up while A leads).
 //      The changes of one axis come in order of time; axes may come one after the other.
-// Out: the position of the load, now or at a time not long ago, and counts of pulses that a real
-//      drive would have lost: too short, too fast, DIR changed too close before STEP.
+// Out: the place of the load, now or at a time not long ago; each step, told to who wants to know;
+//      and counts of pulses that a real drive would have lost: too short, too fast, DIR changed
+//      too close to STEP, both CW and CCW high, quadrature that jumps by two.
 // The load follows the steps late, by a pure delay of its axis: servo, filter or closed loop.
+// Places: steps from the machine's own zero, which switches refer to. At power-up the load stands
+// where the configuration says; a controller that has not homed counts from there.
 // Who: the bus calls pin_changed() for every edge; no allocation, a few nanoseconds.
 #pragma once
 
@@ -12,27 +17,57 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "shared/units.hpp"
 #include "sim/world/pins.hpp"
 
 namespace lamplock::sim {
 
+/// What the two wires of an axis mean.
+enum class PulseMode : std::uint8_t {
+  step_dir,    ///< STEP, DIR
+  cw_ccw,      ///< CW on the wire of STEP, CCW on that of DIR
+  quadrature,  ///< A on the wire of STEP, B on that of DIR
+};
+
 /// What the drives can follow.
 struct DriveConfig {
-  double min_pulse_ns = 400;   ///< STEP high
-  double min_period_ns = 900;  ///< rising edge to rising edge
-  double dir_setup_ns = 200;   ///< DIR stable before the rising edge of STEP
-  PerAxis<double> lag_us{};    ///< STEP to movement of the load
+  double min_pulse_ns = 400;          ///< a pulse (quadrature: any level of one wire)
+  double min_period_ns = 900;         ///< step to step
+  double dir_setup_ns = 200;          ///< DIR stable before the rising edge of STEP; CW low before
+                                      ///< the rising edge of CCW and the other way round
+  double dir_hold_ns = 0;             ///< DIR stable after the rising edge of STEP
+  double quadrature_gap_ns = 100;     ///< edges of A and B closer than this count as one jump
+  PerAxis<double> lag_us{};           ///< STEP to movement of the load
+  PerAxis<PulseMode> mode{};          ///< what the wires mean
+  PerAxis<bool> first_active_low{};   ///< STEP, CW or A is inverted
+  PerAxis<bool> second_active_low{};  ///< DIR, CCW or B is inverted
+  StepPosition start{};               ///< where the loads stand at power-up
 };
 
 /// Pulses outside what a drive can follow. They are counted as steps all the same.
 struct DriveFaults {
   std::uint64_t short_pulses = 0;
   std::uint64_t fast_steps = 0;
-  std::uint64_t late_directions = 0;
-  std::uint64_t total() const { return short_pulses + fast_steps + late_directions; }
+  std::uint64_t late_directions = 0;    ///< too close before the step
+  std::uint64_t unheld_directions = 0;  ///< too close after the step
+  std::uint64_t both_high = 0;          ///< CW and CCW
+  std::uint64_t quadrature_jumps = 0;   ///< A and B together
+  std::uint64_t total() const {
+    return short_pulses + fast_steps + late_directions + unheld_directions + both_high +
+           quadrature_jumps;
+  }
   friend bool operator==(const DriveFaults&, const DriveFaults&) = default;
+};
+
+/// Somebody connected to the load of an axis: a switch, an encoder.
+class LoadListener {
+ public:
+  virtual ~LoadListener() = default;
+  /// Called for each step when its pulse comes; the load will be, or was, at `place` from `at` on.
+  /// In order of time for each axis; with a lag `at` lies ahead of the pulse.
+  virtual void load_moves(int axis, std::int32_t place, Picoseconds at) = 0;
 };
 
 /// Four drives; must live as long as the bus is driven.
@@ -42,26 +77,36 @@ class Drives final : public PinListener {
   Drives(const Drives&) = delete;
   Drives& operator=(const Drives&) = delete;
 
-  /// Steps counted since power-up.
+  /// Where all pulses so far take the loads.
   StepPosition position() const;
 
   /// Load just after everything that has moved it up to and including `at`. Reaches back
   /// `remembered_steps` steps per axis; further back it gives the oldest position it knows.
   StepPosition position_at(Picoseconds at) const;
 
-  const DriveFaults& faults(int axis) const { return axes_[static_cast<std::size_t>(axis)].faults; }
+  const DriveFaults& faults(int axis) const { return axes_[index(axis)].faults; }
   std::uint64_t total_faults() const;
   /// How late the load of an axis follows.
-  Picoseconds lag(int axis) const { return lag_[static_cast<std::size_t>(axis)]; }
+  Picoseconds lag(int axis) const { return axes_[index(axis)].lag; }
+  /// Shortest time between two steps that a drive follows.
+  Picoseconds min_period() const { return min_period_; }
+
+  /// Tells about the steps of one axis from now on; the listener must live as long as the drives.
+  void listen(int axis, LoadListener& listener) {
+    axes_[index(axis)].listeners.push_back(&listener);
+    axes_[index(axis)].heard = true;
+  }
 
   void pin_changed(Pin pin, bool level, Picoseconds at) override {
     const auto line = static_cast<std::size_t>(pin);
     Axis& axis = axes_[line / 2];
-    if (line % 2 != 0)
+    if (!axis.plain)
+      special_changed(axis, line % 2, level, at);
+    else if (line % 2 != 0)
       turn(axis, level, at);
     else if (level)
       step(axis, at);
-    else if (at - axis.last_rise < min_pulse_)
+    else if (at - axis.last_step < min_pulse_)
       ++axis.faults.short_pulses;
   }
 
@@ -78,28 +123,47 @@ class Drives final : public PinListener {
     std::int32_t position = 0;
     std::int32_t direction = 1;
     std::uint32_t steps = 0;  ///< wraps; a multiple of remembered_steps fits
-    Picoseconds last_rise = long_ago;
+    int number = 0;
+    bool plain = true;   ///< STEP and DIR, not inverted
+    bool heard = false;  ///< there are listeners
+    PulseMode mode = PulseMode::step_dir;
+    std::array<bool, 2> inverted{};
+    std::array<bool, 2> active{};
+    Picoseconds last_step = long_ago;
     Picoseconds last_turn = long_ago;
+    std::array<Picoseconds, 2> last_change{long_ago, long_ago};  ///< of the other modes
+    Picoseconds lag = 0;
     DriveFaults faults;
+    std::vector<LoadListener*> listeners;
     std::array<Step, remembered_steps> recent;
   };
 
-  static void turn(Axis& axis, bool level, Picoseconds at) {
-    axis.direction = level ? -1 : 1;
+  void turn(Axis& axis, bool negative, Picoseconds at) const {
+    axis.direction = negative ? -1 : 1;
     axis.last_turn = at;
+    if (at - axis.last_step < dir_hold_) ++axis.faults.unheld_directions;
   }
   void step(Axis& axis, Picoseconds at) {
-    if (at - axis.last_rise < min_period_) ++axis.faults.fast_steps;
     if (at - axis.last_turn < dir_setup_) ++axis.faults.late_directions;
-    axis.last_rise = at;
-    axis.recent[axis.steps++ % remembered_steps] = {at, axis.position};
-    axis.position += axis.direction;
+    move(axis, axis.direction, at);
   }
+  void move(Axis& axis, std::int32_t way, Picoseconds at) {
+    if (at - axis.last_step < min_period_) ++axis.faults.fast_steps;
+    axis.last_step = at;
+    axis.recent[axis.steps++ % remembered_steps] = {at, axis.position};
+    axis.position += way;
+    if (axis.heard) tell(axis, at);
+  }
+  static void tell(const Axis& axis, Picoseconds at);
+  void special_changed(Axis& axis, std::size_t wire, bool level, Picoseconds at);
+  void pulse_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
+  void quadrature_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
 
   Picoseconds min_pulse_;
   Picoseconds min_period_;
   Picoseconds dir_setup_;
-  PerAxis<Picoseconds> lag_{};
+  Picoseconds dir_hold_;
+  Picoseconds quadrature_gap_;
   PerAxis<Axis> axes_{};
 };
 

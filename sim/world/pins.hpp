@@ -43,6 +43,7 @@ enum class Pin : std::uint8_t {
   photosensor_2,
   photosensor_3,
   photosensor_4,  ///< in: a pulse when a shot has made its defect
+  probe,          ///< in: low = touches; an open circuit, as without a probe, is high
   count
 };
 inline constexpr std::size_t pin_count = static_cast<std::size_t>(Pin::count);

@@ -6,20 +6,31 @@ World::World(const WorldConfig& config, PinBus& bus)
     : bus_(bus),
       lamp_(config.lamp, bus),
       drives_(config.drives, bus),
+      switches_(config.switches, bus, drives_),
+      has_switches_(!config.switches.empty()),
       shutters_(config.shutters, bus),
       laser_(bus, lamp_, drives_, shutters_),
       beam_(bus),
-      photosensors_(config.photosensors, bus, shutters_) {}
+      photosensors_(config.photosensors, bus, shutters_) {
+  for (int axis = 0; axis < max_axes; ++axis)
+    if (const auto& servo = config.servos[index(axis)])
+      servos_[index(axis)].emplace(*servo, axis, drives_);
+  const auto is_probe = [](const WireConfig& wire) { return wire.pin == Pin::probe; };
+  if (std::none_of(config.switches.begin(), config.switches.end(), is_probe))
+    bus.set(Pin::probe, true, 0);
+}
 
 void World::schedule(Pin pin, bool level, Picoseconds at) {
-  switches_.push({std::max(at, now_), scheduled_++, pin, level});
-  next_switch_ = switches_.top().at;
+  scheduled_.push({std::max(at, now_), calls_++, pin, level});
+  next_scheduled_ = scheduled_.top().at;
 }
 
 void World::make_changes(Picoseconds to) {
   for (Picoseconds at = next_event(); at <= to; at = next_event()) {
-    if (next_switch_ <= at)
-      make_switch();
+    if (next_scheduled_ <= at)
+      make_scheduled();
+    else if (switches_.next_event() <= at)
+      switches_.advance(at);
     else if (photosensors_.next_event() <= at)
       photosensors_.advance(at);
     else
@@ -27,10 +38,10 @@ void World::make_changes(Picoseconds to) {
   }
 }
 
-void World::make_switch() {
-  const Switch change = switches_.top();
-  switches_.pop();
-  next_switch_ = switches_.empty() ? never : switches_.top().at;
+void World::make_scheduled() {
+  const Change change = scheduled_.top();
+  scheduled_.pop();
+  next_scheduled_ = scheduled_.empty() ? never : scheduled_.top().at;
   bus_.set(change.pin, change.level, change.at);
 }
 

@@ -2,6 +2,7 @@
 //
 // In:  the wires that a board drives; a schedule of what people and limits do to the switches.
 // Out: the wires that the world drives, each change at its exact time; what was moved and fired.
+//      Switches that the machine works itself change with the step that took its load there.
 // Who: a board's loop. It asks next_event(), runs itself no further than that, and calls
 //      advance(), a million times per simulated minute: two comparisons when nothing is due.
 //
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <queue>
 #include <vector>
 
@@ -20,7 +22,9 @@
 #include "sim/world/laser.hpp"
 #include "sim/world/photosensors.hpp"
 #include "sim/world/pins.hpp"
+#include "sim/world/servo.hpp"
 #include "sim/world/shutters.hpp"
+#include "sim/world/switches.hpp"
 
 namespace lamplock::sim {
 
@@ -29,19 +33,28 @@ struct WorldConfig {
   DriveConfig drives{};
   ShutterConfig shutters{};
   PhotosensorConfig photosensors{};
+  std::vector<WireConfig> switches{};            ///< limits, probe; none: inputs at rest
+  PerAxis<std::optional<ServoConfig>> servos{};  ///< axes with an encoder on the load
 };
 
 /// The world on one bus; must live as long as the bus is driven.
 class World {
  public:
-  /// Throws std::invalid_argument if the lamp's numbers make no lamp.
+  /// Throws std::invalid_argument if the numbers make no lamp, switch or servo.
   World(const WorldConfig& config, PinBus& bus);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
   /// Time of the next change the world will make; `never` if none is known.
   Picoseconds next_event() const {
-    return std::min({lamp_.next_event(), next_switch_, photosensors_.next_event()});
+    return std::min(
+        {lamp_.next_event(), next_scheduled_, photosensors_.next_event(), switches_.next_event()});
+  }
+
+  /// A board that delivers its steps in slices of time ends a slice here at the latest, so that no
+  /// step comes after one that has worked a switch before the board has seen it.
+  Picoseconds next_look(Picoseconds now) const {
+    return has_switches_ ? switches_.next_look(now) : never;
   }
 
   /// Makes all changes up to and including `to`, in order of time.
@@ -52,7 +65,8 @@ class World {
   }
 
   /// Sets a switch (e-stop, door, limit or any other input) at a time; one that has passed already
-  /// is made at the next advance(). Changes at the same time keep the order of the calls.
+  /// is made at the next advance(). Changes at the same time keep the order of the calls. Not for
+  /// the pins of `WorldConfig::switches`: those are for switches().
   void schedule(Pin pin, bool level, Picoseconds at);
 
   const Lamp& lamp() const { return lamp_; }
@@ -61,31 +75,43 @@ class World {
   /// The continuous laser.
   const Beam& beam() const { return beam_; }
   const Photosensors& photosensors() const { return photosensors_; }
+  const Switches& switches() const { return switches_; }
+  /// To press one by hand, to break a wire.
+  Switches& switches() { return switches_; }
+  /// Of an axis; null if it has none.
+  const Servo* servo(int axis) const {
+    const std::optional<Servo>& servo = servos_[index(axis)];
+    return servo ? &*servo : nullptr;
+  }
 
  private:
-  struct Switch {
+  /// One change of a switch that was told beforehand.
+  struct Change {
     Picoseconds at;
     std::uint64_t order;
     Pin pin;
     bool level;
-    friend bool operator>(const Switch& a, const Switch& b) {
+    friend bool operator>(const Change& a, const Change& b) {
       return a.at != b.at ? a.at > b.at : a.order > b.order;
     }
   };
   void make_changes(Picoseconds to);
-  void make_switch();
+  void make_scheduled();
 
   PinBus& bus_;
   Lamp lamp_;
   Drives drives_;
+  Switches switches_;
+  bool has_switches_;
+  PerAxis<std::optional<Servo>> servos_;
   Shutters shutters_;
   Laser laser_;
   Beam beam_;
   Photosensors photosensors_;
   Picoseconds now_ = 0;
-  Picoseconds next_switch_ = never;
-  std::uint64_t scheduled_ = 0;
-  std::priority_queue<Switch, std::vector<Switch>, std::greater<>> switches_;
+  Picoseconds next_scheduled_ = never;
+  std::uint64_t calls_ = 0;
+  std::priority_queue<Change, std::vector<Change>, std::greater<>> scheduled_;
 };
 
 }  // namespace lamplock::sim

@@ -1,0 +1,55 @@
+// How a contact bounces: it makes or breaks at once, then rattles for a while.
+//
+// In:  the moment of a change.
+// Out: the times at which the contact changes once more, an even number of them, within the set
+//      time: it ends as it began.
+// Who: switches, at each change. Every contact draws from a generator of its own, the same amount
+//      for every change, so that each run and each contact bounces as it did before.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <span>
+
+#include "sim/time.hpp"
+
+namespace lamplock::sim {
+
+/// For how long, at most; 0 = a contact that does not bounce.
+struct BounceConfig {
+  double make_us = 0;
+  double break_us = 0;
+  std::uint64_t seed = 1;
+};
+
+/// The bounces of one contact.
+class BounceMaker {
+ public:
+  static constexpr std::size_t most_bounces = 6;
+
+  explicit BounceMaker(const BounceConfig& config) : config_(config), random_(config.seed) {}
+
+  /// Times of a burst after a change at `at`, in order; empty if it does not bounce.
+  std::span<const Picoseconds> burst(bool makes, Picoseconds at) {
+    const std::size_t bounces = 1 + random_() % most_bounces;
+    const double length = (makes ? config_.make_us : config_.break_us) * double{ps_per_us};
+    for (Picoseconds& time : times_) {
+      const double share = static_cast<double>(random_() >> 11) * 0x1p-53;
+      time = at + 1 + static_cast<Picoseconds>(share * (length - 1));
+    }
+    if (length < 1) return {};
+    const std::span<Picoseconds> used = std::span(times_).first(2 * bounces);
+    std::sort(used.begin(), used.end());
+    return used;
+  }
+
+ private:
+  BounceConfig config_;
+  std::mt19937_64 random_;
+  std::array<Picoseconds, 2 * most_bounces> times_{};
+};
+
+}  // namespace lamplock::sim
