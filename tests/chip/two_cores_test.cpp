@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <random>
 #include <tuple>
@@ -149,6 +150,36 @@ TEST(TwoCores, NoneTakesTimeAheadOfTheOther) {
     EXPECT_EQ(edges_beside_a_busy_core(period, false, true, whole), plain);
     EXPECT_EQ(edges_beside_a_busy_core(period, true, false, 7), plain);
   }
+}
+
+/// Where both cores are some time after the watchdog has reset them in the middle of a loop, or in
+/// the ROM.
+std::array<std::uint32_t, 2> places_after_a_reset(Cycle begun, bool loop) {
+  constexpr std::uint32_t watchdog = 0x4005'8000, ticks = watchdog + 0x2c, load = watchdog + 4,
+                          select = 0x4001'0008, enable = 1u << 30;
+  Chip chip;
+  Start start(chip);
+  const auto write = [&chip](std::uint32_t address, std::uint32_t value) {
+    chip.bus().write(address, value, Width::word, Master::core0, chip.now());
+  };
+  write(select, 0x1'fffc);
+  write(ticks, 1u << 9 | 12);
+  write(load, 200);
+  write(watchdog, enable);
+  chip.run_until(chip.now() + begun);
+  put(chip, loop_code, {0xc80e, 0x380c, 0x6001, 0xe7fb});  // LDM r0!, {r1-r3}; SUBS; STR; B
+  for (int id = 0; id < 2 && loop; ++id) start.core(id, loop_code, {marks});
+  chip.run_until(chip.now() + 10'000);
+  EXPECT_EQ(chip.watchdog_resets(), 1u);
+  return {chip.core(0).reg(15), chip.core(1).reg(15)};
+}
+
+// RP2040 datasheet, 2.13.2: the watchdog's reset takes the processors as well. None goes on,
+// whatever both are doing, waiting for each other at a memory included.
+TEST(TwoCores, AResetByTheWatchdogEndsBoth) {
+  const std::array<std::uint32_t, 2> in_rom = places_after_a_reset(0, false);
+  for (Cycle begun = 0; begun < static_cast<Cycle>(scaled(60)); ++begun)
+    EXPECT_EQ(places_after_a_reset(begun, true), in_rom) << begun;
 }
 
 // A core may run on without the other one only where nobody can tell: random programs that share

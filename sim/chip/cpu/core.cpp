@@ -1176,8 +1176,14 @@ void Core::resume_words() {
 
 Cycle Core::step() {
   const Cycle start = cycle_;
+  // What was asked for before this was heard; what is asked for from now on comes first, before the
+  // instruction: a core that is reset executes no more.
+  if (stop_) {
+    stop_ = false;
+    update_attention();
+  }
   give_back();
-  if (waits()) return cycle_ - start;
+  if (waits() || stop_) return cycle_ - start;
   if (pause_ != Pause::none)
     resume();
   else if (attention_needed() && attend())

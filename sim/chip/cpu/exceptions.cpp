@@ -112,12 +112,6 @@ void Core::systick_expired() {
 
 // Whatever comes before the next instruction; true if the step is used up.
 bool Core::attend() {
-  // What was asked for before this was heard; what is asked for now comes first, before the
-  // instruction: a core that is reset executes no more.
-  if (stop_) {
-    stop_ = false;
-    update_attention();
-  }
   run_events(cycle_);
   if (waits() || stop_) return true;
   if (!attention_) return false;
