@@ -45,8 +45,8 @@ void Interpreter::begin_curve(const Statement& statement) {
                       plan_.motion == Motion::arc_clockwise, plan_.turns,
                       options_.arc_tolerance_e7});
   else
-    curve_.begin_spline({plan_.start, plan_.points[0], plan_.points[1], state_->programmed_e7, plane,
-                         options_.arc_tolerance_e7});
+    curve_.begin_spline({plan_.start, plan_.points[0], plan_.points[1], state_->programmed_e7,
+                         plane, options_.arc_tolerance_e7});
   if (plan_.time_us != 0)
     share_.begin(plan_.start, curve_.length_e7(), curve_.pieces(), plan_.time_us);
 }
@@ -158,7 +158,8 @@ bool Interpreter::give_curve(Action& action) {
   if (action.timed) action.time_us = share_.next(end);
   if (!curve_.active()) done(Stage::curve);
   action.programmed_end = !plan_.has(Stage::curve);
-  action.target_e7 = action.programmed_end ? state_->machine_e7 : state_->modal.rotation.turned(end);
+  action.target_e7 =
+      action.programmed_end ? state_->machine_e7 : state_->modal.rotation.turned(end);
   return true;
 }
 

@@ -118,8 +118,8 @@ constexpr PlaneAxes axes_of(Plane plane) {
 
 class Statement {
  public:
-  /// The state behind the line and the plan are made in place; behind an error the plan has no stage
-  /// and that state is worth nothing.
+  /// The state behind the line and the plan are made in place; behind an error the plan has no
+  /// stage and that state is worth nothing.
   Statement(const Options& options, const Parameters& parameters, const Saved& saved,
             const State& before, State& after, Plan& plan)
       : plan_(plan), options_(options), parameters_(parameters), saved_(saved), after_(after) {
