@@ -45,11 +45,21 @@ sim::WorldConfig world_of(const settings::Values& values) {
   return world;
 }
 
+/// A machine that has been on for a while, and follows its lamp.
+void warm_up(sim::VirtualBoard& board, const settings::Values& values) {
+  const auto beat = static_cast<Picoseconds>(1e12 / in_units(values, Id::lamp_frequency));
+  // Some more than make a lock, for the lattice to come to the lamp.
+  const Picoseconds most = 4 * values.whole(Id::lock_edges) * beat;
+  while (!board.controller().clock().settled() && board.now() < most)
+    board.run_until(board.now() + beat);
+}
+
 }  // namespace
 
 LockedRun run_locked(std::string_view text, const settings::Values& values) {
   sim::VirtualBoard board(values, world_of(values));
   Busy busy(board.bus());
+  warm_up(board, values);
   link::SimulatedTransport transport(board);
   link::LinePort port(transport);
   link::LineSender sender(port, link::program_lines(text, "program"));

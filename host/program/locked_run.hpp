@@ -1,6 +1,7 @@
 // A program with points on the beat (M130), run on the virtual board.
 //
-// In:  its text, the settings of the machine and its lamp, which flashes as it should.
+// In:  its text, the settings of the machine and its lamp, which flashes as it should and is
+//      followed already.
 // Out: shots, and the time from the first step to the last step or shot: with the lamp the machine
 //      waits for beats, shutters and the attenuator, which only the whole of it knows.
 // Who: run_program(). Some hundred times faster than the machine.

@@ -205,6 +205,7 @@ TEST_F(BeatLock, TakesTheTimeThatCheckSays) {
     const LockedProgram program = LockedProgram(static_cast<std::uint64_t>(seed)).parts(parts);
     const auto plan = program_run::run_program(program.text(), profile_.settings, 1);
     ASSERT_TRUE(plan.problems.empty());
+    rig_->run(100 * ps_per_ms);  // until it follows the lamp
     ASSERT_TRUE(host_->stream(program.text()));
     EXPECT_EQ(plan.beats.shots, rig_->shots().size());
     const double beat_s = 1 / in_units(profile_.settings, settings::Id::lamp_frequency);

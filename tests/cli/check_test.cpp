@@ -70,7 +70,7 @@ TEST(Check, ARowOnTheBeatTakesItsBeats) {
   const nlohmann::json seen = check(folder.write("a.ngc", text + "M2\n"));
   EXPECT_EQ(seen["shots"], 20);
   EXPECT_GE(seen["time_s"].get<double>(), 19 * 0.010);
-  EXPECT_LE(seen["time_s"].get<double>(), 19 * 0.010 + 0.2);
+  EXPECT_LE(seen["time_s"].get<double>(), 19 * 0.010 + 0.1);
 }
 
 TEST(Check, ArcsAreRoundAndAsLongAsTheyShouldBe) {
