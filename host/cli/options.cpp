@@ -18,6 +18,7 @@
 #include "host/error.hpp"
 #include "host/link/sender.hpp"
 #include "host/units.hpp"
+#include "sim/world/lamp_settings.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -235,9 +236,7 @@ bool LampFaults::any() const {
 }
 
 sim::LampConfig LampFaults::lamp(const settings::Values& values) const {
-  sim::LampConfig config;
-  config.frequency_hz = in_units(values, Id::lamp_frequency);
-  config.triggered = values.whole(Id::lamp_mode) == static_cast<int>(LampMode::master);
+  sim::LampConfig config = sim::lamp_of(values);
   config.jitter_us = jitter_us;
   config.wander = wander_percent * percent;
   config.dropout = dropouts_percent * percent;

@@ -7,6 +7,7 @@
 #include "host/link/simulated_transport.hpp"
 #include "host/units.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
+#include "sim/world/lamp_settings.hpp"
 
 namespace lamplock::program_run {
 namespace {
@@ -37,14 +38,6 @@ class Busy final : public sim::PinListener {
   bool any_ = false;
 };
 
-sim::WorldConfig world_of(const settings::Values& values) {
-  sim::WorldConfig world;
-  world.lamp.frequency_hz = in_units(values, Id::lamp_frequency);
-  world.lamp.triggered =
-      values.whole(Id::lamp_mode) == static_cast<int>(settings::LampMode::master);
-  return world;
-}
-
 /// A machine that has been on for a while, and follows its lamp.
 void warm_up(sim::VirtualBoard& board, const settings::Values& values) {
   const auto beat = static_cast<Picoseconds>(1e12 / in_units(values, Id::lamp_frequency));
@@ -57,7 +50,7 @@ void warm_up(sim::VirtualBoard& board, const settings::Values& values) {
 }  // namespace
 
 LockedRun run_locked(std::string_view text, const settings::Values& values) {
-  sim::VirtualBoard board(values, world_of(values));
+  sim::VirtualBoard board(values, sim::WorldConfig{.lamp = sim::lamp_of(values)});
   Busy busy(board.bus());
   warm_up(board, values);
   link::SimulatedTransport transport(board);
