@@ -17,14 +17,27 @@ namespace lamplock::settings {
 /// Index of a setting in the table; per-axis settings stand in four consecutive rows X Y Z A.
 enum class Id : std::uint8_t {
   step_pulse,
+  limit_invert,
+  probe_invert,
   report_mask,
   junction_deviation,
   arc_tolerance,
   report_inches,
   soft_limits,
   hard_limits,
+  homing,
+  homing_direction,
+  homing_feed,
+  homing_seek,
+  homing_debounce,
+  homing_pull_off,
   highest_speed,
   laser_mode,
+  homing_passes,
+  homing_phase_1,
+  homing_phase_2,
+  homing_phase_3,
+  homing_phase_4,
   steps_per_mm_x,
   steps_per_mm_y,
   steps_per_mm_z,
@@ -104,6 +117,11 @@ enum class LampMode : std::uint8_t { free_beat = 0, slave = 1, master = 2 };
 
 inline constexpr std::array<Row, setting_count> table{{
     {0, "step_pulse", "us", 400, 900, 500, false, "width of a step pulse, within a tick of 1 us"},
+    {5, "limit_invert", "0..15", 0, 15'000, 0, true,
+     "limit switches that close when they engage instead of opening, added up: 1 X, 2 Y, 4 Z, 8 A; "
+     "all of one circuit follow X"},
+    {6, "probe_invert", "on/off", 0, 1'000, 0, true,
+     "the probe opens its circuit when it touches instead of closing it"},
     {10, "report_mask", "0..3", 0, 3'000, 3'000, true,
      "what a status report says, added up: 1 position of the machine, else of the work; 2 room for "
      "lines"},
@@ -114,10 +132,29 @@ inline constexpr std::array<Row, setting_count> table{{
     {13, "report_inches", "on/off", 0, 1'000, 0, true, "reports in inches"},
     {20, "soft_limits", "on/off", 0, 1'000, 1'000, true, "refuse targets outside the work space"},
     {21, "hard_limits", "on/off", 0, 1'000, 1'000, true, "stop when a limit switch engages"},
+    {22, "homing", "on/off", 0, 1'000, 0, true,
+     "$H finds the limit switches; after power-up the machine is locked until it has, or $X"},
+    {23, "homing_direction", "0..15", 0, 15'000, 0, true,
+     "axes whose switch is at the lower end of the work space, added up: 1 X, 2 Y, 4 Z, 8 A"},
+    {24, "homing_feed", "mm/min", 1'000, 600'000'000, 25'000, false,
+     "speed at which a switch is located"},
+    {25, "homing_seek", "mm/min", 1'000, 600'000'000, 500'000, false,
+     "speed at which a switch is looked for, and of pulling off"},
+    {26, "homing_debounce", "ms", 0, 10'000'000, 250'000, true,
+     "how long after pulling off a switch must have let go"},
+    {27, "homing_pull_off", "mm", 10, 100'000, 1'000, false,
+     "how far the machine stands from a switch after homing"},
     {30, "highest_speed", "S", 1'000, 1'000'000'000, 1'000'000, true,
      "S word that is full speed of the spindle or full power of the laser"},
     {32, "laser_mode", "on/off", 0, 1'000, 0, true,
      "the spindle is a laser: its power changes with the motion, off in rapids and at rest"},
+    {43, "homing_passes", "count", 1'000, 20'000, 1'000, true,
+     "how often a switch is located; the last time counts"},
+    {44, "homing_phase_1", "0..15", 0, 15'000, 4'000, true,
+     "axes that home first, together, added up: 1 X, 2 Y, 4 Z, 8 A"},
+    {45, "homing_phase_2", "0..15", 0, 15'000, 3'000, true, "axes that home next"},
+    {46, "homing_phase_3", "0..15", 0, 15'000, 8'000, true, "axes that home after these"},
+    {47, "homing_phase_4", "0..15", 0, 15'000, 0, true, "axes that home last"},
     {100, "steps_per_mm_x", "step/mm", 1, 50'000'000, 200'000, false, "resolution of X"},
     {101, "steps_per_mm_y", "step/mm", 1, 50'000'000, 200'000, false, "resolution of Y"},
     {102, "steps_per_mm_z", "step/mm", 1, 50'000'000, 200'000, false, "resolution of Z"},
@@ -234,6 +271,32 @@ constexpr Id for_axis(Id x_row, int axis) {
   return static_cast<Id>(static_cast<int>(x_row) + axis);
 }
 
+/// True if a setting has a meaning for jobs of points, which may bring values of their own: not what
+/// is for programs, homing, switches and reports alone.
+constexpr bool of_jobs(Id id) {
+  switch (id) {
+    case Id::limit_invert:
+    case Id::probe_invert:
+    case Id::report_mask:
+    case Id::junction_deviation:
+    case Id::arc_tolerance:
+    case Id::report_inches:
+    case Id::highest_speed:
+    case Id::laser_mode:
+    case Id::stop_at_error:
+      return false;
+    default:
+      return (id < Id::homing || id > Id::homing_pull_off) &&
+             (id < Id::homing_passes || id > Id::homing_phase_4);
+  }
+}
+inline constexpr std::size_t job_setting_count = [] {
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < setting_count; ++i)
+    if (of_jobs(static_cast<Id>(i))) ++n;
+  return n;
+}();
+
 /// Index of a setting number; Id::count if there is none.
 constexpr Id find_number(std::uint16_t number) {
   for (std::size_t i = 0; i < setting_count; ++i)
@@ -268,10 +331,12 @@ class Values {
     return true;
   }
 
-  /// FNV-1a (Fowler, Noll, Vo) over numbers and values: tells whether a job was made for these.
+  /// FNV-1a (Fowler, Noll, Vo) over numbers and values of jobs: tells whether one was made for
+  /// these.
   constexpr std::uint32_t hash() const {
     std::uint32_t h = 2166136261u;
     for (std::size_t i = 0; i < setting_count; ++i) {
+      if (!of_jobs(static_cast<Id>(i))) continue;
       const auto v = static_cast<std::uint32_t>(milli_[i]);
       const std::uint32_t words[2] = {ranges[i].number, v};
       for (std::uint32_t word : words)

@@ -20,20 +20,23 @@ bool same_beat(const settings::Values& a, const settings::Values& b) {
 
 }  // namespace
 
-Controller::Controller(const settings::Values& stored, const InterruptMask& mask, int board_axes,
-                       std::uint8_t board_channels, Parts parts)
+Controller::Controller(const settings::Values& stored, const InterruptMask& mask,
+                       const BoardFeatures& board)
     : mask_(mask),
-      board_axes_(board_axes),
-      board_channels_(board_channels),
-      parts_(parts),
+      board_(board),
       stored_(stored),
       values_(stored),
-      runner_(clock_, shots_, motion_, planning_, parts) {
+      runner_(clock_, shots_, motion_, planning_, board.parts) {
   clock_.configure(stored);
   use_settings(stored);
   configure_reader();
   shots_.permit(false, BeatReason::no_point_due);
   send_banner();
+  if (stored.whole(Id::homing) == 0) return;
+  // Where the machine is nobody knows until it is homed.
+  state_ = MachineState::alarm;
+  alarm_ = alarm_homing_wanted;
+  say("'$H'|'$X' to unlock");
 }
 
 void Controller::use_settings(const settings::Values& values) {
@@ -167,7 +170,7 @@ bool Controller::commit() {
   if (state_ == MachineState::run && wire_job() && runner_.complete() && runner_.at_rest())
     state_ = MachineState::idle;
   end_overrides();
-  if (parts_ == Parts::straight) program_.stage();
+  if (board_.parts == Parts::straight) program_.stage();
   const bool lines = program_.commit();
   settle_program();
   return committed == Committed::part || lines;
@@ -216,7 +219,10 @@ void Controller::check_dead_man() {
   if (now_ - last_byte_ > limit) hold(HoldReason::dead_man);
 }
 
-void Controller::input_changed(Input input, bool active) {
+void Controller::input_changed(Input input, bool active, const StepPosition& at) {
+  const InputSet bit = set_of(input);
+  inputs_ = static_cast<InputSet>(active ? inputs_ | bit : inputs_ & ~unsigned{bit});
+  if (guard_.see(input, active, at)) program_.break_off();
   switch (input) {
     case Input::estop:
       estop_ = active;
@@ -227,7 +233,9 @@ void Controller::input_changed(Input input, bool active) {
       break;
     case Input::door:
       door_open_ = active;
-      if (active && jogging_) {
+      if (active && state_ == MachineState::home) {
+        break_off_homing(alarm_homing_door);
+      } else if (active && jogging_) {
         cancel_jog();
       } else if (active && (state_ == MachineState::run || state_ == MachineState::hold)) {
         state_ = MachineState::door;
@@ -241,8 +249,12 @@ void Controller::input_changed(Input input, bool active) {
         hold_reason_ = HoldReason::host;
       }
       break;
+    case Input::probe:
+      break;
     default:
-      if (active && values_.whole(Id::hard_limits) != 0) raise_alarm(alarm_hard_limit);
+      // Homing wants them to engage.
+      if (active && state_ != MachineState::home && values_.whole(Id::hard_limits) != 0)
+        raise_alarm(alarm_hard_limit);
       break;
   }
 }
@@ -275,6 +287,8 @@ void Controller::raise_alarm(std::uint8_t number) {
   TextLine line;
   line.add("ALARM:").add(std::int64_t{alarm_}).add("\r\n");
   link_.send_text(line.view());
+  guard_.drop();
+  drop_homing();
   drop_open_line();
 }
 

@@ -16,7 +16,9 @@
 //   commit              main loop             after prepare     motion handed out
 //   part_waits          main loop             after commit      stage and commit again at once
 //   tell                main loop             1 ms              lines, answers
-//   input_changed       main loop             on change         e-stop, door, limit switches; at
+//   input_changed       main loop             on change         switches and the probe
+//   (inputs.hpp),
+//                                                               and where the machine was then; at
 //                                                               power-up for each active one
 //   lattice_stopped,    main loop             on an e-stop, or  where the axes stand
 //   stopped_at                                when ticks end
@@ -53,11 +55,15 @@
 #include "firmware/lamp/beat_clock.hpp"
 #include "firmware/lamp/shot_scheduler.hpp"
 #include "firmware/link/link.hpp"
+#include "firmware/machine/guard.hpp"
+#include "firmware/machine/homing.hpp"
+#include "firmware/machine/inputs.hpp"
 #include "firmware/machine/interrupt_mask.hpp"
 #include "firmware/machine/job_runner.hpp"
 #include "firmware/machine/kept_program.hpp"
 #include "firmware/machine/program_reader.hpp"
 #include "firmware/machine/program_runner.hpp"
+#include "firmware/machine/program_text.hpp"
 #include "firmware/machine/status_report.hpp"
 #include "firmware/machine/text.hpp"
 #include "firmware/program/pulse_decoder.hpp"
@@ -68,8 +74,14 @@
 
 namespace lamplock::machine {
 
-/// Switches the board reports; true = pressed, open, engaged.
-enum class Input : std::uint8_t { estop, door, limit_x, limit_y, limit_z, limit_a };
+/// What the board has, and how it works.
+struct BoardFeatures {
+  int axes = max_axes;          ///< it has outputs for; jobs with more are refused
+  std::uint8_t channels = 0xf;  ///< a bit for each beam channel that it has a shutter for
+  InputSet inputs = all_inputs & ~set_of(Input::limit_chain);
+  /// How it takes motion; Parts::staged with stage() before each commit().
+  Parts parts = Parts::straight;
+};
 
 /// What may be on.
 struct Outputs {
@@ -107,12 +119,8 @@ inline constexpr std::uint32_t fire_decision_clocks = 269;
 /// The core.
 class Controller {
  public:
-  /// `board_axes`: as many as the board has outputs for; jobs with more are refused.
-  /// `board_channels`: a bit for each beam channel that the board has a shutter for.
-  /// `parts`: how it takes motion; Parts::staged with stage() before each commit().
   explicit Controller(const settings::Values& stored = settings::Values{},
-                      const InterruptMask& mask = {}, int board_axes = max_axes,
-                      std::uint8_t board_channels = 0xf, Parts parts = Parts::straight);
+                      const InterruptMask& mask = {}, const BoardFeatures& board = {});
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
@@ -146,7 +154,13 @@ class Controller {
     if (lines_due()) work_lines();
     link_.poll(*this);
   }
-  void input_changed(Input input, bool active);
+  /// `at`: where the axes were, as far as steps had been put out, when the pin changed; needed
+  /// while wants_places().
+  void input_changed(Input input, bool active, const StepPosition& at = {});
+  /// A guarded move is under way.
+  bool wants_places() const { return guard_.watches(); }
+  /// What moves may be broken off by a switch or a key: the less is filled ahead the better.
+  bool may_break_off() const { return guard_.watches() || jogging_; }
   /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.
   void start_in_alarm() { raise_alarm(alarm_position_lost); }
   /// The board's ticks have run out: motion, if there was any, has stopped in mid-stride. To be
@@ -232,6 +246,8 @@ class Controller {
   }
   FireTiming fire_timing() const;
   const settings::Values& values() const { return values_; }
+  /// Without the overrides of a job.
+  const settings::Values& stored() const { return stored_; }
   wire::MachineState state() const { return state_; }
   /// A job is under way, in hold or behind an open door too, or still coming to rest: one host has
   /// begun it, and no other may speak into it. An alarm ends that: nothing moves, and whoever
@@ -266,7 +282,14 @@ class Controller {
   static constexpr std::uint8_t alarm_hard_limit = 1;
   static constexpr std::uint8_t alarm_soft_limit = 2;
   static constexpr std::uint8_t alarm_position_lost = 3;  ///< "reset while in motion"
+  static constexpr std::uint8_t alarm_probe_state = 4;    ///< already in its final state
+  static constexpr std::uint8_t alarm_probe_nothing = 5;
+  static constexpr std::uint8_t alarm_homing_reset = 6;
+  static constexpr std::uint8_t alarm_homing_door = 7;
+  static constexpr std::uint8_t alarm_homing_engaged = 8;    ///< after pulling off
+  static constexpr std::uint8_t alarm_homing_not_found = 9;  ///< a switch
   static constexpr std::uint8_t alarm_estop = 10;
+  static constexpr std::uint8_t alarm_homing_wanted = 11;
   /// Room that is left for answers: without it lines wait, and reports are left out.
   static constexpr std::size_t answer_room = 128;
 
@@ -301,7 +324,8 @@ class Controller {
   bool wire_job() const { return job_ && !beat_locked(); }
   /// Looked at in every round of the main loop.
   bool lines_due() const {
-    return reader_.line_open() || reader_.lines_wait() || start_up_next_ < start_up_lines;
+    return reader_.line_open() || reader_.lines_wait() || start_up_next_ < start_up_lines ||
+           homing_.active();
   }
   void work_lines();
   void go_or_wait();
@@ -333,6 +357,16 @@ class Controller {
   static void change_override(std::uint8_t& percent, int by);
   void end_overrides_of_program();
   void toggle_check();
+  // Guarded moves (controller_homing.cpp, controller_probe.cpp).
+  GcodeError begin_homing(std::string_view axes);
+  void work_homing();
+  void go_homing();
+  void break_off_homing(std::uint8_t alarm);
+  void end_homing();
+  void drop_homing();
+  bool work_probe();
+  void begin_probe();
+  bool end_probe();
 
   bool may_be_changed() const;
   void answer_system_command(std::string_view line);
@@ -341,7 +375,7 @@ class Controller {
   const KeptProgram* changed_kept();
   bool tell(std::string_view command);
   void tell_version();
-  void tell_offsets();
+  void tell_offsets(int first, int end);
   void tell_start_up_lines();
   GcodeError keep_build_text(std::string_view text);
   GcodeError change_setting(std::string_view line);
@@ -357,9 +391,7 @@ class Controller {
   void add_beats(TextLine& line) const;
 
   const InterruptMask mask_;
-  const int board_axes_;
-  const std::uint8_t board_channels_;
-  const Parts parts_;
+  const BoardFeatures board_;
   settings::Values stored_;
   settings::Values values_;  ///< stored, with the overrides of the job
   bool overridden_ = false;
@@ -374,6 +406,13 @@ class Controller {
   program::PulseDecoder decoder_;
   StepLimits work_space_;
   StatusReporter reporter_;
+  InputSet inputs_ = 0;  ///< active
+  Guard guard_;
+  Homing homing_;
+  std::uint8_t homing_alarm_ = 0;  ///< to be raised when it stands
+  std::uint64_t homing_wait_ = 0;  ///< clock until which it waits
+  bool homing_runs_start_up_ = false;
+  ProbeResult probe_;
 
   wire::MachineState state_ = wire::MachineState::idle;
   wire::HoldReason hold_reason_ = wire::HoldReason::none;

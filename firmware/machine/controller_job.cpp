@@ -65,7 +65,7 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
   for (const wire::Override& item : header.used_overrides()) {
     refused_value_ = item.number;
     const Id id = settings::find_number(item.number);
-    if (id == Id::count) return Result::bad_value;
+    if (id == Id::count || !settings::of_jobs(id)) return Result::bad_value;
     if (oversteps(id, item.value_milli, stored_.milli(id))) return Result::bad_value;
     if (!values.set_milli(id, item.value_milli)) return Result::bad_value;
   }
@@ -76,7 +76,7 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
   refused_value_ = 0;
   if (header.settings_hash != 0 && header.settings_hash != values.hash())
     return Result::settings_mismatch;
-  if (header.axes != values.whole(Id::axes) || header.axes > board_axes_) {
+  if (header.axes != values.whole(Id::axes) || header.axes > board_.axes) {
     refused_value_ = settings::range(Id::axes).number;
     return Result::bad_value;
   }
@@ -136,7 +136,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   options.points_total = points_total_ = header.points_total;
   options.least_beats = static_cast<std::int32_t>(rules.least_beats);
   runner_.begin(options, values, header.first_index);
-  decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_channels_);
+  decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_.channels);
   job_ = true;
   state_ = MachineState::run;
   hold_reason_ = HoldReason::none;

@@ -30,6 +30,7 @@ constexpr std::string_view lost_line = "\x01";
 void Controller::on_line_too_long() { on_line(lost_line); }
 
 [[gnu::hot]] void Controller::work_lines() {
+  if (homing_.active()) return work_homing();
   for (int i = 0; i < most_lines; ++i) {
     if (reader_.line_open() && !finish_line()) break;
     if (reset_due_ || program_.cancelling() || program_.batch_waits()) break;
@@ -90,6 +91,9 @@ void Controller::go_or_wait() {
       }
       case Step::changes:
         if (!change_over(reader_.wanted_lock())) return false;
+        break;
+      case Step::probes:
+        if (!work_probe()) return false;
         break;
       case Step::ended:
         say("Pgm End");
@@ -208,7 +212,7 @@ bool Controller::change_over(program::BeatLock lock) {
 void Controller::configure_reader() {
   std::uint16_t setting = 0;
   const bool sound = check_settings(stored_, setting) == Result::ok;
-  const int permitted = stored_.whole(settings::Id::channels) & board_channels_;
+  const int permitted = stored_.whole(settings::Id::channels) & board_.channels;
   reader_.configure(stored_, static_cast<std::uint8_t>(sound ? permitted : 0));
 }
 

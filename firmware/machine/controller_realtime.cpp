@@ -37,13 +37,14 @@ void Controller::use_overrides() {
 void Controller::cancel_jog() {
   lines_at_cancel_ = reader_.lines();
   if (reader_.drop_line()) answer(GcodeError::none);
-  program_.cancel();
+  program_.break_off();
   reader_.lose_position();
 }
 
 /// 0x18. In a job it may be one flipped bit: nothing is lost but time. Else it throws away what was
 /// typed and what is left of the program, and what still moves comes to rest on its path first.
 void Controller::reset() {
+  if (homing_.active()) return break_off_homing(alarm_homing_reset);
   if (wire_job() && state_ == MachineState::run) return hold(HoldReason::reset);
   if (wire_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
   link_.drop_line();

@@ -29,6 +29,17 @@ void report_motion(ReportedStatus& status, const stepper::MotionState& motion,
   status.feed_um_min = isqrt(squares);
 }
 
+/// A bit for each of pin_letters.
+std::uint16_t active_pins(InputSet active) {
+  constexpr std::uint16_t probe_pin = 1u << pin_letters.find('P');
+  constexpr std::uint16_t door_pin = 1u << pin_letters.find('D');
+  constexpr auto first_limit = static_cast<unsigned>(pin_letters.find('X'));
+  unsigned pins = unsigned{engaged_axes(active)} << first_limit;
+  if ((active & set_of(Input::probe)) != 0) pins |= probe_pin;
+  if ((active & set_of(Input::door)) != 0) pins |= door_pin;
+  return static_cast<std::uint16_t>(pins);
+}
+
 /// What the program has set.
 void report_program(ReportedStatus& status, const program::Interpreter& interpreter) {
   const program::Modal& modal = interpreter.modal();
@@ -56,7 +67,14 @@ void Controller::tell_version() {
   link_.send_text(options.view());
 }
 
-void Controller::answer_system_command(std::string_view line) { answer(system_command(line)); }
+void Controller::answer_system_command(std::string_view line) {
+  if (line.starts_with("$H") && line.size() <= 3) {
+    const GcodeError error = begin_homing(line.substr(2));
+    if (error != GcodeError::none) answer(error);  // else when it is done
+    return;
+  }
+  answer(system_command(line));
+}
 
 /// What every state allows; the rest wants a machine at rest.
 GcodeError Controller::system_command(std::string_view line) {
@@ -72,8 +90,6 @@ GcodeError Controller::system_command(std::string_view line) {
     unlock();
     return GcodeError::none;
   }
-  // All axes or one of them; there is no homing yet.
-  if (line.starts_with("$H") && line.size() <= 3) return GcodeError::homing_disabled;
   if (line.starts_with("$RST=") || line.starts_with("$I=") || line == "$BOOT" || line == "$C" ||
       line == "$SLP")
     return command_at_rest(line);
@@ -88,24 +104,23 @@ bool Controller::tell(std::string_view command) {
   else if (command == "$I")
     tell_version();
   else if (command == "$#")
-    tell_offsets();
+    tell_offsets(0, offset_lines);
   else if (command == "$N")
     tell_start_up_lines();
   else if (command == "$G")
     write_modes(line, reader_.interpreter().modal(), values_.whole(Id::report_inches) != 0);
   else if (command == "$")
-    write_help(line, {.sleep = true, .check = true});
+    write_help(line, {.sleep = true, .check = true, .homing = values_.whole(Id::homing) != 0});
   else
     return false;
   link_.send_text(line.view());
   return true;
 }
 
-void Controller::tell_offsets() {
-  const ProbeResult none;
-  const ReportedOffsets offsets{reader_.kept().parameters, reader_.interpreter().modal(), none,
+void Controller::tell_offsets(int first, int end) {
+  const ReportedOffsets offsets{reader_.kept().parameters, reader_.interpreter().modal(), probe_,
                                 values_.whole(Id::axes), values_.whole(Id::report_inches) != 0};
-  for (int i = 0; i < offset_lines; ++i) {
+  for (int i = first; i < end; ++i) {
     TextLine line;
     write_offset(line, i, offsets);
     link_.send_text(line.view());
@@ -234,6 +249,8 @@ std::string_view Controller::state_name() const {
     case MachineState::idle:
       if (asleep_) return "Sleep";
       return check_ ? std::string_view("Check") : std::string_view("Idle");
+    case MachineState::home:
+      return "Home";
     case MachineState::run:
       return jogging_ ? std::string_view("Jog") : std::string_view("Run");
     case MachineState::hold:
@@ -255,7 +272,7 @@ ReportedStatus Controller::reported_status() const {
     status.state = state_name();
     status.line = program_.line();
   }
-  status.busy = job_unfinished();
+  status.busy = job_unfinished() || state_ == MachineState::home;
   status.axes = values_.whole(Id::axes);
   report_motion(status, motion, values_);
   report_program(status, reader_.interpreter());
@@ -264,8 +281,7 @@ ReportedStatus Controller::reported_status() const {
   const std::size_t room = receive_room();
   status.free_bytes = static_cast<std::uint32_t>(room > beyond ? room - beyond : 0);
   status.overrides = overrides_;
-  constexpr std::uint16_t door_pin = 1u << pin_letters.find('D');
-  if (door_open_) status.pins |= door_pin;
+  status.pins = active_pins(inputs_);
   return status;
 }
 

@@ -66,7 +66,7 @@ std::int64_t place_of(std::int32_t step, const settings::Values& values, int axi
   line.rapid = move.rapid;
   line.timed = move.timed;
   line.exact_stop = move.exact_stop;
-  if (values.whole(Id::laser_mode) != 0) {
+  if (values.whole(Id::laser_mode) != 0 && move.kind != program::ActionKind::probe) {
     line.laser = laser_of(move);
     line.power = power_of(move.speed_milli, values);
   }

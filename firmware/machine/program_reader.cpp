@@ -19,6 +19,7 @@ program::Options program_options(const settings::Values& values, bool beat_lock)
   options.arc_tolerance_e7 = values.milli(Id::arc_tolerance) * e7_per_milli;
   options.laser = values.whole(Id::laser_mode) != 0;
   options.beat_lock = beat_lock;
+  options.probe = true;
   return options;
 }
 
@@ -57,6 +58,7 @@ program::Fault ProgramReader::begin_jog(std::string_view line, const settings::V
 [[gnu::hot]] bool ProgramReader::next_action() {
   if (pending_) return true;
   pending_ = interpreter_.next(action_);
+  if (pending_ && action_.kind == ActionKind::probe) action_.beat_lock = BeatLock::off;
   prepared_ = false;
   return pending_;
 }
@@ -92,7 +94,8 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
 [[gnu::hot]] ProgramReader::Step ProgramReader::act(const settings::Values& values,
                                                     const StepLimits& space, std::uint64_t clock,
                                                     bool check) {
-  if (action_.kind == ActionKind::move) return move(values, space, check);
+  if (action_.kind == ActionKind::move || action_.kind == ActionKind::probe)
+    return move(values, space, check);
   if (check) {
     taken();
     return action_.kind == ActionKind::program_end ? Step::ended : Step::done;
@@ -130,8 +133,10 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
   }
   if (check) return taken();
   const BeatLock lock = action_.beat_lock;
-  if (lock != lock_ || (lock == BeatLock::off && !runner_.begun()))
+  const bool planned = runner_.begun() && !runner_.broken_off();
+  if (!probing_ && (lock != lock_ || (lock == BeatLock::off && !planned)))
     return rests() ? Step::changes : Step::waits;
+  if (action_.kind == ActionKind::probe) return rests() ? Step::probes : Step::waits;
   if (!take(values)) return Step::waits;
   from_ = target_.steps;
   return taken();
@@ -156,7 +161,7 @@ ProgramReader::Step ProgramReader::dwell(std::uint64_t clock) {
 
 bool ProgramReader::drop_line() {
   const bool was_open = open_;
-  open_ = pending_ = paused_ = dwells_ = false;
+  open_ = pending_ = paused_ = dwells_ = probing_ = false;
   interpreter_.set_position(interpreter_.machine_e7());
   return was_open;
 }
@@ -172,14 +177,24 @@ void ProgramReader::reset() {
   astray_ = true;
 }
 
-void ProgramReader::find_position(const stepper::MotionState& at, const settings::Values& values) {
-  if (!astray_) return;
+program::Place ProgramReader::stand_at(const stepper::MotionState& at,
+                                       const settings::Values& values) {
   program::Place place_e7{};
-  for (int a = 0; a < values.whole(Id::axes); ++a)
-    place_e7[index(a)] = place_of(at.axis[index(a)].step(), values, a);
-  interpreter_.set_position(place_e7);
   for (int a = 0; a < max_axes; ++a) from_[index(a)] = at.axis[index(a)].step();
+  for (int a = 0; a < values.whole(Id::axes); ++a)
+    place_e7[index(a)] = place_of(from_[index(a)], values, a);
   astray_ = false;
+  return place_e7;
+}
+
+void ProgramReader::find_position(const stepper::MotionState& at, const settings::Values& values) {
+  if (astray_) interpreter_.set_position(stand_at(at, values));
+}
+
+void ProgramReader::end_probe(const stepper::MotionState& at, const settings::Values& values) {
+  interpreter_.stand_at(stand_at(at, values));
+  probing_ = false;
+  taken();
 }
 
 }  // namespace lamplock::machine

@@ -40,6 +40,7 @@ class ProgramReader {
     outside,  ///< the line wanted to leave the work space: the rest of it is dropped
     pauses,   ///< M0, M1: waits for go_on() from now on
     changes,  ///< the machine stands: a change over to wanted_lock() is due before the next move
+    probes,   ///< it stands: before and behind the move of a probe, until end_probe()
     ended     ///< M2, M30; then done
   };
 
@@ -80,6 +81,14 @@ class ProgramReader {
             bool check);
   bool line_open() const { return open_; }
   void go_on() { paused_ = false; }
+  /// Gives the move of the probe to the planner.
+  void begin_probe() { probing_ = runner_.take(target_); }
+  bool probing() const { return probing_; }
+  /// It ends when contact is lost; it is an error if it ends by itself.
+  bool probes_away() const { return action_.probe_away; }
+  bool probe_must_meet() const { return action_.probe_must; }
+  /// It is over; the machine stands there.
+  void end_probe(const stepper::MotionState& at, const settings::Values& values);
 
   /// Forgets the line under way; true if there was one.
   bool drop_line();
@@ -110,6 +119,7 @@ class ProgramReader {
   bool rests();
   Step stand();
   Step taken();
+  program::Place stand_at(const stepper::MotionState& at, const settings::Values& values);
 
   ProgramRunner& runner_;
   JobRunner& points_;
@@ -126,6 +136,7 @@ class ProgramReader {
   bool pending_ = false;       ///< action_ was not taken yet
   bool prepared_ = false;      ///< target_ is that of action_
   bool paused_ = false;
+  bool probing_ = false;  ///< the move of action_ is under way
   bool astray_ = true;
   bool dwells_ = false;
   std::uint64_t dwell_end_ = 0;  ///< clock

@@ -37,7 +37,7 @@ Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q
   tick_q16_ = tick_q16;
   begun_ = drained_ = stands_ = resting_ = true;
   pace_percent_ = full_pace;
-  lost_ = staged_ = false;
+  lost_ = staged_ = broken_off_ = false;
   brakes_ = 0;
   end_tick_ = offset_ticks_ = 0;
   orders_.held = orders_.cancel = orders_.rejoin = false;
@@ -48,13 +48,13 @@ Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q
 
 void ProgramRunner::end() {
   planning_.hand_over().recall();
-  begun_ = false;
+  begun_ = broken_off_ = false;
   drained_ = true;
 }
 
 bool ProgramRunner::take(const motion::LineTarget& line) {
   LineInbox& inbox = planning_.lines().inbox();
-  if (orders_.cancel || inbox.full()) return false;
+  if (orders_.cancel || broken_off_ || inbox.full()) return false;
   inbox.push(line);
   drained_ = stands_ = false;
   return true;
@@ -69,6 +69,24 @@ void ProgramRunner::set_overrides(std::uint32_t feed_percent, std::uint32_t rapi
 
 void ProgramRunner::cancel() {
   if (begun_ && !idle()) orders_.cancel = true;
+}
+
+void ProgramRunner::break_off() {
+  if (!begun_ || broken_off_) return;
+  planning_.hand_over().recall();
+  segments_.clear();
+  brakes_ = 0;
+  staged_ = lost_ = stands_ = false;
+  resting_ = drained_ = broken_off_ = true;
+  orders_.held = orders_.cancel = false;
+  const stepper::MotionState head = generator_.state();
+  end_tick_ = head.tick;
+  if (!generator_.running()) return;
+  const stepper::Segment brake =
+      motion::make_brake(head, brake_limits_, generator_.accelerations_q62());
+  generator_.replace(brake);
+  end_tick_ = brake.end.tick;
+  clock_.set_motion_end(end_tick_);
 }
 
 bool ProgramRunner::wants_batch() const {
@@ -226,7 +244,7 @@ void ProgramRunner::halt() {
 }
 
 std::uint32_t ProgramRunner::free() const {
-  if (!begun_) return motion::LineRing::capacity;
+  if (!begun_ || broken_off_) return motion::LineRing::capacity;
   const std::uint32_t known = lines_ + planning_.lines().inbox().size();
   return known < motion::LineRing::capacity ? motion::LineRing::capacity - known : 0;
 }

@@ -18,6 +18,8 @@
 //   time:  past | filled (2 ms ahead) | committed, at most `horizon_ticks` | end_ | brake
 //
 // So an order is in force after horizon_ticks and a batch, and the filled ticks: 40 ms at most.
+// What is broken off (a jog, a move whose guard has seen something) brakes behind the filled ticks
+// alone.
 //
 // The planner counts ticks from the begin of the program; what it plans from rest is moved to where
 // the lattice is by then. Segments know nothing of beats. Where the lattice follows a lamp (slave)
@@ -62,7 +64,12 @@ class ProgramRunner {
   bool held() const { return orders_.held; }
   /// Comes to rest on the path and forgets all lines; none are taken until idle().
   void cancel();
-  bool cancelling() const { return orders_.cancel; }
+  /// Comes to rest at once, each axis as it can, beside the path if need be: what was taken is
+  /// gone, and nothing is taken until the next begin(), which is due when idle(). Masked.
+  void break_off();
+  bool broken_off() const { return broken_off_; }
+  /// Either is under way.
+  bool cancelling() const { return orders_.cancel || (broken_off_ && !stands_); }
 
   /// True if there is a batch to be planned, or one to commit. Masked.
   bool prepare();
@@ -110,6 +117,7 @@ class ProgramRunner {
   bool stands_ = true;              ///< idle()
   bool resting_ = true;             ///< what is handed out ends at rest, without a brake
   bool lost_ = false;               ///< the brake was run: the next batch rejoins the path
+  bool broken_off_ = false;         ///< the planner knows nothing of where the machine is
   bool staged_ = false;             ///< the batch lies in the queue, but for its first segment
   std::uint32_t brakes_ = 0;        ///< at the end of the queue: 0 or 1
   std::uint64_t offset_ticks_ = 0;  ///< lattice over planner

@@ -20,7 +20,7 @@ enum OffsetLine : int {
   line_tool_length,
   line_probe
 };
-static_assert(line_probe + 1 == offset_lines);
+static_assert(line_probe == probe_line);
 
 /// A code by ten times its number, which is how the interpreter keeps them.
 void add_code(TextLine& line, std::uint32_t tenths) {

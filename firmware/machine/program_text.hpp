@@ -45,6 +45,7 @@ struct ReportedOffsets {
 
 /// Lines of `$#`: coordinate systems, G28, G30, G92, TLO, PRB.
 inline constexpr int offset_lines = program::coordinate_systems + 5;
+inline constexpr int probe_line = offset_lines - 1;
 /// Line `i` of them, from 0: "[G54:0.000,0.000,0.000]".
 void write_offset(TextLine& line, int i, const ReportedOffsets& offsets);
 

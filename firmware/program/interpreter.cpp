@@ -229,11 +229,15 @@ void Interpreter::reset() {
 }
 
 void Interpreter::set_position(const Place& machine_e7) {
+  stand_at(machine_e7);
+  plan_.stages = 0;
+}
+
+void Interpreter::stand_at(const Place& machine_e7) {
   state_->machine_e7 = machine_e7;
   state_->programmed_e7 = state_->modal.rotation.turned_back(machine_e7);
   state_->cycle.series = false;
   state_->spline.known = false;
-  plan_.stages = 0;
 }
 
 Place Interpreter::work_offset_e7() const {

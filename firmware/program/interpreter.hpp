@@ -71,6 +71,8 @@ class Interpreter {
   void reset();
   /// The machine is here and nothing is left to do.
   void set_position(const Place& machine_e7);
+  /// The machine is here; what is left of the line goes on from there.
+  void stand_at(const Place& machine_e7);
 
   const Modal& modal() const { return state_->modal; }
   const State& state() const { return *state_; }

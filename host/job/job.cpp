@@ -65,7 +65,7 @@ void add_override(wire::JobHeader& header, Id id, const settings::Values& values
   const std::uint16_t number = settings::row(id).number;
   for (const wire::Override& item : header.used_overrides())
     if (item.number == number) return;
-  static_assert(settings::setting_count <= wire::max_overrides);
+  static_assert(settings::job_setting_count <= wire::max_overrides);
   header.overrides[header.override_count++] = {number, values.milli(id)};
 }
 
@@ -85,7 +85,7 @@ wire::JobHeader make_header(const Profile& profile, const JobOptions& options,
   for (std::size_t i = 0; i < settings::setting_count; ++i) {
     const auto id = static_cast<Id>(i);
     const bool changed = values.milli(id) != settings::row(id).default_milli;
-    if (profile.stated[i] || changed) add_override(header, id, values);
+    if (settings::of_jobs(id) && (profile.stated[i] || changed)) add_override(header, id, values);
   }
   return header;
 }

@@ -12,7 +12,7 @@
 namespace lamplock::wire {
 
 /// State of the machine. The values are part of the wire format: never renumber.
-enum class MachineState : std::uint8_t { idle = 0, run, hold, alarm, door, estop };
+enum class MachineState : std::uint8_t { idle = 0, run, hold, alarm, door, estop, home };
 
 /// Who asked for a hold. The host resumes what it did not ask for.
 enum class HoldReason : std::uint8_t {
@@ -129,7 +129,7 @@ constexpr bool read_status(const FrameHeader& header, std::span<const std::uint8
         &read.link.duplicates, &read.link.out_of_order, &read.link.lost_lines,
         &read.link.transmit_overflows})
     *value = in.take<std::uint32_t>();
-  if (!in.exhausted() || read.state > MachineState::estop) return false;
+  if (!in.exhausted() || read.state > MachineState::home) return false;
   status = read;
   return true;
 }

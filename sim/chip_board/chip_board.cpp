@@ -62,6 +62,7 @@ constexpr std::array input_wires{
     Wire{Role::lamp_sync, Pin::lamp_sync, false},
     Wire{Role::estop, Pin::estop, false},
     Wire{Role::door, Pin::door, false},
+    Wire{Role::probe, Pin::probe, false},
     Wire{Role::limit_x, Pin::limit_x, false},
     Wire{Role::limit_y, Pin::limit_y, false},
     Wire{Role::limit_z, Pin::limit_z, false},

@@ -21,6 +21,19 @@ constexpr std::size_t host_buffer = 4096;
 /// Blocks kept after they were played, to look back from a late edge to its lattice tick.
 constexpr std::size_t remembered_blocks = 64;
 
+/// Pins of switches, and what they are for.
+struct InputPin {
+  Pin pin;
+  machine::Input input;
+};
+constexpr std::array input_pins{InputPin{Pin::estop, machine::Input::estop},
+                                InputPin{Pin::door, machine::Input::door},
+                                InputPin{Pin::probe, machine::Input::probe},
+                                InputPin{Pin::limit_x, machine::Input::limit_x},
+                                InputPin{Pin::limit_y, machine::Input::limit_y},
+                                InputPin{Pin::limit_z, machine::Input::limit_z},
+                                InputPin{Pin::limit_a, machine::Input::limit_a}};
+
 /// The tick that begins a lag before another one. A lattice that lags behind the lamp has given no
 /// time to the tick of a shot yet: from there on ticks are as long as the last that has one.
 std::uint64_t tick_before(const TickLine& line, std::uint64_t tick, Picoseconds lag) {
@@ -43,9 +56,8 @@ VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& wo
       world_(std::make_unique<World>(world, bus_)),
       controller_(std::make_unique<machine::Controller>(stored)) {
   controller_->set_kept(kept_);
-  for (const Pin pin : {Pin::lamp_sync, Pin::lamp_trigger, Pin::estop, Pin::door, Pin::limit_x,
-                        Pin::limit_y, Pin::limit_z, Pin::limit_a})
-    bus_.listen(pin, *this);
+  for (const Pin pin : {Pin::lamp_sync, Pin::lamp_trigger}) bus_.listen(pin, *this);
+  for (const InputPin& input : input_pins) bus_.listen(input.pin, *this);
   for (int channel = 0; channel < beam_channels; ++channel)
     bus_.listen(photosensor_pin(channel), *this);
   for (int axis = 0; axis < max_axes; ++axis)
@@ -95,22 +107,34 @@ void VirtualBoard::pin_changed(Pin pin, bool level, Picoseconds at) {
       controller_->photosensors(static_cast<std::uint8_t>(1 << channel), clock);
       break;
     }
-    case Pin::estop:
-      if (level) stop_dead();
-      controller_->input_changed(machine::Input::estop, level);
+    default:
+      tell_input(pin);
       break;
-    case Pin::door:
-      controller_->input_changed(machine::Input::door, level);
-      break;
-    default: {
-      const int axis = static_cast<int>(pin) - static_cast<int>(Pin::limit_x);
-      controller_->input_changed(
-          static_cast<machine::Input>(static_cast<int>(machine::Input::limit_x) + axis), level);
-      if (level && controller_->state() == wire::MachineState::alarm) stop_dead();
-      break;
-    }
   }
   check_outputs();
+}
+
+/// Tells the core if it does not know yet: a change, or another polarity in the settings.
+void VirtualBoard::tell_input(Pin pin) {
+  using machine::Input;
+  const auto* found = std::find_if(input_pins.begin(), input_pins.end(),
+                                   [pin](const InputPin& known) { return known.pin == pin; });
+  const Input input = found->input;
+  const machine::InputSet bit = machine::set_of(input);
+  const bool low_is_active = (machine::active_low(stored_) & bit) != 0;
+  const bool active = bus_.level(pin) != low_is_active;
+  if (active == ((told_inputs_ & bit) != 0)) return;
+  told_inputs_ = static_cast<machine::InputSet>(told_inputs_ ^ bit);
+  if (input == Input::estop && active) stop_dead();
+  controller_->input_changed(input, active, present_position());
+  if (machine::is_limit(input) && active && controller_->state() == wire::MachineState::alarm)
+    stop_dead();
+}
+
+/// As far as steps have been put out.
+StepPosition VirtualBoard::present_position() const {
+  if (blocks_.empty()) return {};
+  return position_at_tick(std::max(played_, blocks_.front().first_tick));
 }
 
 Picoseconds VirtualBoard::token_expiry() const {
@@ -151,6 +175,7 @@ void VirtualBoard::run_until(Picoseconds until) {
 void VirtualBoard::service() {
   next_service_ = now_ + service_period;
   controller_->photosensors(0, static_cast<std::uint64_t>(now_ / ps_per_clock));
+  for (const InputPin& input : input_pins) tell_input(input.pin);
   if (planned_at_ == never) {
     main_loop();
   } else if (planned_at_ <= now_) {
@@ -195,10 +220,14 @@ void VirtualBoard::main_loop() {
 void VirtualBoard::feed_lattice() {
   while (ticks_.end_time() < now_ + timing_lead) next_span();
   while (filled_ < ticks_.end_tick() + motion_lead_ticks) {
-    // While it stands no more than has to be: what begins next would wait for it.
+    // While it stands no more than has to be: what begins next would wait for it. Nor if what runs
+    // would go on so long that a real board had been told to stop.
     const bool runs = controller_->runner().generator().running();
+    const bool ends_anytime = controller_->may_break_off();
+    const auto missing =
+        static_cast<std::uint32_t>(ticks_.end_tick() + motion_lead_ticks - filled_);
     stepper::TickBlock block;
-    controller_->fill(block, runs ? block_ticks : motion_lead_ticks);
+    controller_->fill(block, !runs ? motion_lead_ticks : ends_anytime ? missing : block_ticks);
     filled_ = block.first_tick + block.ticks;
     blocks_.push_back(block);
   }
@@ -398,8 +427,7 @@ void VirtualBoard::stop_dead() {
   // The tick line stops: what was filled is lost, the steps put out so far are what counts.
   fire_.disarm(bus_, now_);
   report_shot(false);
-  StepPosition steps{};
-  if (!blocks_.empty()) steps = position_at_tick(std::max(played_, blocks_.front().first_tick));
+  const StepPosition steps = present_position();
   cursors_ = {};
   for (stepper::TickBlock& block : blocks_) {
     block.moving = false;

@@ -68,6 +68,8 @@ class VirtualBoard final : public Board, private PinListener {
 
  private:
   void pin_changed(Pin pin, bool level, Picoseconds at) override;
+  void tell_input(Pin pin);
+  StepPosition present_position() const;
   Picoseconds next_event() const;
   Picoseconds next_look() const;
   Picoseconds token_expiry() const;
@@ -97,6 +99,7 @@ class VirtualBoard final : public Board, private PinListener {
 
   settings::Values stored_;
   machine::KeptProgram kept_;
+  machine::InputSet told_inputs_ = 0;  ///< that the core knows to be active
   PinBus bus_;
   std::unique_ptr<World> world_;
   std::unique_ptr<machine::Controller> controller_;

@@ -36,11 +36,8 @@ class HandBoard {
  public:
   HandBoard(const job::Job& job, std::uint64_t seed) : job_(job), random_(seed) {}
 
-  machine::Controller core{job_.settings,
-                           {},
-                           max_axes,
-                           0xf,
-                           stages_ ? machine::Parts::staged : machine::Parts::straight};
+  machine::Controller core{
+      job_.settings, {}, {.parts = stages_ ? machine::Parts::staged : machine::Parts::straight}};
   bool plans_itself = true;                ///< if not, somebody else calls plan()
   std::function<void()> while_parts_wait;  ///< between two of them
   std::vector<std::uint32_t> fired;        ///< how often each point was fired

@@ -39,8 +39,11 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 // The settings are read twice: a copy that stays would take SRAM.
 Board::Board(const Rings& rings)
     : map_(static_cast<boards::PinMap>(storage_.load_settings().whole(settings::Id::pin_map))),
-      core_(storage_.load_settings(), mask_, boards::axes(map_), boards::channels(map_),
-            machine::Parts::staged),
+      core_(storage_.load_settings(), mask_,
+            {.axes = boards::axes(map_),
+             .channels = boards::channels(map_),
+             .inputs = Inputs(map_).all(),
+             .parts = machine::Parts::staged}),
       ports_(uart_send_gpio),
       real_time_(map_, rings) {}
 

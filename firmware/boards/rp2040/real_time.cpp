@@ -52,8 +52,7 @@ void RealTime::start_pads() const {
   for (const boards::PinUse& use : boards::pins(map_)) {
     if (use.direction != boards::Direction::input) continue;
     // An open serial line reads as idle.
-    const bool up =
-        (pulled_up >> use.gpio & 1) != 0 || use.role == Role::probe || use.role == Role::uart_rx;
+    const bool up = (pulled_up >> use.gpio & 1) != 0 || use.role == Role::uart_rx;
     pads_bank0().gpio[use.gpio] =
         pad::input_enable | pad::schmitt | pad::drive_4ma | (up ? pad::pull_up : pad::pull_down);
   }
@@ -192,6 +191,7 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   timer().intr = 1u << beat_alarm;
   if (estop_.is_cut()) return;
   catch_answers();
+  inputs_.watch(sio().gpio_in, timer().timerawl);
   // A result that is there by now has its own interrupt next, and perhaps that answer and the
   // token.
   const bool result = FireUnit::has_result();
@@ -242,10 +242,19 @@ void RealTime::stop_dead(machine::Controller& core) {
   begin(core, steps, filled);
 }
 
-void RealTime::input_changed(machine::Controller& core, machine::Input input, bool active) {
-  core.input_changed(input, active);
-  const bool limit = input != machine::Input::estop && input != machine::Input::door;
-  if (limit && active && core.state() == wire::MachineState::alarm) stop_dead(core);
+/// As far as steps had been put out then, or a millisecond ago: further back the rings do not go.
+StepPosition RealTime::steps_at_us(std::uint32_t us) {
+  const std::uint64_t present = now();
+  const std::uint64_t tick =
+      feed_.tick_at(present - std::uint64_t{now_us_ - us} * clocks_per_us) + 1;
+  return expander_.steps_at(tick > expander_.oldest_tick() ? tick : expander_.oldest_tick());
+}
+
+void RealTime::input_changed(machine::Controller& core, machine::Input input, bool active,
+                             std::uint32_t began_us) {
+  core.input_changed(input, active, core.wants_places() ? steps_at_us(began_us) : StepPosition{});
+  if (machine::is_limit(input) && active && core.state() == wire::MachineState::alarm)
+    stop_dead(core);
 }
 
 void RealTime::apply_outputs(const machine::Controller& core) {
@@ -273,8 +282,8 @@ void RealTime::apply_outputs(const machine::Controller& core) {
 }
 
 void RealTime::poll(machine::Controller& core) {
-  const auto changed = [this, &core](machine::Input input, bool active) {
-    input_changed(core, input, active);
+  const auto changed = [this, &core](machine::Input input, bool active, std::uint32_t began_us) {
+    input_changed(core, input, active, began_us);
   };
   if (estop_.seen()) {
     estop_.told();
@@ -285,7 +294,8 @@ void RealTime::poll(machine::Controller& core) {
     core.lattice_stopped();
     stop_dead(core);
   }
-  inputs_.poll(sio().gpio_in, static_cast<std::uint32_t>(microseconds()), changed);
+  inputs_.set_active_low(machine::active_low(core.stored()));
+  inputs_.poll(sio().gpio_in, timer().timerawl, changed);
   fire_.service(core, [this] { return now(); });
   fire_.configure(core.fire_timing());
   apply_beam(core);

@@ -57,6 +57,11 @@ class StepExpander {
     constexpr std::uint32_t usable = ring_ticks - 2 * ticks_per_step_word;
     return used < usable ? usable - static_cast<std::uint32_t>(used) : 0;
   }
+  /// First tick that certainly still lies in the rings.
+  std::uint64_t oldest_tick() const {
+    constexpr std::uint32_t kept = ring_ticks - 2 * ticks_per_step_word;
+    return end_ > kept ? end_ - kept : 0;
+  }
   /// Where the axes stand when the ticks before `tick` have been put out; the tick must lie in
   /// the rings (main loop).
   StepPosition steps_at(std::uint64_t tick) const;

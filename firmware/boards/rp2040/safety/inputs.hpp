@@ -1,19 +1,21 @@
-// The switches: e-stop, door, limits, debounced.
+// The switches and the probe, debounced.
 //
-// In:  levels of the pins, the present time.
-// Out: changes for Controller::input_changed().
-// Who: main loop, every 1 ms at least. The e-stop's interrupt has stopped everything before; here
-//      the core is told.
+// In:  levels of the pins, the present time, which pins are active while low.
+// Out: changes for Controller::input_changed(), and when each of them began.
+// Who: watch() from the beat interrupt every 100 us, so that it is known to 100 us when a contact
+//      was made: 10 cycles while nothing changes. The rest from the main loop with that masked,
+//      every 1 ms at least. The e-stop's interrupt has stopped everything before; here the core is
+//      told.
 //
-// All switches are normally closed to ground with the pin's pull-up: high = pressed, open, engaged,
-// or a broken wire. A change to the dangerous side counts when it was seen twice, 50 us apart at
-// least; back, when it has been quiet for 20 ms (contacts bounce for 1 to 10 ms).
+// All switches are contacts to ground with the pin's pull-up. A change to active counts when it has
+// been quiet for 50 us; back, when it has been quiet for 20 ms (contacts bounce for 1 to 10 ms), of
+// the probe at once as well, for a move may wait for that. It began with its first bounce.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "firmware/machine/controller.hpp"
+#include "firmware/machine/inputs.hpp"
 #include "shared/boards/pico_pins.hpp"
 
 namespace lamplock::rp2040 {
@@ -24,18 +26,26 @@ class DebouncedInput {
   static constexpr std::uint32_t engage_us = 50;
   static constexpr std::uint32_t release_us = 20'000;
 
-  /// Takes a sample; true if active() has changed.
-  bool sample(bool level, std::uint32_t now_us) {
-    if (level != level_) {
-      level_ = level;
-      since_us_ = now_us;
-      return false;
-    }
-    if (level_ == active_ || now_us - since_us_ < (level_ ? engage_us : release_us)) return false;
+  /// The pin looks like this now.
+  void look(bool active, std::uint32_t now_us) {
+    if (active == level_) return;
+    level_ = active;
+    since_us_ = now_us;
+    if (level_ == active_) return;
+    if (!turning_) began_us_ = now_us;
+    turning_ = true;
+  }
+  /// True if active() has changed: the pin has been quiet for long enough.
+  bool settle(std::uint32_t now_us, bool slow_release) {
+    const std::uint32_t quiet_us = now_us - since_us_;
+    const std::uint32_t wanted_us = level_ || !slow_release ? engage_us : release_us;
+    if (quiet_us < wanted_us) return false;
+    turning_ = false;
+    if (level_ == active_) return false;
     active_ = level_;
     return true;
   }
-  /// Active at once: somebody has seen more than a sample can.
+  /// Active at once: somebody has seen more than a look can.
   bool force() {
     level_ = true;
     const bool change = !active_;
@@ -43,48 +53,72 @@ class DebouncedInput {
     return change;
   }
   bool active() const { return active_; }
+  /// When the pin left the level before the present one for the first time.
+  std::uint32_t began_us() const { return began_us_; }
 
  private:
-  bool level_ = false;
-  bool active_ = false;
+  bool level_ = false;    ///< active, as the pin was seen last
+  bool active_ = false;   ///< debounced
+  bool turning_ = false;  ///< it has left the level that is active_
   std::uint32_t since_us_ = 0;
+  std::uint32_t began_us_ = 0;
 };
 
 /// All switches of a map.
 class Inputs {
  public:
-  static constexpr std::size_t most = 6;
+  static constexpr std::size_t most = 6;  ///< e-stop, door, probe, three limits
 
   explicit Inputs(boards::PinMap map) {
     using boards::Role;
     using machine::Input;
     add(map, Role::estop, Input::estop);
     add(map, Role::door, Input::door);
-    add(map, Role::limits, Input::limit_x);
+    add(map, Role::probe, Input::probe);
+    add(map, Role::limits, Input::limit_chain);
     add(map, Role::limit_x, Input::limit_x);
     add(map, Role::limit_y, Input::limit_y);
     add(map, Role::limit_z, Input::limit_z);
   }
 
-  /// Samples all; `changed(input, active)` for every change.
+  /// Beat interrupt, or main loop with it masked.
+  void watch(std::uint32_t levels, std::uint32_t now_us) {
+    if (((levels ^ seen_) & pins_) == 0) return;
+    seen_ = levels;
+    look(now_us);
+  }
+  /// Which are active while low; the settings may change it.
+  void set_active_low(machine::InputSet inputs) {
+    if (inputs == active_low_) return;
+    active_low_ = inputs;
+    low_pins_ = 0;
+    for (std::size_t i = 0; i < count_; ++i)
+      if ((inputs & machine::set_of(switches_[i].meaning)) != 0)
+        low_pins_ |= 1u << switches_[i].gpio;
+  }
+  /// `changed(input, active, began_us)` for every change.
   template <class Changed>
   void poll(std::uint32_t levels, std::uint32_t now_us, Changed&& changed) {
+    seen_ = levels;
+    look(now_us);
     for (std::size_t i = 0; i < count_; ++i) {
       Switch& s = switches_[i];
-      if (s.input.sample((levels >> s.gpio & 1) != 0, now_us)) changed(s.meaning, s.input.active());
+      if (s.input.settle(now_us, s.meaning != machine::Input::probe))
+        changed(s.meaning, s.input.active(), s.input.began_us());
     }
   }
   /// The e-stop's interrupt came: pressed, however short.
   template <class Changed>
   void estop_seen(Changed&& changed) {
-    if (switches_[0].input.force()) changed(machine::Input::estop, true);
+    if (switches_[0].input.force()) changed(machine::Input::estop, true, std::uint32_t{0});
   }
   bool estop() const { return switches_[0].input.active(); }
-  /// Pins that want a pull-up.
-  std::uint32_t pins() const {
-    std::uint32_t mask = 0;
-    for (std::size_t i = 0; i < count_; ++i) mask |= 1u << switches_[i].gpio;
-    return mask;
+  /// All of them want a pull-up.
+  std::uint32_t pins() const { return pins_; }
+  machine::InputSet all() const {
+    unsigned set = 0;
+    for (std::size_t i = 0; i < count_; ++i) set |= machine::set_of(switches_[i].meaning);
+    return static_cast<machine::InputSet>(set);
   }
 
  private:
@@ -95,11 +129,22 @@ class Inputs {
   };
   void add(boards::PinMap map, boards::Role role, machine::Input meaning) {
     const auto gpio = boards::find_gpio(map, role);
-    if (gpio) switches_[count_++] = {*gpio, meaning, {}};
+    if (!gpio) return;
+    switches_[count_++] = {*gpio, meaning, {}};
+    pins_ |= 1u << *gpio;
+  }
+  void look(std::uint32_t now_us) {
+    const std::uint32_t active = seen_ ^ low_pins_;
+    for (std::size_t i = 0; i < count_; ++i)
+      switches_[i].input.look((active >> switches_[i].gpio & 1) != 0, now_us);
   }
 
   std::array<Switch, most> switches_{};
   std::size_t count_ = 0;
+  std::uint32_t pins_ = 0;
+  std::uint32_t low_pins_ = 0;  ///< active while low
+  std::uint32_t seen_ = 0;
+  machine::InputSet active_low_ = 0;
 };
 
 }  // namespace lamplock::rp2040

@@ -1,0 +1,107 @@
+// Homing: who asks for it, the moves that it wants, how it ends.
+#include "firmware/machine/controller.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using settings::Id;
+using wire::MachineState;
+
+constexpr std::string_view axis_letters = "XYZA";
+constexpr AxisSet every_axis = (1u << max_axes) - 1;
+constexpr std::uint64_t clocks_per_ms = 1000 * clocks_per_us;
+
+}  // namespace
+
+/// "$H", "$HX". Answered when it has ended.
+GcodeError Controller::begin_homing(std::string_view axes) {
+  AxisSet wanted = every_axis;
+  if (!axes.empty()) {
+    std::size_t axis = 0;
+    while (axis != axis_letters.size() && axis_letters[axis] != axes.front()) ++axis;
+    if (axis == axis_letters.size()) return GcodeError::unknown_command;
+    wanted = static_cast<AxisSet>(1u << axis);
+  }
+  if (stored_.whole(Id::homing) == 0) return GcodeError::homing_disabled;
+  if (state_ == MachineState::estop) return GcodeError::emergency_stop;
+  if (door_open_) return GcodeError::door_open;
+  if (!may_be_changed() || check_ || loader_requested_) return GcodeError::not_idle;
+  if (!homing_.begin(stored_, board_.inputs, wanted)) return GcodeError::homing_disabled;
+  reader_.end_lock();
+  const Masked masked(mask_);
+  if (state_ == MachineState::alarm) unlock();
+  state_ = MachineState::home;
+  stopped_ = false;
+  homing_alarm_ = 0;
+  homing_wait_ = 0;
+  homing_runs_start_up_ = axes.empty();
+  return GcodeError::none;
+}
+
+/// Goes on where the machine stands.
+void Controller::work_homing() {
+  if (!program_.idle() || !motion_.at_rest() || now_ < homing_wait_) return;
+  if (homing_alarm_ != 0) {
+    const Masked masked(mask_);
+    return raise_alarm(homing_alarm_);
+  }
+  const stepper::MotionState at = motion_.generator().state();
+  StepPosition steps{};
+  for (int a = 0; a < max_axes; ++a) steps[index(a)] = at.axis[index(a)].step();
+  switch (homing_.next({steps, inputs_, guard_})) {
+    case Homing::Next::move:
+      return go_homing();
+    case Homing::Next::wait:
+      homing_wait_ = now_ + homing_.wait_ms() * clocks_per_ms;
+      return;
+    case Homing::Next::set_position: {
+      end_program();
+      const Masked masked(mask_);
+      motion_.generator().set_position(homing_.position());
+      return;
+    }
+    case Homing::Next::done:
+      return end_homing();
+    case Homing::Next::still_engaged:
+      return break_off_homing(alarm_homing_engaged);
+    case Homing::Next::switch_not_found:
+      return break_off_homing(alarm_homing_not_found);
+  }
+}
+
+void Controller::go_homing() {
+  if (!begin_lines()) return break_off_homing(alarm_homing_not_found);
+  motion::LineTarget line;
+  line.steps = homing_.move().target;
+  line.feed_um_min = homing_.move().feed_um_min;
+  const Masked masked(mask_);
+  guard_.watch(homing_.move().watch, true);
+  program_.take(line);
+}
+
+/// It ends with an alarm, as soon as the machine stands.
+void Controller::break_off_homing(std::uint8_t alarm) {
+  guard_.drop();
+  if (homing_alarm_ == 0) homing_alarm_ = alarm;
+  program_.break_off();
+}
+
+void Controller::end_homing() {
+  const Masked masked(mask_);
+  guard_.drop();
+  homing_.end();
+  end_program();
+  reader_.lose_position();
+  state_ = MachineState::idle;
+  if (homing_runs_start_up_) start_up_next_ = 0;
+  answer(GcodeError::none);
+}
+
+/// An alarm has come.
+void Controller::drop_homing() {
+  if (!homing_.active()) return;
+  homing_.end();
+  answer(GcodeError::locked);
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,44 @@
+// Probing (G38.2 to G38.5): a guarded move of a program, and what is told of it.
+#include "firmware/machine/controller.hpp"
+#include "firmware/machine/program_motion.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using settings::Id;
+
+}  // namespace
+
+/// The machine stands, before the move or behind it; true if the program goes on.
+bool Controller::work_probe() {
+  if (reader_.probing()) return end_probe();
+  begin_probe();
+  return !reader_.line_open();
+}
+
+void Controller::begin_probe() {
+  const bool wanted = !reader_.probes_away();
+  const Masked masked(mask_);
+  if (((inputs_ & set_of(Input::probe)) != 0) == wanted) return raise_alarm(alarm_probe_state);
+  guard_.watch(set_of(Input::probe), wanted);
+  reader_.begin_probe();
+}
+
+bool Controller::end_probe() {
+  guard_.drop();
+  const stepper::MotionState rest = motion_.generator().state();
+  probe_.met = guard_.met() != 0;
+  for (int a = 0; a < values_.whole(Id::axes); ++a) {
+    const std::int32_t step = probe_.met ? guard_.at()[index(a)] : rest.axis[index(a)].step();
+    probe_.machine_e7[index(a)] = place_of(step, values_, a);
+  }
+  const bool failed = !probe_.met && reader_.probe_must_meet();
+  reader_.end_probe(rest, values_);
+  tell_offsets(probe_line, probe_line + 1);
+  if (!failed) return true;
+  const Masked masked(mask_);
+  raise_alarm(alarm_probe_nothing);
+  return true;
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,193 @@
+// Homing on the virtual board: where the machine thinks it is afterwards, against where the loads
+// are; switches that bounce, are engaged from the start, never let go or are not there; what stops
+// it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "tests/board/machine_with_switches.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr std::int32_t end_steps = 50 * 200, pull_off_steps = 200;
+constexpr std::uint8_t reset_byte = 0x18;
+
+/// Machine coordinates less those of the load: from where the switch of an axis is.
+std::int32_t offset_of(const SwitchPlan& plan, int axis) {
+  const bool below = (plan.lower_ends >> axis & 1u) != 0;
+  return (below ? -end_steps : end_steps) - plan.switches[index(axis)];
+}
+
+void expect_homed(const MachineWithSwitches& m, const SwitchPlan& plan, unsigned axes) {
+  const StepPosition at = m.host.position(), loads = m.loads();
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((axes >> axis & 1u) == 0) continue;
+    EXPECT_LE(std::abs(at[index(axis)] - loads[index(axis)] - offset_of(plan, axis)), 1)
+        << "axis " << axis;
+    const bool below = (plan.lower_ends >> axis & 1u) != 0;
+    EXPECT_EQ(at[index(axis)], below ? -end_steps + pull_off_steps : end_steps - pull_off_steps);
+  }
+}
+
+TEST(Homing, FindsTheSwitchesAndKnowsWhereTheMachineIs) {
+  const SwitchPlan plan{.start = {300, -2000, 5000, 0}};
+  MachineWithSwitches m(homing_profile(), plan);
+  EXPECT_THAT(m.host.status(), StartsWith("<Alarm|"));
+  EXPECT_THAT(m.host.ask("G0 X1\n"), ElementsAre("error:9"));
+  EXPECT_THAT(m.home(), ElementsAre("ok"));
+  EXPECT_THAT(m.host.status(), StartsWith("<Idle|MPos:49.000,49.000,49.000|"));
+  expect_homed(m, plan, 7);
+  EXPECT_THAT(m.host.ask("G0 X-49 Y1\nG4 P0\n", 5), ElementsAre("ok", "ok"));
+  EXPECT_EQ(m.loads()[0], -49 * 200 - offset_of(plan, 0));
+}
+
+TEST(Homing, ReportsItselfAndTheSwitches) {
+  MachineWithSwitches m(homing_profile(), {});
+  m.host.send("$H\n");
+  ASSERT_TRUE(m.wait_for_motion());
+  EXPECT_THAT(m.host.status(), StartsWith("<Home|"));
+  ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::Pin::limit_z); }));
+  EXPECT_THAT(m.host.status(), HasSubstr("|Pn:Z"));
+  m.host.send("G1 X0 F600\n");  // waits, as every line
+  ASSERT_TRUE(m.wait_for([&] { return m.host.answers().size() == 2; }));
+  EXPECT_THAT(m.host.answers(), ElementsAre("ok", "ok"));
+}
+
+/// Z first, then X and Y together, as $44 and $45 say.
+TEST(Homing, AxesHomeInTheirPhases) {
+  MachineWithSwitches m(homing_profile(), {});
+  m.host.send("$H\n");
+  ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::Pin::limit_z); }));
+  EXPECT_EQ(m.loads()[0], 0);
+  EXPECT_EQ(m.loads()[1], 0);
+  ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::Pin::limit_x); }));
+  EXPECT_GT(m.loads()[1], 10'000);
+  EXPECT_LT(m.loads()[2], 12'000);
+}
+
+TEST(Homing, OneAxisAlone) {
+  const SwitchPlan plan;
+  MachineWithSwitches m(homing_profile(), plan);
+  EXPECT_THAT(m.home("$HY\n"), ElementsAre("ok"));
+  expect_homed(m, plan, 2);
+  EXPECT_EQ(m.loads()[0], 0);
+  EXPECT_EQ(m.loads()[2], 0);
+  EXPECT_THAT(m.host.ask("$HQ\n$HA\n"), ElementsAre("error:3", "error:5"));
+}
+
+TEST(Homing, IsRefusedWhereThereIsNone) {
+  job::Profile profile = homing_profile();
+  profile.settings.set_milli(Id::homing, 0);
+  MachineWithSwitches m(profile, {});
+  EXPECT_THAT(m.host.ask("$H\n"), ElementsAre("error:5"));
+  EXPECT_THAT(m.host.status(), StartsWith("<Idle|"));
+}
+
+/// Wherever it stands, whichever ends the switches are at, however they bounce: within a step.
+TEST(Homing, AnywhereWithBouncingSwitches) {
+  std::mt19937_64 random(7);
+  const auto pick = [&random](int from, int to) {
+    return std::uniform_int_distribution<>(from, to)(random);
+  };
+  for (int round = 0; round < scaled(12); ++round) {
+    SwitchPlan plan;
+    plan.lower_ends = static_cast<unsigned>(pick(0, 7));
+    plan.hysteresis_steps = pick(0, 100);
+    plan.bounce = {
+        .make_us = pick(0, 8000) * 1.0, .break_us = pick(0, 8000) * 1.0, .seed = random()};
+    job::Profile profile = homing_profile();
+    profile.settings.set_milli(Id::homing_direction, static_cast<int>(plan.lower_ends) * 1000);
+    profile.settings.set_milli(Id::homing_passes, pick(1, 3) * 1000);
+    for (int a = 0; a < 3; ++a) {
+      const bool below = (plan.lower_ends >> a & 1u) != 0;
+      plan.switches[index(a)] = below ? pick(-19'000, -3000) : pick(3000, 19'000);
+      plan.start[index(a)] = below ? plan.switches[index(a)] + pick(-100, 10'000)
+                                   : plan.switches[index(a)] - pick(-100, 10'000);
+    }
+    SCOPED_TRACE(fmt::format("round {}", round));
+    MachineWithSwitches m(profile, plan);
+    ASSERT_THAT(m.home(), Contains("ok"));
+    expect_homed(m, plan, 7);
+  }
+}
+
+/// The switch is passed by no more than braking and what is on its way: it is not run into.
+TEST(Homing, BrakesBehindTheSwitch) {
+  const SwitchPlan plan;
+  MachineWithSwitches m(homing_profile(), plan);
+  m.host.send("$HX\n");
+  std::int32_t highest = 0;
+  ASSERT_TRUE(m.wait_for([&] {
+    highest = std::max(highest, m.loads()[0]);
+    return !m.host.answers().empty();
+  }));
+  // 100 mm/s at 2 m/s2 brakes in 2.5 mm; 5 ms of it before.
+  EXPECT_GT(highest, plan.switches[0] + 450);
+  EXPECT_LT(highest, plan.switches[0] + 500 + 100 + 10);
+}
+
+TEST(HomingFaults, NoSwitchWithinReach) {
+  SwitchPlan plan;
+  plan.switches[0] = 200'000;
+  MachineWithSwitches m(homing_profile(), plan);
+  EXPECT_THAT(m.home("$HX\n"), ElementsAre("ALARM:9", "error:9"));
+  EXPECT_EQ(m.loads()[0], 150 * 200);  // one and a half times the travel
+  EXPECT_THAT(m.host.ask("$X\nG0 X1\n"), Contains("ok").Times(2));
+}
+
+TEST(HomingFaults, AWireThatIsBrokenNeverLetsGo) {
+  MachineWithSwitches m(homing_profile(), {});
+  m.switches().break_wire(sim::Pin::limit_x, m.rig.board.now());
+  m.host.run_ms(1);
+  EXPECT_THAT(m.host.ask("$HX\n", 10), ElementsAre("ALARM:8", "error:9"));
+  EXPECT_EQ(m.loads()[0], -200);  // it has pulled off once
+}
+
+TEST(HomingFaults, AContactThatIsBridgedIsNotFound) {
+  SwitchPlan plan;
+  sim::WireConfig wire = limit_switch(0, plan);
+  wire.contacts[0].bridged_from = 0;
+  MachineWithSwitches m(homing_profile(), plan, {wire});
+  EXPECT_THAT(m.home("$HX\n"), ElementsAre("ALARM:9", "error:9"));
+}
+
+TEST(HomingFaults, DoorResetAndEstopAtAnyMoment) {
+  std::mt19937_64 random(3);
+  for (int round = 0; round < scaled(30); ++round) {
+    MachineWithSwitches m(homing_profile(), {});
+    m.host.send("$H\n");
+    m.host.run_ms(static_cast<double>(random() % 2500));
+    if (!m.host.answers().empty()) continue;
+    const int what = round % 3;
+    SCOPED_TRACE(fmt::format("round {} what {}", round, what));
+    if (what == 0) m.rig.board.world().schedule(sim::Pin::door, true, m.rig.board.now());
+    if (what == 1) m.host.send(reset_byte);
+    if (what == 2) m.rig.board.world().schedule(sim::Pin::estop, true, m.rig.board.now());
+    m.host.run_ms(300);
+    const char* alarms[] = {"ALARM:7", "ALARM:6", "ALARM:10"};
+    EXPECT_THAT(m.host.said(), Contains(alarms[what]));
+    EXPECT_THAT(m.host.answers(), ElementsAre("error:9"));
+    const StepPosition stood = m.loads();
+    m.host.run_ms(300);
+    EXPECT_EQ(m.loads(), stood);
+    EXPECT_THAT(m.host.status(), StartsWith("<Alarm|"));
+  }
+}
+
+TEST(HomingFaults, AnEngagedSwitchIsAnAlarmAgainAfterHoming) {
+  MachineWithSwitches m(homing_profile(), {});
+  ASSERT_THAT(m.home(), ElementsAre("ok"));
+  EXPECT_THAT(m.host.ask("$20=0\nG0 X60\n", 3), Contains("ok").Times(2));
+  ASSERT_TRUE(m.wait_for([&] { return m.host.has_said("ALARM:1"); }));
+  EXPECT_NEAR(m.loads()[0], 12'000, 2);  // stopped dead
+}
+
+}  // namespace
+}  // namespace lamplock::test

@@ -1,0 +1,128 @@
+// Homing, probing and jogs on the chip: where the switches of the machine are is found to a step,
+// with one input for each axis or one for all, bouncing.
+#include <fmt/format.h>
+
+#include <random>
+
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr std::int32_t steps_per_mm = 200, end_steps = 50 * steps_per_mm;
+const std::string jog_cancel = "\x85";
+
+job::Profile homing_profile(bool cut_map) {
+  job::Profile profile = chip_profile();
+  settings::Values& s = profile.settings;
+  s.set_milli(Id::lamp_mode, 0);
+  s.set_milli(Id::pin_map, cut_map ? 1000 : 0);
+  s.set_milli(Id::homing, 1000);
+  s.set_milli(Id::homing_seek, 3'000'000);
+  s.set_milli(Id::homing_feed, 120'000);
+  s.set_milli(Id::homing_debounce, 30'000);
+  s.set_milli(Id::homing_pull_off, 300);
+  return profile;
+}
+
+sim::WireConfig bouncing_limit(int axis, std::int32_t place, std::uint64_t seed) {
+  sim::ContactConfig contact = sim::ContactConfig::above(axis, place, 10);
+  contact.bounce = {.make_us = 3000, .break_us = 3000, .seed = seed};
+  return {.pin = sim::limit_pin(axis), .contacts = {contact}};
+}
+
+sim::WorldConfig world_with(const job::Profile& profile, const StepPosition& places) {
+  sim::WorldConfig world = chip_world(profile);
+  for (int axis = 0; axis < 3; ++axis)
+    world.switches.push_back(
+        bouncing_limit(axis, places[index(axis)], static_cast<std::uint64_t>(axis) + 1));
+  return world;
+}
+
+void expect_homed(ChipRig& rig, const settings::Values& values, const StepPosition& places) {
+  const StepPosition told = rig.reported_position(values);
+  const StepPosition loads = rig.board.world().drives().position();
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_LE(std::abs(told[index(axis)] - loads[index(axis)] - (end_steps - places[index(axis)])),
+              1)
+        << "axis " << axis;
+}
+
+TEST(ChipHoming, OneSwitchForEachAxis) {
+  const job::Profile profile = homing_profile(true);
+  const StepPosition places{700, 400, 500, 0};
+  ChipRig rig(profile.settings, world_with(profile, places));
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  EXPECT_THAT(rig.status(), StartsWith("<Alarm|"));
+  EXPECT_THAT(rig.answer("$H", 4000 * ps_per_ms), testing::EndsWith("ok\r\n"));
+  expect_homed(rig, profile.settings, places);
+  EXPECT_THAT(rig.status(), StartsWith("<Idle|MPos:49.700,49.700,49.700|"));
+}
+
+TEST(ChipHoming, OneCircuitForAll) {
+  const job::Profile profile = homing_profile(false);
+  const StepPosition places{300, 600, 400, 0};
+  ChipRig rig(profile.settings, world_with(profile, places));
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  EXPECT_THAT(rig.answer("$H", 6000 * ps_per_ms), testing::EndsWith("ok\r\n"));
+  expect_homed(rig, profile.settings, places);
+}
+
+TEST(ChipHoming, ABrokenWireNeverLetsGo) {
+  const job::Profile profile = homing_profile(true);
+  sim::WorldConfig world = world_with(profile, {300, 300, 300, 0});
+  world.switches[2].broken_from = 0;
+  ChipRig rig(profile.settings, world);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  EXPECT_THAT(rig.answer("$HZ", 3000 * ps_per_ms), HasSubstr("ALARM:8\r\nerror:9\r\n"));
+}
+
+TEST(ChipProbe, TellsWhereItTouched) {
+  job::Profile profile = homing_profile(true);
+  profile.settings.set_milli(Id::homing, 0);
+  std::mt19937_64 random(2);
+  for (int round = 0; round < 3; ++round) {
+    const auto z = static_cast<std::int32_t>(-100 - static_cast<int>(random() % 300));
+    sim::WorldConfig world = chip_world(profile);
+    sim::ContactConfig contact = sim::ContactConfig::below(2, z);
+    contact.bounce = {.make_us = 2000, .break_us = 2000, .seed = random()};
+    world.switches.push_back(
+        {.pin = sim::Pin::probe, .contacts = {contact}, .normally_closed = false});
+    ChipRig rig(profile.settings, world);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    // 10 mm/s: within the 100 us in which it is looked at.
+    const std::string said = rig.answer("G38.2 Z-5 F600", 3000 * ps_per_ms);
+    const std::size_t at = said.find("[PRB:0.000,0.000,");
+    ASSERT_NE(at, std::string::npos) << said;
+    EXPECT_THAT(said, HasSubstr(":1]\r\nok\r\n"));
+    EXPECT_NEAR(std::stod(said.substr(at + 17)) * steps_per_mm, z, 1.1);
+    // 10 mm/s at 4 m/s2, 8 ms of it before that.
+    EXPECT_GT(rig.board.world().drives().position()[2], z - 3 - 16);
+  }
+}
+
+TEST(ChipJog, LettingGoStopsAtOnce) {
+  job::Profile profile = homing_profile(true);
+  profile.settings.set_milli(Id::homing, 0);
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  const auto x = [&rig] { return rig.board.world().drives().position()[0]; };
+  for (const double mm_s : {10.0, 40.0}) {
+    rig.answer(fmt::format("$J=G91X20F{}", mm_s * 60));
+    rig.run(130 * ps_per_ms);
+    const std::int32_t at = x();
+    rig.type(jog_cancel);
+    rig.run(60 * ps_per_ms);
+    const double most_mm = mm_s * mm_s / 2 / 4000 + mm_s * 0.020;
+    EXPECT_GT(x(), at);
+    EXPECT_LE(x() - at, most_mm * steps_per_mm + 2);
+    EXPECT_THAT(rig.status(), StartsWith("<Idle|"));
+    EXPECT_EQ(rig.reported_position(profile.settings)[0], x());
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test
