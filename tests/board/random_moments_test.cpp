@@ -1,0 +1,168 @@
+// A job of G-code with a laser, and at a random moment of it a hold, a door, a reset, a limit
+// switch or the e-stop: how the machine stops, when the light ends, whether it knows where it is,
+// and what becomes of the rest.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "tests/board/motion_judge.hpp"
+#include "tests/board/wire_host.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::Each;
+
+constexpr unsigned reset_byte = 0x18;
+/// From an order to the begin of braking: a batch and what is handed out and filled ahead
+/// (firmware/machine/program_runner.hpp).
+constexpr double reaction_ms = 40;
+
+enum class What { hold, door, reset, limit, estop };
+
+/// Lines and arcs at some 20 to 100 mm/s, light on most of them.
+std::string random_program(std::mt19937_64& random, StepPosition& end) {
+  const auto pick = [&random](int from, int to) {
+    return std::uniform_int_distribution<>(from, to)(random);
+  };
+  std::string text = fmt::format("G21 G90 M{} S1000\n", pick(3, 4));
+  for (int i = 0; i < 8; ++i) {
+    const int x = pick(-30, 30), y = pick(-30, 30);
+    if (pick(0, 5) == 0)
+      text += fmt::format("G0 X{} Y{}\n", x, y);
+    else if (pick(0, 4) == 0)
+      text += fmt::format("G91 G2 X{0} Y{0} R{1} F{2}\nG90\n", pick(1, 3), 4, pick(12, 60) * 100);
+    else
+      text += fmt::format("G1 X{} Y{} F{}\n", x, y, pick(12, 60) * 100);
+  }
+  const int x = pick(-30, 30), y = pick(-30, 30);
+  end = {x * 200, y * 200, 0, 0};
+  return text + fmt::format("G1 X{} Y{}\n", x, y);
+}
+
+class Moment {
+ public:
+  Moment(std::uint64_t seed, What what) : random_(seed), what_(what) {
+    profile_.settings.set_milli(Id::laser_mode, 1000);
+    rig_ = std::make_unique<Rig>(profile_);
+    judge_ = std::make_unique<MotionJudge>(rig_->board, profile_.settings, true);
+    host_ = std::make_unique<WireHost>(*rig_);
+    host_->run_ms(5);
+    program_ = random_program(random_, end_);
+    lines_ = static_cast<std::size_t>(std::count(program_.begin(), program_.end(), '\n'));
+  }
+
+  void run() {
+    host_->send(program_);
+    host_->run_ms(std::uniform_real_distribution<>(0, 3000)(random_));
+    ran_ = rig_->state() == MachineState::run;
+    was_at_ = loads();
+    ASSERT_EQ(judge_->fault(), "");
+    make();
+    if (what_ == What::limit || what_ == What::estop) return stops_dead();
+    if (what_ == What::reset) return comes_to_rest_and_forgets();
+    comes_to_rest_and_goes_on();
+  }
+
+ private:
+  sim::Picoseconds now() const { return rig_->board.now(); }
+  void set(sim::Pin pin, bool level) { rig_->board.world().schedule(pin, level, now()); }
+  void make() {
+    at_ = now();
+    if (what_ == What::hold) host_->send("!");
+    if (what_ == What::reset) host_->send_byte(reset_byte);
+    if (what_ == What::door) set(sim::Pin::door, true);
+    if (what_ == What::limit) set(sim::Pin::limit_y, true);
+    if (what_ == What::estop) set(sim::Pin::estop, true);
+    host_->run_ms(0.5);
+  }
+  StepPosition loads() const { return rig_->board.world().drives().position(); }
+  bool dark_since(double ms) const {
+    return !rig_->board.world().beam().shone(at_ + static_cast<sim::Picoseconds>(ms * 1e9), now());
+  }
+  /// Within the time that its speed wants, and it stays there; the board knows where.
+  void expect_rest() {
+    // 1 m/s at most, 2 m/s2.
+    host_->run_ms(reaction_ms + 500);
+    const StepPosition stood = loads();
+    host_->run_ms(50);
+    EXPECT_EQ(loads(), stood);
+    EXPECT_EQ(host_->position(), stood);
+    EXPECT_EQ(judge_->fault(), "");
+  }
+
+  void stops_dead() {
+    EXPECT_TRUE(dark_since(0.001));
+    const StepPosition stood = loads();
+    host_->run_ms(100);
+    EXPECT_TRUE(dark_since(0.001));
+    EXPECT_EQ(loads(), stood);
+    EXPECT_EQ(host_->position(), stood);
+    EXPECT_TRUE(host_->heard(what_ == What::limit ? "ALARM:1" : "ALARM:10"));
+    EXPECT_EQ(rig_->board.bus().level(sim::Pin::enable), what_ == What::limit);
+    EXPECT_EQ(host_->answers().size(), lines_);
+  }
+  /// It says that the position is lost, as grbl does, if it moved.
+  void comes_to_rest_and_forgets() {
+    EXPECT_TRUE(dark_since(0.3));
+    expect_rest();
+    EXPECT_TRUE(dark_since(0.3));
+    const bool lost = host_->heard("ALARM:3");
+    EXPECT_TRUE(lost || loads() == was_at_);
+    EXPECT_EQ(rig_->state(), lost ? MachineState::alarm : MachineState::idle);
+  }
+  void comes_to_rest_and_goes_on() {
+    const bool door = what_ == What::door;
+    if (door) {
+      EXPECT_TRUE(dark_since(0.001));
+    }
+    expect_rest();
+    EXPECT_TRUE(dark_since(door ? 0.001 : reaction_ms + 500));
+    if (ran_) {
+      EXPECT_EQ(rig_->state(), door ? MachineState::door : MachineState::hold);
+    }
+    if (door) {
+      set(sim::Pin::door, false);
+      host_->run_ms(1);
+    }
+    host_->send("~");
+    ASSERT_TRUE(host_->wait_for(lines_, 30));
+    ASSERT_TRUE(host_->stand(30));
+    EXPECT_THAT(host_->answers(), Each("ok"));
+    EXPECT_EQ(loads(), end_);
+    EXPECT_EQ(judge_->fault(), "");
+  }
+
+  std::mt19937_64 random_;
+  What what_;
+  job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
+  std::unique_ptr<Rig> rig_;
+  std::unique_ptr<MotionJudge> judge_;
+  std::unique_ptr<WireHost> host_;
+  std::string program_;
+  std::size_t lines_ = 0;
+  StepPosition end_{};
+  bool ran_ = false;  ///< when it came
+  StepPosition was_at_{};
+  sim::Picoseconds at_ = 0;
+};
+
+class RandomMoments : public testing::TestWithParam<What> {};
+
+TEST_P(RandomMoments, StopAsTheyShould) {
+  const int moments = scaled(200);
+  for (int i = 0; i < moments; ++i) {
+    SCOPED_TRACE(fmt::format("moment {}", i));
+    Moment(static_cast<std::uint64_t>(i) * 5 + static_cast<std::uint64_t>(GetParam()), GetParam())
+        .run();
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfAJob, RandomMoments,
+                         testing::Values(What::hold, What::door, What::reset, What::limit,
+                                         What::estop));
+
+}  // namespace
+}  // namespace lamplock::test
