@@ -331,6 +331,7 @@ class Controller {
   void go_or_wait();
   bool finish_line();
   void drop_open_line();
+  void say_tool();
   void begin_line(std::string_view line);
   GcodeError begin_program_line(std::string_view line);
   void stop_after(GcodeError error);

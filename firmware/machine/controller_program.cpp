@@ -84,6 +84,7 @@ void Controller::go_or_wait() {
         }
         return true;
       case Step::pauses: {
+        if (reader_.changes_tool()) say_tool();
         const Masked masked(mask_);
         state_ = door_open_ ? MachineState::door : MachineState::hold;
         hold_reason_ = door_open_ ? HoldReason::none : HoldReason::realtime;
@@ -101,6 +102,13 @@ void Controller::go_or_wait() {
         break;
     }
   }
+}
+
+/// Which one is to be put in.
+void Controller::say_tool() {
+  TextLine text;
+  text.add("Tool ").add(std::int64_t{reader_.interpreter().modal().tool});
+  say(text.view());
 }
 
 /// After an alarm: the line under way will not be run to its end.

@@ -108,6 +108,7 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
       // A laser's power travels with the moves.
       return options_.laser ? taken() : stand();
     case ActionKind::pause:
+    case ActionKind::tool_change:
       if (stand() == Step::waits) return Step::waits;
       paused_ = true;
       return Step::pauses;

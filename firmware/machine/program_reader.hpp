@@ -38,7 +38,7 @@ class ProgramReader {
     waits,    ///< for room, a rest, time, or somebody who says go on
     done,     ///< the line: to be answered
     outside,  ///< the line wanted to leave the work space: the rest of it is dropped
-    pauses,   ///< M0, M1: waits for go_on() from now on
+    pauses,   ///< M0, M1, M6: waits for go_on() from now on
     changes,  ///< the machine stands: a change over to wanted_lock() is due before the next move
     probes,   ///< it stands: before and behind the move of a probe, until end_probe()
     ended     ///< M2, M30; then done
@@ -81,6 +81,8 @@ class ProgramReader {
             bool check);
   bool line_open() const { return open_; }
   void go_on() { paused_ = false; }
+  /// What it pauses for is another tool.
+  bool changes_tool() const { return action_.kind == program::ActionKind::tool_change; }
   /// Gives the move of the probe to the planner.
   void begin_probe() { probing_ = runner_.take(target_); }
   bool probing() const { return probing_; }

@@ -17,6 +17,7 @@ enum class ActionKind : std::uint8_t {
   spindle,      ///< spindle or laser as `spindle` says, not during a move
   coolant,      ///< as `flood`, `mist` say
   pause,        ///< M0 and M1: until the user says go on
+  tool_change,  ///< M6: the same, with the tool of the T word put in meanwhile
   program_end,  ///< M2 and M30
   beat_lock,    ///< M130, M131: from here on as `beat_lock` says
   probe         ///< G38.2 to G38.5: a move that the probe ends; then the machine tells where it is

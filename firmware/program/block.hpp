@@ -33,8 +33,9 @@ enum class Group : std::uint8_t {
   system,
   path,
   rotation,
-  exact_stop,  ///< G9
-  stopping,    ///< M0 M1 M2 M30
+  exact_stop,   ///< G9
+  stopping,     ///< M0 M1 M2 M30
+  tool_change,  ///< M6
   spindle,
   coolant,
   saving,  ///< M70 .. M73

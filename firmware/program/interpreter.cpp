@@ -99,6 +99,9 @@ void Interpreter::begin_curve(const Statement& statement) {
 
 [[gnu::hot]] bool Interpreter::give(Stage stage, Action& action) {
   switch (stage) {
+    case Stage::tool_change:
+      begin_action(action, ActionKind::tool_change);
+      break;
     case Stage::spindle:
       begin_action(action, ActionKind::spindle);
       break;

@@ -33,7 +33,8 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
 
 [[gnu::hot]] bool Statement::before_motion() {
   return saved_state() && codes() && line_number() && feed() && speed() && tool() && spindle() &&
-         coolant() && beat_lock() && dwell() && path() && tool_length() && system() && rotation();
+         tool_change() && coolant() && beat_lock() && dwell() && path() && tool_length() &&
+         system() && rotation();
 }
 
 // --- values -----------------------------------------------------------------------------------
@@ -184,6 +185,15 @@ bool Statement::inverse_time() {
   if (!integer('T', number)) return false;
   if (number > most_tool) return fail_at('T', GcodeError::tool_too_large);
   after_.modal.tool = number;
+  return true;
+}
+
+/// The spindle stands while the tool is changed, and behind it, unless the line says otherwise
+/// (NIST, section 3.6.3).
+[[gnu::hot]] bool Statement::tool_change() {
+  if (!block_.has(Group::tool_change)) return true;
+  plan_.add(Stage::tool_change);
+  if (!block_.has(Group::spindle)) after_.modal.spindle = Spindle::off;
   return true;
 }
 

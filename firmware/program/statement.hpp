@@ -57,6 +57,7 @@ struct Saved {
 
 /// What a line asks for, in the order of doing it.
 enum class Stage : std::uint8_t {
+  tool_change,
   spindle,
   coolant,
   beat_lock,
@@ -155,6 +156,7 @@ class Statement {
   bool inverse_time();
   bool speed();
   bool tool();
+  bool tool_change();
   bool line_number();
   bool spindle();
   bool coolant();

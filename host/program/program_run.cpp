@@ -127,6 +127,7 @@ class Machine {
         if (values_.whole(Id::laser_mode) == 0) finish();
         return true;
       case ActionKind::pause:
+      case ActionKind::tool_change:
         finish();
         ++run_.pauses;
         return true;

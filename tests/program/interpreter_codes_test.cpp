@@ -115,6 +115,16 @@ TEST(Interpreter, LaserModeSendsSpeedsWithTheMoves) {
   EXPECT_EQ(rig.run("G28.1 S300"), "spindle M4 S300");
 }
 
+/// The spindle stands behind it, unless the line starts it.
+TEST(Interpreter, ToolChange) {
+  expect_rows({
+      {"T3 M6", "tool"},
+      {"M3 S5|T1 M6|X1", "tool; rapid to 1 0 0"},
+      {"M6 T2 M3 S5", "tool; spindle M3 S5"},
+      {"T1 M6 G0 X1 M8", "tool; coolant flood; rapid to 1 0 0"},
+  });
+}
+
 TEST(Interpreter, StopsAndEnds) {
   expect_rows({
       {"M0", "pause"},

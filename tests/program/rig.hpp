@@ -75,6 +75,8 @@ inline std::string text_of(const Action& action) {
       return fmt::format("spindle {}", spindle_text(action));
     case ActionKind::coolant:
       return std::string("coolant") + (action.mist ? " mist" : "") + (action.flood ? " flood" : "");
+    case ActionKind::tool_change:
+      return "tool";
     case ActionKind::pause:
       return "pause";
     case ActionKind::program_end:
