@@ -33,11 +33,16 @@ enum class Id : std::uint8_t {
   homing_pull_off,
   highest_speed,
   laser_mode,
+  parking,
   homing_passes,
   homing_phase_1,
   homing_phase_2,
   homing_phase_3,
   homing_phase_4,
+  parking_pull_out,
+  parking_slow,
+  parking_target,
+  parking_fast,
   steps_per_mm_x,
   steps_per_mm_y,
   steps_per_mm_z,
@@ -148,6 +153,8 @@ inline constexpr std::array<Row, setting_count> table{{
      "S word that is full speed of the spindle or full power of the laser"},
     {32, "laser_mode", "on/off", 0, 1'000, 0, true,
      "the spindle is a laser: its power changes with the motion, off in rapids and at rest"},
+    {41, "parking", "on/off", 0, 1'000, 0, true,
+     "behind an open door Z goes up, and comes back before the program goes on"},
     {43, "homing_passes", "count", 1'000, 20'000, 1'000, true,
      "how often a switch is located; the last time counts"},
     {44, "homing_phase_1", "0..15", 0, 15'000, 4'000, true,
@@ -155,6 +162,14 @@ inline constexpr std::array<Row, setting_count> table{{
     {45, "homing_phase_2", "0..15", 0, 15'000, 3'000, true, "axes that home next"},
     {46, "homing_phase_3", "0..15", 0, 15'000, 8'000, true, "axes that home after these"},
     {47, "homing_phase_4", "0..15", 0, 15'000, 0, true, "axes that home last"},
+    {56, "parking_pull_out", "mm", 0, 100'000, 5'000, false,
+     "how far Z goes up slowly before it leaves"},
+    {57, "parking_slow", "mm/min", 1'000, 600'000'000, 100'000, false,
+     "speed of going up, and of coming down to the work"},
+    {58, "parking_target", "mm", -1'000'000, 1'000'000, 45'000, false,
+     "where Z parks, in machine coordinates; where it is higher already it stays"},
+    {59, "parking_fast", "mm/min", 1'000, 600'000'000, 500'000, false,
+     "speed of leaving, and back"},
     {100, "steps_per_mm_x", "step/mm", 1, 50'000'000, 200'000, false, "resolution of X"},
     {101, "steps_per_mm_y", "step/mm", 1, 50'000'000, 200'000, false, "resolution of Y"},
     {102, "steps_per_mm_z", "step/mm", 1, 50'000'000, 200'000, false, "resolution of Z"},
@@ -271,8 +286,8 @@ constexpr Id for_axis(Id x_row, int axis) {
   return static_cast<Id>(static_cast<int>(x_row) + axis);
 }
 
-/// True if a setting has a meaning for jobs of points, which may bring values of their own: not what
-/// is for programs, homing, switches and reports alone.
+/// True if a setting has a meaning for jobs of points, which may bring values of their own: not
+/// what is for programs, homing, switches and reports alone.
 constexpr bool of_jobs(Id id) {
   switch (id) {
     case Id::limit_invert:
@@ -287,7 +302,7 @@ constexpr bool of_jobs(Id id) {
       return false;
     default:
       return (id < Id::homing || id > Id::homing_pull_off) &&
-             (id < Id::homing_passes || id > Id::homing_phase_4);
+             (id < Id::parking || id > Id::parking_fast);
   }
 }
 inline constexpr std::size_t job_setting_count = [] {

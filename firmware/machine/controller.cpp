@@ -233,6 +233,10 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
       break;
     case Input::door:
       door_open_ = active;
+      if (active && comes_back_) {
+        comes_back_ = false;
+        program_.break_off_aside();
+      }
       if (active && state_ == MachineState::home) {
         break_off_homing(alarm_homing_door);
       } else if (active && jogging_) {
@@ -244,6 +248,7 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
         moving_ = false;
         program_.hold();
         shots_.permit(false, BeatReason::door);
+        begin_parking();
       } else if (!active && job_ && state_ == MachineState::door) {
         state_ = MachineState::hold;  // a closed door waits for somebody to say go on
         hold_reason_ = HoldReason::host;
@@ -288,6 +293,8 @@ void Controller::raise_alarm(std::uint8_t number) {
   line.add("ALARM:").add(std::int64_t{alarm_}).add("\r\n");
   link_.send_text(line.view());
   guard_.drop();
+  parking_.end();
+  comes_back_ = false;
   drop_homing();
   drop_open_line();
 }
@@ -328,6 +335,7 @@ void Controller::hold_after_failed_shots() {
 
 void Controller::resume() {
   if ((state_ != MachineState::hold && state_ != MachineState::door) || door_open_) return;
+  if (come_back()) return;
   state_ = MachineState::run;
   hold_reason_ = HoldReason::none;
   program_.resume();

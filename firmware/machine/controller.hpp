@@ -61,6 +61,7 @@
 #include "firmware/machine/interrupt_mask.hpp"
 #include "firmware/machine/job_runner.hpp"
 #include "firmware/machine/kept_program.hpp"
+#include "firmware/machine/parking.hpp"
 #include "firmware/machine/program_reader.hpp"
 #include "firmware/machine/program_runner.hpp"
 #include "firmware/machine/program_text.hpp"
@@ -151,6 +152,7 @@ class Controller {
   /// Not masked: goes on with the lines of a program, and makes a STATUS that is due, which masks
   /// for its machine's part.
   void tell() {
+    if (parking_.stage() != Parking::Stage::off) work_parking();
     if (lines_due()) work_lines();
     link_.poll(*this);
   }
@@ -358,6 +360,10 @@ class Controller {
   static void change_override(std::uint8_t& percent, int by);
   void end_overrides_of_program();
   void toggle_check();
+  // Parking (controller_parking.cpp).
+  void begin_parking();
+  void work_parking();
+  bool come_back();
   // Guarded moves (controller_homing.cpp, controller_probe.cpp).
   GcodeError begin_homing(std::string_view axes);
   void work_homing();
@@ -408,6 +414,8 @@ class Controller {
   StepLimits work_space_;
   StatusReporter reporter_;
   InputSet inputs_ = 0;  ///< active
+  Parking parking_;
+  bool comes_back_ = false;  ///< the program is to go on, once the tool is back
   Guard guard_;
   Homing homing_;
   std::uint8_t homing_alarm_ = 0;  ///< to be raised when it stands

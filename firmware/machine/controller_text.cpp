@@ -256,6 +256,9 @@ std::string_view Controller::state_name() const {
     case MachineState::hold:
       return rests ? "Hold:0" : "Hold:1";
     case MachineState::door:
+      if (parking_.comes_back()) return "Door:3";
+      if (parking_.stage() != Parking::Stage::off && parking_.stage() != Parking::Stage::parked)
+        return "Door:2";
       if (!rests) return "Door:2";
       return door_open_ ? "Door:1" : "Door:0";
     default:

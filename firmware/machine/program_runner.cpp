@@ -89,6 +89,32 @@ void ProgramRunner::break_off() {
   clock_.set_motion_end(end_tick_);
 }
 
+void ProgramRunner::run_aside(const stepper::Segment& motion) {
+  if (output_.at_rest()) output_.set_leads(clock_);
+  stepper::Segment segment = motion;
+  segment.start_tick = start_tick();
+  segment.end.tick = segment.end_tick();
+  clock_.set_least_tick(segment.start_tick, tick_q16_);
+  segments_.push(segment);
+  end_tick_ = segment.end_tick();
+  clock_.set_motion_end(end_tick_);
+}
+
+void ProgramRunner::break_off_aside() {
+  segments_.clear();
+  if (!generator_.running()) return;
+  const stepper::Segment brake =
+      motion::make_brake(generator_.state(), brake_limits_, generator_.accelerations_q62());
+  generator_.replace(brake);
+  end_tick_ = brake.end.tick;
+  clock_.set_motion_end(end_tick_);
+}
+
+bool ProgramRunner::stands_aside() const {
+  const bool knows = drained_ || given_.held;
+  return knows && !staged_ && planning_.hand_over().at_home() && is_still();
+}
+
 bool ProgramRunner::wants_batch() const {
   if (drained_ && !orders_.cancel) return false;
   // Held, at rest and told so: nothing comes of another one.
@@ -142,9 +168,11 @@ void ProgramRunner::miss() {
 }
 
 /// What was filled is not played yet: 2 ms of it. Ticks have got their length before they are.
-bool ProgramRunner::stands() const {
-  return drained_ && output_.at_rest() && clock_.next_tick() >= end_tick_ + timed_ticks;
+bool ProgramRunner::is_still() const {
+  return output_.at_rest() && clock_.next_tick() >= end_tick_ + timed_ticks;
 }
+
+bool ProgramRunner::stands() const { return drained_ && is_still(); }
 
 bool ProgramRunner::prepare() {
   if (!begun_) return false;

@@ -68,6 +68,16 @@ class ProgramRunner {
   /// gone, and nothing is taken until the next begin(), which is due when idle(). Masked.
   void break_off();
   bool broken_off() const { return broken_off_; }
+
+  /// A motion beside the program, held and at rest: begins as soon as can be. Before resume()
+  /// others have to bring the machine back. Masked.
+  void run_aside(const stepper::Segment& motion);
+  /// Brakes it.
+  void break_off_aside();
+  /// The machine stands, its last step is out, and nothing of the program is on its way.
+  bool stands_aside() const;
+  const motion::BrakeLimits& brake_limits() const { return brake_limits_; }
+
   /// Either is under way.
   bool cancelling() const { return orders_.cancel || (broken_off_ && !stands_); }
 
@@ -94,6 +104,7 @@ class ProgramRunner {
   std::uint32_t starvations() const { return starvations_; }
 
  private:
+  bool is_still() const;
   bool stands() const;
   bool brake_begun() const { return segments_.size() < brakes_; }
   bool wants_batch() const;

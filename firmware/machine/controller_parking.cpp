@@ -1,0 +1,34 @@
+// Parking behind an open door: when it begins, its moves, the way back.
+#include "firmware/machine/controller.hpp"
+
+namespace lamplock::machine {
+
+using wire::MachineState;
+
+/// A door has opened: programs park, jobs of points stay where they are.
+void Controller::begin_parking() {
+  if (program_.begun() && !wire_job() && !beat_locked()) parking_.begin(values_);
+}
+
+/// The program is to go on. True if the tool has to come back first.
+bool Controller::come_back() {
+  if (state_ != MachineState::door || parking_.stage() == Parking::Stage::off) return false;
+  comes_back_ = true;
+  return true;
+}
+
+/// Goes on where the machine stands.
+void Controller::work_parking() {
+  if (!program_.stands_aside() || program_.batch_waits()) return;
+  const bool back = comes_back_ && !door_open_;
+  stepper::Segment move;
+  const bool moves =
+      parking_.next(motion_.generator().state(), back, program_.brake_limits(), move);
+  const Masked masked(mask_);
+  if (moves) return program_.run_aside(move);
+  if (parking_.stage() != Parking::Stage::off) return;
+  comes_back_ = false;
+  resume();
+}
+
+}  // namespace lamplock::machine
