@@ -59,16 +59,16 @@ std::string zigzag(unsigned seed, int lines) {
   return text;
 }
 
-struct Run {
+struct ProgramRun {
   ProgramTrace trace;
   bool ended = false;
 };
 
-Run run(sim::Board& board, const StepLog& log, const std::string& text) {
+ProgramRun run(sim::Board& board, const StepLog& log, const std::string& text) {
   ProgramSender sender(board);
   sender.give(text);
   const Picoseconds end = board.now() + 20 * ps_per_s;
-  Run result;
+  ProgramRun result;
   result.ended = sender.run_until_answered(end) && sender.run_until_idle(end);
   board.run_until(board.now() + 5 * ps_per_ms);  // what is filled is put out
   EXPECT_EQ(sender.errors(), 0u) << sender.heard();
@@ -78,16 +78,18 @@ Run run(sim::Board& board, const StepLog& log, const std::string& text) {
 }
 
 TEST_P(PulseModes, StepAsOnTheVirtualBoardAndKeepTheDrivesTimes) {
-  const job::Profile machine = profile(GetParam());
+  job::Profile machine = profile(GetParam());
+  // Without a lamp, whose lock would pull at the ticks of each board in its own way.
+  job::state_setting(machine, Id::lamp_mode, 0, "test");
   const std::string text = zigzag(1, scaled(60));
   sim::VirtualBoard board(machine.settings, chip_world(machine));
   const StepLog our_log(machine.settings, board.bus());
-  const Run ours = run(board, our_log, text);
+  const ProgramRun ours = run(board, our_log, text);
   ChipRig rig(machine);
   const StepLog their_log(machine.settings, rig.board.bus());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   EXPECT_EQ(their_log.total(), 0u) << "the start makes no step";
-  const Run theirs = run(rig.board, their_log, text);
+  const ProgramRun theirs = run(rig.board, their_log, text);
   ASSERT_TRUE(ours.ended && theirs.ended);
   const TraceComparison steps(ours.trace, theirs.trace, true);
   EXPECT_EQ(steps.difference(), "");
@@ -127,6 +129,8 @@ TEST_P(PulseModes, JobsHitTheirPointsAndAnEmergencyStopKeepsThePlace) {
   }
   expect_no_violations(rig);
 }
+
+void PrintTo(const Pulses& pulses, std::ostream* out) { *out << pulses.name; }
 
 INSTANTIATE_TEST_SUITE_P(Drives, PulseModes, testing::ValuesIn(kinds),
                          [](const auto& kind) { return std::string(kind.param.name); });

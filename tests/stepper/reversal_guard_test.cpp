@@ -96,13 +96,13 @@ void expect_guarded(const std::vector<Wanted>& motion, const std::vector<Put>& o
   for (std::size_t i = 0; i < out.size(); ++i) {
     const auto tick = static_cast<std::int64_t>(i);
     if (out[i].back != back) {
-      ASSERT_GE(tick - last_step, times.hold_ticks) << i;
+      ASSERT_GE(tick - last_step, int{times.hold_ticks}) << i;
       last_turn = tick;
       back = out[i].back;
     }
     wanted += motion[i].step;
     if (out[i].step) {
-      ASSERT_GE(tick - last_turn, times.setup_ticks) << i;
+      ASSERT_GE(tick - last_turn, int{times.setup_ticks}) << i;
       put += back ? -1 : 1;
       last_step = tick;
     }
