@@ -8,6 +8,7 @@
 #include "tests/board/exact_programs.hpp"
 #include "tests/board/program_host.hpp"
 #include "tests/board/step_log.hpp"
+#include "tests/board/turning_job.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -84,20 +85,40 @@ TEST(PulseModes, JobsStepAtTheSameTicksInEveryModeAndLoseNothing) {
   EXPECT_GT(reversals, static_cast<std::size_t>(scaled(12)) * 50);
 }
 
-/// A machine whose speed may jump: it turns with steps close to each other.
-job::Profile jumping_profile() {
-  job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto set = [&](Id id, double value) {
-      job::state_setting(profile, settings::for_axis(id, axis), value, "test");
-    };
-    set(Id::speed_jump_x, 150);
-    set(Id::acceleration_x, 20'000);
-    set(Id::travel_x, 2000);
-    set(Id::min_corner_x, -1000);
-  }
-  job::state_setting(profile, Id::junction_deviation, 10, "test");
+job::Profile jumping_profile(double lamp_hz, settings::LampMode lamp) {
+  job::Profile profile = lamp_profile(lamp_hz, lamp);
+  let_speed_jump(profile);
   return profile;
+}
+
+/// Steps that come later than they would with the shortest times.
+std::size_t late_steps(const StepLog& log, const StepLog& quick) {
+  std::size_t late = 0;
+  for (std::size_t a = 0; a < log.steps().size(); ++a)
+    for (std::size_t i = 0; i < std::min(log.steps()[a].size(), quick.steps()[a].size()); ++i)
+      late += log.steps()[a][i].at > quick.steps()[a][i].at ? 1u : 0u;
+  return late;
+}
+
+/// Turning on the point at speed: steps wait for their drives, and the machine stands on its point
+/// at the beat all the same.
+TEST(PulseModes, PathsThatTurnAtSpeedHitTheirPointsAndLoseNothing) {
+  std::mt19937_64 random(4);
+  std::size_t late = 0;
+  for (int run = 0; run < scaled(10); ++run) {
+    job::Profile plain = jumping_profile(1000, settings::LampMode::slave), quick = plain;
+    set_random_times(plain.settings, random);
+    job::Profile other = plain;
+    set_random_pulses(other.settings, random);
+    const std::uint64_t seed = random();
+    LoggedRig first(plain), second(other), third(quick);
+    ASSERT_NO_FATAL_FAILURE(run_points(first, turning_job(plain, seed))) << "run " << run;
+    ASSERT_NO_FATAL_FAILURE(run_points(second, turning_job(other, seed))) << "run " << run;
+    ASSERT_NO_FATAL_FAILURE(run_points(third, turning_job(quick, seed))) << "run " << run;
+    ASSERT_NO_FATAL_FAILURE(expect_same_steps(first.log, second.log)) << "run " << run;
+    late += late_steps(first.log, third.log);
+  }
+  EXPECT_GT(late, static_cast<std::size_t>(scaled(10)) * 20);
 }
 
 /// Back and forth on all axes, fast and slow, some steps long.
@@ -117,7 +138,7 @@ TEST(PulseModes, ProgramsStepAtTheSameTicksInEveryModeAndLoseNothing) {
   std::mt19937_64 random(2);
   std::size_t reversals = 0;
   for (int run = 0; run < scaled(12); ++run) {
-    job::Profile plain = jumping_profile();
+    job::Profile plain = jumping_profile(100, settings::LampMode::free_beat);
     set_random_times(plain.settings, random);
     job::Profile other = plain;
     set_random_pulses(other.settings, random);
@@ -140,37 +161,47 @@ TEST(PulseModes, ProgramsStepAtTheSameTicksInEveryModeAndLoseNothing) {
   EXPECT_GT(reversals, static_cast<std::size_t>(scaled(12)) * 50);
 }
 
+/// Where an axis had got to, by its steps.
+std::int32_t place_at(const std::vector<PinMonitor::Step>& steps, Picoseconds at) {
+  const auto next = std::partition_point(
+      steps.begin(), steps.end(), [at](const PinMonitor::Step& step) { return step.at <= at; });
+  return next == steps.begin() ? 0 : std::prev(next)->position;
+}
+
 /// While steps are owed, too: those count that were put out, and the levels go on from there.
 TEST(PulseModes, ADeadStopKnowsWhereTheDrivesAre) {
   std::mt19937_64 random(3);
-  job::Profile profile = jumping_profile();
+  job::Profile profile = jumping_profile(1000, settings::LampMode::slave);
+  LoggedRig quick(profile);
+  ASSERT_EQ(run_job(quick, turning_job(profile, 1)).end, link::JobEnd::done);
+  const std::vector<Picoseconds> reversals = quick.log.reversals(0);
+  ASSERT_GT(reversals.size(), 100u);
   set_pulses(profile.settings, all_step_dir, 0, 0, 20'000, 20'000);
-  const std::string text = zigzag(random, 60);
-  LoggedRig reference(profile);
-  ASSERT_TRUE(ProgramHost(reference).stream(text));
-  const std::vector<Picoseconds> reversals = reference.log.reversals(0);
-  ASSERT_GT(reversals.size(), 20u);
+  int owed = 0;
   for (int run = 0; run < scaled(60); ++run) {
     set_random_pulses(profile.settings, random);
     LoggedRig rig(profile);
-    // Just before a step that comes back: perhaps it waits already.
-    const Picoseconds stop = reversals[random() % reversals.size()] -
-                             static_cast<Picoseconds>(random() % 25 + 1) * sim::ps_per_us;
+    // Soon behind a step that would come back and has to wait, or before it.
+    const Picoseconds stop = reversals[random() % reversals.size()] +
+                             (static_cast<Picoseconds>(random() % 60) - 20) * sim::ps_per_us +
+                             sim::ps_per_us / 2;
     rig.board.world().schedule(sim::Pin::estop, true, stop);
     rig.board.world().schedule(sim::Pin::estop, false, stop + 5 * sim::ps_per_ms);
-    ProgramHost host(rig);
-    host.send(text);
-    host.run(stop + sim::ps_per_us - rig.board.now());
+    ASSERT_EQ(run_job(rig, turning_job(profile, 1)).end, link::JobEnd::alarm);
     const StepPosition stopped = rig.board.world().drives().position();
+    owed += stopped[0] != place_at(quick.log.steps()[0], stop) ? 1 : 0;
+    ProgramHost host(rig);
     host.run_ms(60);
     ASSERT_EQ(host.position(), stopped) << "run " << run;
     ASSERT_EQ(rig.board.world().drives().position(), stopped) << "run " << run;
     host.ask("$X\n");
     ASSERT_TRUE(host.stream(zigzag(random, 10))) << "run " << run;
     host.run_ms(5);
+    EXPECT_NE(host.position(), stopped);
     EXPECT_EQ(rig.board.world().drives().position(), host.position()) << "run " << run;
     rig.expect_drives_followed();
   }
+  EXPECT_GT(owed, scaled(60) / 10);
 }
 
 }  // namespace

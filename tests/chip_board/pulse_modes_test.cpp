@@ -6,6 +6,7 @@
 
 #include "sim/virtual_board/virtual_board.hpp"
 #include "tests/board/step_log.hpp"
+#include "tests/board/turning_job.hpp"
 #include "tests/chip_board/chip_rig.hpp"
 #include "tests/chip_board/program_sender.hpp"
 #include "tests/chip_board/program_trace.hpp"
@@ -34,11 +35,8 @@ constexpr Pulses kinds[] = {
 class PulseModes : public testing::TestWithParam<Pulses> {
  protected:
   static job::Profile profile(const Pulses& pulses) {
-    job::Profile profile = chip_profile();
-    for (int axis = 0; axis < 3; ++axis) {
-      job::state_setting(profile, settings::for_axis(Id::speed_jump_x, axis), 50, "test");
-      job::state_setting(profile, settings::for_axis(Id::acceleration_x, axis), 5000, "test");
-    }
+    job::Profile profile = chip_profile(1000);
+    let_speed_jump(profile);
     set_pulses(profile.settings, pulses.modes, pulses.step_invert, pulses.direction_invert,
                pulses.setup_ns, pulses.hold_ns);
     return profile;
@@ -105,18 +103,21 @@ TEST_P(PulseModes, StepAsOnTheVirtualBoardAndKeepTheDrivesTimes) {
 TEST_P(PulseModes, JobsHitTheirPointsAndAnEmergencyStopKeepsThePlace) {
   const job::Profile machine = profile(GetParam());
   ChipRig rig(machine);
+  const StepLog log(machine.settings, rig.board.bus());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   std::mt19937_64 random(5);
-  for (int round = 0; round < scaled(4); ++round) {
+  for (int round = 0; round < scaled(6); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
-    RunningJob running(rig, job::make_job(chip_points(40, random()), machine, {}),
-                       static_cast<std::uint32_t>(round + 1));
+    RunningJob running(rig, turning_job(machine, random()), static_cast<std::uint32_t>(round + 1));
     const std::size_t before = rig.shots().size();
-    ASSERT_TRUE(running.run_until_fired(1 + random() % 12));
+    ASSERT_TRUE(running.run_until_fired(30 + random() % 30));
     for (std::size_t i = before; i < rig.shots().size(); ++i)
       for (std::size_t axis = 0; axis < 3; ++axis)
         EXPECT_EQ(rig.shots()[i].steps[axis], running.job.targets[i - before].steps[axis]) << i;
-    const Picoseconds pressed = rig.now() + static_cast<Picoseconds>(random() % (4 * ps_per_ms));
+    // It turns at the beats: soon behind one.
+    const Picoseconds pressed = rig.shots().at(rig.shots().size() - 1).at + 3 * ps_per_ms +
+                                static_cast<Picoseconds>(random() % 60) * ps_per_us;
+    ASSERT_GT(pressed, rig.now());
     rig.board.world().schedule(sim::Pin::estop, true, pressed);
     rig.board.world().schedule(sim::Pin::estop, false, pressed + 5 * ps_per_ms);
     rig.board.run_until(pressed + 10 * ps_per_us);
@@ -127,6 +128,7 @@ TEST_P(PulseModes, JobsHitTheirPointsAndAnEmergencyStopKeepsThePlace) {
     EXPECT_EQ(rig.reported_position(machine.settings), stopped);
     EXPECT_EQ(rig.answer("$X"), "[MSG:Caution: Unlocked]\r\nok\r\n");
   }
+  EXPECT_GT(log.reversals(0).size(), 100u);
   expect_no_violations(rig);
 }
 
