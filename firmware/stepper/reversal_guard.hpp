@@ -5,11 +5,10 @@
 //      ticks behind the last step of the old direction or later, the first step the new way comes
 //      `setup` ticks behind that or later. No step is lost or doubled: what has to wait is owed and
 //      put out one a tick as soon as it may be; steps of both ways that are owed cancel each other.
-// Who: the boards' step output (fill interrupt of the RP2040, the virtual board), one guard an
-// axis;
-//      one definition, so that both step at the same ticks. Portable; budget: some 60 cycles a
-//      tick, in the few ticks around a reversal and nowhere else: while passes() is true the board
-//      puts steps out as they come, without asking.
+// Who: the boards' step output (fill interrupt of the RP2040, the virtual board), one each axis,
+//      one definition, so that both step at the same ticks. Budget: some 60 cycles a tick, in the
+//      few ticks around a reversal and nowhere else: while passes() is true the board puts steps
+//      out as they come, without asking.
 //
 //   tick      0  1  2  3  4  5  6  7          hold 2, set-up 3
 //   wanted    +     -           -             an axis that turns just behind a step

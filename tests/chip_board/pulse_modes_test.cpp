@@ -132,6 +132,27 @@ TEST_P(PulseModes, JobsHitTheirPointsAndAnEmergencyStopKeepsThePlace) {
   expect_no_violations(rig);
 }
 
+/// Low while the board does not drive it: with a pull-down that is off.
+TEST(DrivesEnable, IsActiveHighIfTheSettingsSaySo) {
+  constexpr unsigned pad = boards::gpio(boards::Role::drives_enable);
+  for (const bool active_high : {false, true}) {
+    job::Profile machine = chip_profile();
+    machine.settings.set_milli(Id::enable_invert, active_high ? 1000 : 0);
+    ChipRig rig(machine);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    const auto level = [&rig] { return (rig.board.chip().gpio().pad_levels() >> pad & 1) != 0; };
+    EXPECT_EQ(level(), active_high);
+    EXPECT_TRUE(rig.board.bus().level(sim::Pin::enable));
+    EXPECT_EQ(rig.answer(active_high ? "$4=0" : "$4=1"), "ok\r\n");
+    rig.run(20 * ps_per_ms);
+    EXPECT_EQ(level(), active_high) << "in force from the next start on";
+    rig.board.world().schedule(sim::Pin::estop, true, rig.now());
+    rig.run(20 * ps_per_ms);
+    EXPECT_EQ(level(), !active_high);
+    EXPECT_FALSE(rig.board.bus().level(sim::Pin::enable));
+  }
+}
+
 void PrintTo(const Pulses& pulses, std::ostream* out) { *out << pulses.name; }
 
 INSTANTIATE_TEST_SUITE_P(Drives, PulseModes, testing::ValuesIn(kinds),

@@ -8,7 +8,7 @@
 //      by the beat interrupt (priority 1) too.
 // Budget: per axis and run some 200 cycles and at most 7 a tick, 2 where steps are rare; about a
 //      quarter of a cycle a tick where it stands. Behind a reversal some 150 cycles a tick until
-//      its guard (stepper/reversal_guard.hpp) lets steps pass: two ticks as a rule.
+//      its guard (stepper/reversal_guard.hpp) lets steps pass: one tick as a rule.
 //
 // A word is made of bits of DIR and STEP and becomes what the pins want when it is complete.
 #pragma once
