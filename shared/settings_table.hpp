@@ -2,9 +2,9 @@
 //
 // Firmware, host, documentation and tests read this table and nothing else. Numbers are those of
 // grbl 1.1 where grbl has the setting, our own ones start at 900, in blocks: 900 beat, 920 laser
-// protection, 940 work space, 960 axes, 980 link, 990 board, 1070 drives, 1080 more of axes.
-// Values are kept in thousandths of the unit (`milli`) as 32-bit integers: exact, printable with
-// three decimals, no floating point.
+// protection, 940 work space, 960 axes, 980 link, 990 board, 1050 pulses, 1070 drives, 1080 more of
+// axes. Values are kept in thousandths of the unit (`milli`) as 32-bit integers: exact, printable
+// with three decimals, no floating point.
 #pragma once
 
 #include <array>
@@ -17,6 +17,9 @@ namespace lamplock::settings {
 /// Index of a setting in the table; per-axis settings stand in four consecutive rows X Y Z A.
 enum class Id : std::uint8_t {
   step_pulse,
+  step_invert,
+  direction_invert,
+  enable_invert,
   limit_invert,
   probe_invert,
   report_mask,
@@ -93,10 +96,16 @@ enum class Id : std::uint8_t {
   dead_man,
   stop_at_error,
   pin_map,
+  pulse_mode_x,
+  pulse_mode_y,
+  pulse_mode_z,
+  pulse_mode_a,
   drive_lag_x,
   drive_lag_y,
   drive_lag_z,
   drive_lag_a,
+  direction_setup,
+  direction_hold,
   jerk_x,
   jerk_y,
   jerk_z,
@@ -120,8 +129,23 @@ struct Row {
 /// Lamp mode ($900).
 enum class LampMode : std::uint8_t { free_beat = 0, slave = 1, master = 2 };
 
+/// What the two wires of an axis mean ($1051..1054).
+enum class PulseMode : std::uint8_t {
+  step_dir = 0,
+  cw_ccw = 1,  ///< a pulse on the wire of STEP is a step up, on that of DIR a step down
+  quadrature =
+      2,  ///< A on the wire of STEP, B on that of DIR; every edge is a step, up while A leads
+};
+
 inline constexpr std::array<Row, setting_count> table{{
     {0, "step_pulse", "us", 400, 900, 500, false, "width of a step pulse, within a tick of 1 us"},
+    {2, "step_invert", "0..15", 0, 15'000, 0, true,
+     "axes whose STEP (CW, A) is active low, added up: 1 X, 2 Y, 4 Z, 8 A; from the next start on"},
+    {3, "direction_invert", "0..15", 0, 15'000, 0, true,
+     "axes whose DIR (CCW, B) is turned round, added up as in $2; with DIR or B the axis runs the "
+     "other way; from the next start on"},
+    {4, "enable_invert", "on/off", 0, 1'000, 0, true,
+     "DRIVES ENABLE is active high (needs a pull-down outside); from the next start on"},
     {5, "limit_invert", "0..15", 0, 15'000, 0, true,
      "limit switches that close when they engage instead of opening, added up: 1 X, 2 Y, 4 Z, 8 A; "
      "all of one circuit follow X"},
@@ -253,10 +277,24 @@ inline constexpr std::array<Row, setting_count> table{{
      "what the pins of the board are for, from its next start on: 0 glass, 1 cut (fourth axis, "
      "UART, "
      "a limit switch for each axis)"},
+    {1051, "pulse_mode_x", "0..2", 0, 2'000, 0, true,
+     "pulses of X: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
+    {1052, "pulse_mode_y", "0..2", 0, 2'000, 0, true,
+     "pulses of Y: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
+    {1053, "pulse_mode_z", "0..2", 0, 2'000, 0, true,
+     "pulses of Z: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
+    {1054, "pulse_mode_a", "0..2", 0, 2'000, 0, true,
+     "pulses of A: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
     {1071, "drive_lag_x", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
     {1072, "drive_lag_y", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
     {1073, "drive_lag_z", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
     {1074, "drive_lag_a", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
+    {1075, "direction_setup", "us", 200, 50'000, 500, false,
+     "least time from a change of DIR to the next step; with hold, from a step to one the other "
+     "way; "
+     "from the next start on"},
+    {1076, "direction_hold", "us", 200, 50'000, 500, false,
+     "least time from a step to a change of DIR; from the next start on"},
     {1081, "jerk_x", "m/s3", 0, 100'000'000, 0, false, "highest jerk of X; 0 = any"},
     {1082, "jerk_y", "m/s3", 0, 100'000'000, 0, false, "highest jerk of Y; 0 = any"},
     {1083, "jerk_z", "m/s3", 0, 100'000'000, 0, false, "highest jerk of Z; 0 = any"},
@@ -336,6 +374,7 @@ class Values {
   constexpr std::int32_t milli(Id x_row, int axis) const { return milli(for_axis(x_row, axis)); }
   /// The value without its decimals.
   constexpr std::int32_t whole(Id id) const { return milli(id) / 1000; }
+  constexpr std::int32_t whole(Id x_row, int axis) const { return whole(for_axis(x_row, axis)); }
 
   /// Sets a value; false (and nothing changed) if it is outside its range or must be whole.
   constexpr bool set_milli(Id id, std::int32_t value) {

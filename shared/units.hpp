@@ -16,6 +16,9 @@ inline constexpr int max_axes = 4;
 /// Nominal length of a tick.
 inline constexpr std::uint32_t tick_ns = 1000;
 inline constexpr std::uint32_t ticks_per_second = 1'000'000'000u / tick_ns;
+/// No tick is shorter than this, however the lamp pulls at the lattice: its period may be 10 % off
+/// nominal ($905, $910), a tick 5 % off that ($906).
+inline constexpr std::uint32_t shortest_tick_ns = tick_ns * 3 / 4;
 
 /// System clock of the reference board; times that cross the board interface are counted in it.
 inline constexpr std::uint32_t clock_hz = 125'000'000;

@@ -14,6 +14,15 @@ using wire::MachineState;
 bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
   switch (id) {
     case Id::step_pulse:
+    case Id::step_invert:
+    case Id::direction_invert:
+    case Id::enable_invert:
+    case Id::pulse_mode_x:
+    case Id::pulse_mode_y:
+    case Id::pulse_mode_z:
+    case Id::pulse_mode_a:
+    case Id::direction_setup:
+    case Id::direction_hold:
     case Id::steps_per_mm_x:
     case Id::steps_per_mm_y:
     case Id::steps_per_mm_z:

@@ -11,7 +11,7 @@ BoardLink::BoardLink(const BoardOptions& options, const settings::Values& stored
   if (!transport_) {
     sim::WorldConfig world;
     world.lamp = options.faults.lamp(stored);
-    world.drives = options.drives.drives();
+    world.drives = options.drives.drives(stored);
     simulated_ = make_board(options.board, options.image, stored, world);
     transport_ = std::make_unique<link::SimulatedTransport>(*simulated_.board);
   }

@@ -107,7 +107,7 @@ Exit simulate(const Options& options) {
   const settings::Values values = options.machine.profile().settings;
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(values);
-  world.drives = options.drives.drives();
+  world.drives = options.drives.drives(values);
   Ports ports(options);
   const SimulatedBoard made = make_board(options.board, options.image, values, world);
   sim::Board& board = *made.board;

@@ -18,6 +18,7 @@
 #include "host/error.hpp"
 #include "host/link/sender.hpp"
 #include "host/units.hpp"
+#include "sim/world/drive_settings.hpp"
 #include "sim/world/lamp_settings.hpp"
 
 namespace lamplock::cli {
@@ -269,8 +270,8 @@ void SimulatedDrives::add(CLI::App& app) {
       ->group(drives_group);
 }
 
-sim::DriveConfig SimulatedDrives::drives() const {
-  sim::DriveConfig config;
+sim::DriveConfig SimulatedDrives::drives(const settings::Values& values) const {
+  sim::DriveConfig config = sim::drives_of(values);
   std::copy(lag_us.begin(), lag_us.end(), config.lag_us.begin());
   return config;
 }

@@ -94,7 +94,8 @@ struct SimulatedDrives {
 
   void add(CLI::App& app);
   bool any() const { return !lag_us.empty(); }
-  sim::DriveConfig drives() const;
+  /// Those that belong to a machine with these settings.
+  sim::DriveConfig drives(const settings::Values& values) const;
 };
 
 /// Where a job runs and what is left of it.

@@ -178,7 +178,7 @@ std::string plot_title(const Work& work) {
 Outcome run_simulated(const Work& work, const BoardOptions& options, Console& console) {
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(work.job.settings);
-  world.drives = options.drives.drives();
+  world.drives = options.drives.drives(work.job.settings);
   const SimulatedBoard made = make_board(options.board, options.image, work.job.settings, world);
   sim::Board& board = *made.board;
   std::optional<PinTrace> trace;

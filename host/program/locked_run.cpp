@@ -47,10 +47,18 @@ void warm_up(sim::VirtualBoard& board, const settings::Values& values) {
     board.run_until(board.now() + beat);
 }
 
+/// The same machine with STEP and DIR, not inverted: time does not depend on how pulses look.
+settings::Values plain_pulses(settings::Values values) {
+  for (int axis = 0; axis < max_axes; ++axis)
+    values.set_milli(settings::for_axis(Id::pulse_mode_x, axis), 0);
+  values.set_milli(Id::step_invert, 0);
+  return values;
+}
+
 }  // namespace
 
 LockedRun run_locked(std::string_view text, const settings::Values& values) {
-  sim::VirtualBoard board(values, sim::WorldConfig{.lamp = sim::lamp_of(values)});
+  sim::VirtualBoard board(plain_pulses(values), sim::WorldConfig{.lamp = sim::lamp_of(values)});
   Busy busy(board.bus());
   warm_up(board, values);
   link::SimulatedTransport transport(board);

@@ -58,11 +58,32 @@ BoardTiming::BoardTiming(ChipBoard& board, const chip::Image& image)
       image_(image),
       calls_(board.chip().core(0), image.symbols),
       calls1_(board.chip().core(1), image.symbols) {
+  find_step_edges();
   board.chip().gpio().listen(static_cast<chip::PadListener&>(*this));
+}
+
+void BoardTiming::find_step_edges() {
+  using settings::Id;
+  using settings::PulseMode;
+  const settings::Values values = board_.stored_settings();
+  for (int axis = 0; axis < max_axes; ++axis) {
+    const auto first = boards::find_gpio(board_.map(), boards::step_role(axis));
+    if (!first) continue;
+    const auto mode = static_cast<PulseMode>(values.whole(Id::pulse_mode_x, axis));
+    const auto mark = [&](unsigned gpio, Id invert) {
+      const bool active_low = (values.whole(invert) >> axis & 1) != 0;
+      step_edges_[gpio][active_low ? 0 : 1] = true;
+      if (mode == PulseMode::quadrature) step_edges_[gpio] = {true, true};
+    };
+    mark(*first, Id::step_invert);
+    if (mode != PulseMode::step_dir) mark(*first + 1u, Id::direction_invert);
+  }
 }
 
 void BoardTiming::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   Pad& pad = pads_[gpio];
+  // The first edges come when the pin gets its function.
+  if (step_edges_[gpio][level ? 1 : 0] && pads_[tick_gpio].rises != 0) measure_steps(at);
   if (!level) {
     if (pad.rises != 0) pad.shortest_high = std::min(pad.shortest_high, at - pad.rose);
     pad.fell = at;
@@ -73,8 +94,6 @@ void BoardTiming::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   pad.rose = at;
   if (gpio == q_switch_gpio)
     phases_.push_back(static_cast<std::int64_t>(at - pads_[sync_gpio].rose));
-  for (int axis = 0; axis < max_axes; ++axis)
-    if (boards::find_gpio(board_.map(), boards::step_role(axis)) == gpio) measure_steps(at);
 }
 
 void BoardTiming::measure_steps(chip::Cycle at) {

@@ -3,9 +3,9 @@
 // In:  edges of the pads, what both cores do, the memory of their stacks.
 // Out: the numbers of the timing table. Listens from construction on; costs some ns an edge.
 //
-// Shot phase: Q-SWITCH rise less LAMP SYNC rise less the set delay. Step error: how far a STEP rise
-// is from the place after the tick line's rise where the first one was; on a board that keeps to
-// its lattice it is always 0.
+// Shot phase: Q-SWITCH rise less LAMP SYNC rise less the set delay. Step error: how far an edge
+// that is a step (of STEP; of CW or CCW; of A or B) is from the place after the tick line's rise
+// where the first one was; on a board that keeps to its lattice it is always 0.
 #pragma once
 
 #include <array>
@@ -75,6 +75,7 @@ class BoardTiming final : private chip::PadListener {
     chip::Cycle shortest_high = chip::never_cycle, shortest_low = chip::never_cycle;
   };
   void pad_changed(unsigned gpio, bool level, chip::Cycle at) override;
+  void find_step_edges();
   void measure_steps(chip::Cycle at);
 
   ChipBoard& board_;
@@ -83,6 +84,8 @@ class BoardTiming final : private chip::PadListener {
   chip::Profile profile_{calls_}, profile1_{calls1_};
   std::array<Pad, chip::gpio_count> pads_{};
   std::vector<std::int64_t> phases_;  ///< cycles from LAMP SYNC to Q-SWITCH
+  /// Which edges of a pin are steps: falling, rising.
+  std::array<std::array<bool, 2>, chip::gpio_count> step_edges_{};
   bool first_step_ = true;
   std::int64_t step_latency_ = 0;
   std::uint64_t steps_ = 0;

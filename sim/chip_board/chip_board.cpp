@@ -89,7 +89,7 @@ ChipBoard::ChipBoard(const chip::Image& image, const settings::Values& stored,
   settings::Store store(area);
   store.load();
   store.save(stored);
-  connect_pads();
+  connect_pads(stored, world.drives);
   plan();
   chip_.power_on();
 }
@@ -101,10 +101,17 @@ settings::Values ChipBoard::stored_settings() {
   return settings::Store(area).load();
 }
 
-void ChipBoard::connect_pads() {
+void ChipBoard::connect_pads(const settings::Values& stored, const DriveConfig& drives) {
+  const bool enabled_high = stored.whole(settings::Id::enable_invert) != 0;
   for (const Wire& wire : output_wires)
     if (const auto gpio = boards::find_gpio(map_, wire.role))
-      outputs_[*gpio] = Pad{wire.pin, wire.inverted};
+      outputs_[*gpio] = Pad{wire.pin, wire.inverted && !enabled_high};
+  for (int axis = 0; axis < max_axes; ++axis) {
+    const auto first = boards::find_gpio(map_, boards::step_role(axis));
+    if (!first) continue;
+    outputs_[*first]->pulled_up = drives.first_active_low[index(axis)];
+    outputs_[*first + 1]->pulled_up = drives.second_active_low[index(axis)];
+  }
   for (const Wire& wire : input_wires) {
     if (!boards::find_gpio(map_, wire.role)) continue;
     bus_.listen(wire.pin, *this);
@@ -136,6 +143,7 @@ void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   const Picoseconds time = chip_.wheel().time_of(at);
   if (gpio == boards::gpio(Role::laser_pwm)) return measure_pwm(level, time);
   if (!outputs_[gpio]) return;
+  if (outputs_[gpio]->pulled_up && (chip_.gpio().driven() >> gpio & 1) == 0) level = true;
   const Picoseconds before = world_->next_event();
   if (outputs_[gpio]->pin == Pin::q_switch) bus_.set_attenuator(attenuator(time));
   bus_.set(outputs_[gpio]->pin, level != outputs_[gpio]->inverted, time);

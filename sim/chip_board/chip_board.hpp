@@ -4,7 +4,8 @@
 // In:  an image, settings for its flash, a world. Out: the same facade as the virtual board's.
 // The pins are those of the map (shared/boards/pico_pins.hpp); the world outside of them is the
 // electronics that docs/wiring.md draws: switches normally closed to ground, drives enabled by a
-// low level.
+// low level, or by a high one where the settings say so; what drives take for active low has a
+// pull-up.
 //
 // Time: the chip's wheel runs everything; the world's events are parts of it, so that a lamp edge
 // reaches the pad in its very cycle. Real time 0 is power-up; boot and enumeration take some 0.2 s.
@@ -73,7 +74,7 @@ class ChipBoard final : public Board,
   void run(chip::Cycle to) override;
   void clock_changed() override { plan(); }
   void plan();
-  void connect_pads();
+  void connect_pads(const settings::Values& stored, const DriveConfig& drives);
   void drive(Pin pin, bool level);
   void measure_pwm(bool level, Picoseconds at);
   std::uint16_t attenuator(Picoseconds at) const;
@@ -88,7 +89,8 @@ class ChipBoard final : public Board,
   const boards::PinMap map_;
   struct Pad {
     Pin pin = Pin::count;
-    bool inverted = false;
+    bool inverted = false;   ///< the wire has the opposite level
+    bool pulled_up = false;  ///< outside: high while the board does not drive it
   };
   std::array<std::optional<Pad>, chip::gpio_count> outputs_{};
   /// The filter behind LASER PWM: its last whole period.

@@ -13,8 +13,6 @@ constexpr Picoseconds timing_lead = 300 * ps_per_us;
 constexpr std::uint32_t motion_lead_ticks = 2000;
 constexpr std::uint32_t span_ticks = 256;
 constexpr std::uint32_t block_ticks = 1u << 14;
-/// DIR changes this long before the tick that wants it, after STEP of the tick before has fallen.
-constexpr Picoseconds direction_lead = 400 * ps_per_ns;
 /// Full-speed USB: 19 packets of 64 bytes in a frame of 1 ms; a quarter of it per service.
 constexpr std::size_t bytes_per_service = 19 * 64 / 4;
 constexpr std::size_t host_buffer = 4096;
@@ -60,8 +58,11 @@ VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& wo
   for (const InputPin& input : input_pins) bus_.listen(input.pin, *this);
   for (int channel = 0; channel < beam_channels; ++channel)
     bus_.listen(photosensor_pin(channel), *this);
-  for (int axis = 0; axis < max_axes; ++axis)
+  const stepper::PulseOutput output = stepper::pulse_output(stored);
+  for (int axis = 0; axis < max_axes; ++axis) {
     longest_lag_ = std::max(longest_lag_, world_->drives().lag(axis));
+    axes_[index(axis)].start(bus_, axis, output);
+  }
 }
 
 VirtualBoard::~VirtualBoard() = default;
@@ -133,8 +134,10 @@ void VirtualBoard::tell_input(Pin pin) {
 
 /// As far as steps have been put out.
 StepPosition VirtualBoard::present_position() const {
-  if (blocks_.empty()) return {};
-  return position_at_tick(std::max(played_, blocks_.front().first_tick));
+  StepPosition steps{};
+  if (!blocks_.empty()) steps = position_at_tick(std::max(played_, blocks_.front().first_tick));
+  for (int a = 0; a < max_axes; ++a) steps[index(a)] -= axes_[index(a)].owed();
+  return steps;
 }
 
 Picoseconds VirtualBoard::token_expiry() const {
@@ -286,9 +289,9 @@ void VirtualBoard::begin_block(const stepper::TickBlock& block) {
 }
 
 void VirtualBoard::play_block(const stepper::TickBlock& block, std::uint64_t to_tick) {
-  if (block.moving) {
-    for (int axis = 0; axis < max_axes; ++axis) step_axis(axis, block, to_tick);
-  }
+  const auto time_of = [this](std::uint64_t tick) { return ticks_.time_of(tick); };
+  for (int a = 0; a < max_axes; ++a)
+    axes_[index(a)].play(block, cursors_[index(a)], played_, to_tick, step_pulse_, time_of);
   play_power(block, to_tick);
   if (listener_ != nullptr) tell_ticks(block, to_tick);
   played_ = to_tick;
@@ -311,17 +314,6 @@ void VirtualBoard::tell_ticks(const stepper::TickBlock& block, std::uint64_t to_
   if (to_tick == played_) return;
   listener_->ticks_played(
       {block, played_, to_tick, ticks_.time_of(played_), ticks_.time_of(to_tick)});
-}
-
-void VirtualBoard::step_axis(int axis, const stepper::TickBlock& block, std::uint64_t to_tick) {
-  StepCursor& cursor = cursors_[index(axis)];
-  while (cursor.tick() != StepCursor::none && block.first_tick + cursor.tick() < to_tick) {
-    const Picoseconds at = ticks_.time_of(block.first_tick + cursor.tick());
-    bus_.set(dir_pin(axis), cursor.backwards(), at - direction_lead);
-    bus_.set(step_pin(axis), true, at);
-    bus_.set(step_pin(axis), false, at + step_pulse_);
-    cursor.next();
-  }
 }
 
 void VirtualBoard::apply_bits(std::uint8_t bits, Picoseconds at) {
@@ -428,6 +420,7 @@ void VirtualBoard::stop_dead() {
   fire_.disarm(bus_, now_);
   report_shot(false);
   const StepPosition steps = present_position();
+  for (AxisOutput& axis : axes_) axis.stop();
   cursors_ = {};
   for (stepper::TickBlock& block : blocks_) {
     block.moving = false;

@@ -20,6 +20,7 @@
 
 #include "firmware/machine/controller.hpp"
 #include "sim/board.hpp"
+#include "sim/virtual_board/axis_output.hpp"
 #include "sim/virtual_board/fire_stage.hpp"
 #include "sim/virtual_board/step_edges.hpp"
 #include "sim/virtual_board/tick_line.hpp"
@@ -82,7 +83,6 @@ class VirtualBoard final : public Board, private PinListener {
   void begin_block(const stepper::TickBlock& block);
   void play_block(const stepper::TickBlock& block, std::uint64_t to_tick);
   void tell_ticks(const stepper::TickBlock& block, std::uint64_t to_tick);
-  void step_axis(int axis, const stepper::TickBlock& block, std::uint64_t to_tick);
   void apply_bits(std::uint8_t bits, Picoseconds at);
   void play_power(const stepper::TickBlock& block, std::uint64_t to_tick);
   void put_gate(Picoseconds at);
@@ -114,6 +114,7 @@ class VirtualBoard final : public Board, private PinListener {
   bool laser_enabled_ = false, laser_enabled_by_hand_ = false;
   std::uint16_t power_ = 0;        ///< of the present power cell
   PerAxis<StepCursor> cursors_{};  ///< of the block being played; refer into it
+  PerAxis<AxisOutput> axes_{};
   bool token_held_ = false;
   lamp::FireToken token_;
   Verdict shot_;  ///< decided, its pulse has not begun

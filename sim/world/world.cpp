@@ -1,11 +1,24 @@
 #include "sim/world/world.hpp"
 
 namespace lamplock::sim {
+namespace {
+
+/// Wires that are active low have a pull-up at the drive: nothing is active before a board drives
+/// them.
+PinBus& pulled_up(PinBus& bus, const DriveConfig& drives) {
+  for (int axis = 0; axis < max_axes; ++axis) {
+    if (drives.first_active_low[index(axis)]) bus.set(step_pin(axis), true, 0);
+    if (drives.second_active_low[index(axis)]) bus.set(dir_pin(axis), true, 0);
+  }
+  return bus;
+}
+
+}  // namespace
 
 World::World(const WorldConfig& config, PinBus& bus)
     : bus_(bus),
       lamp_(config.lamp, bus),
-      drives_(config.drives, bus),
+      drives_(config.drives, pulled_up(bus, config.drives)),
       switches_(config.switches, bus, drives_),
       has_switches_(!config.switches.empty()),
       shutters_(config.shutters, bus),

@@ -15,6 +15,7 @@
 #include "host/link/sender.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
+#include "sim/world/drive_settings.hpp"
 #include "tests/board/pin_monitor.hpp"
 #include "tests/scale.hpp"
 #include "tests/step_histogram.hpp"
@@ -47,6 +48,7 @@ inline sim::WorldConfig world_for(const job::Profile& profile, sim::LampConfig l
   lamp.triggered = profile.settings.whole(Id::lamp_mode) != 1;
   sim::WorldConfig world;
   world.lamp = lamp;
+  world.drives = sim::drives_of(profile.settings);
   for (int axis = 0; axis < max_axes; ++axis)
     world.drives.lag_us[static_cast<std::size_t>(axis)] =
         profile.settings.milli(Id::drive_lag_x, axis) / 1000.0;

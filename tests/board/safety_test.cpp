@@ -298,6 +298,12 @@ TEST(Safety, AJobCannotChangeWhatTheMachineIs) {
                                                {Id::steps_per_mm_a, 100'000},
                                                {Id::axes, 2'000},
                                                {Id::axes, 4'000},
+                                               {Id::pulse_mode_y, 1'000},
+                                               {Id::step_invert, 2'000},
+                                               {Id::direction_invert, 1'000},
+                                               {Id::enable_invert, 1'000},
+                                               {Id::direction_setup, 400},
+                                               {Id::direction_hold, 5'000},
                                                {Id::step_pulse, 400}};
   for (const auto& [id, value] : other) {
     job::Profile asked = machine;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "firmware/boards/rp2040/fire/stamp_reader.hpp"
+#include "firmware/boards/rp2040/lattice/step_kernel.hpp"
 #include "firmware/boards/rp2040/lattice/tick_words.hpp"
 #include "sim/chip/pio/pio_block.hpp"
 
@@ -99,12 +100,12 @@ struct Lattice {
   static constexpr unsigned axis_sm = 0, bits_sm = 1, tick_sm = 2;
   static constexpr std::uint32_t high = 50;
   Rig rig;
-  Lattice() {
+  explicit Lattice(settings::PulseMode mode = settings::PulseMode::step_dir) {
     rig.load(axis_program, axis_offset);
     rig.load(bits_program, bits_offset);
     rig.load(tick_program.program, tick_offset);
     rig.machine(axis_sm, axis_program, axis_offset, 0, autopull | join_tx,
-                dir | 1u << 20 | step << 5 | 1u << 26);
+                step | 2u << 20 | step << 5 | fallen_pins(mode) << 26);
     rig.outputs(axis_sm, step, 2);
     rig.machine(bits_sm, bits_program, bits_offset, 0, autopull | join_tx, bits | 3u << 20);
     rig.outputs(bits_sm, bits, 3);
@@ -143,9 +144,9 @@ TEST(Programs, TicksHaveTheLengthsOfTheirWordsWithinAndBetweenWords) {
   }
 }
 
-TEST(Programs, StepsAndBitsChangeOnTheSameClockAndDirectionBeforeTheStep) {
+TEST(Programs, StepsDirectionAndBitsChangeOnTheSameClock) {
   Lattice l;
-  // Tick by tick DIR, STEP: 00 01 11 11 00 10 ...; the direction changes between neighbours.
+  // Tick by tick DIR, STEP.
   l.rig.put(Lattice::axis_sm, 0b00'01'11'11'00'10u << 20);
   l.rig.put(Lattice::axis_sm, 0);
   l.rig.put(Lattice::bits_sm, 0x01450000u);
@@ -161,14 +162,46 @@ TEST(Programs, StepsAndBitsChangeOnTheSameClockAndDirectionBeforeTheStep) {
     EXPECT_EQ(steps[2 * (tick - 1) + 1], steps[2 * (tick - 1)] + Lattice::high - 1);
   }
   const auto& dirs = l.rig.edges[dir];
-  ASSERT_GE(dirs.size(), 1u);
-  // Backwards from tick 2 on: after STEP of tick 1 has fallen, half a tick before the next.
-  EXPECT_GT(dirs[0], steps[1]);
-  EXPECT_GE(rise(2) + step_latency_clocks - dirs[0], 60u);
+  ASSERT_EQ(dirs.size(), 4u);
+  EXPECT_EQ(dirs[0], rise(2) + step_latency_clocks);
+  EXPECT_EQ(dirs[1], rise(4) + step_latency_clocks);
+  EXPECT_EQ(dirs[2], rise(5) + step_latency_clocks);
   ASSERT_GE(l.rig.edges[bits].size(), 2u);
   EXPECT_EQ(l.rig.edges[bits][0], rise(1) + step_latency_clocks);
   ASSERT_GE(l.rig.edges[arm].size(), 1u);
   EXPECT_EQ(l.rig.edges[arm][0], rise(2) + step_latency_clocks);
+}
+
+TEST(Programs, PulsesOfCwAndCcwFallWithTheTickLine) {
+  Lattice l(settings::PulseMode::cw_ccw);
+  l.rig.put(Lattice::axis_sm, 0b00'01'10'01'00'10u << 20);
+  l.rig.put(Lattice::axis_sm, 0);
+  for (int i = 0; i < 2; ++i) l.rig.put(Lattice::bits_sm, 0);
+  l.rig.put(Lattice::tick_sm, tick_word(8, 125 - 50 - tick_low_overhead));
+  l.start();
+  l.rig.run(100 + 8 * 125 + 60);
+  const auto& line = l.rig.edges[tick_gpio];
+  std::map<unsigned, std::vector<Cycle>> wanted;
+  for (const auto& [pin, tick] : {std::pair{step, 1u}, {dir, 2u}, {step, 3u}, {dir, 5u}})
+    for (const Cycle width : {Cycle{0}, Cycle{Lattice::high - 1}})
+      wanted[pin].push_back(line[2 * tick] + step_latency_clocks + width);
+  EXPECT_EQ(l.rig.edges[step], wanted[step]);
+  EXPECT_EQ(l.rig.edges[dir], wanted[dir]);
+}
+
+TEST(Programs, LevelsInQuadratureStayUntilTheNextStep) {
+  Lattice l(settings::PulseMode::quadrature);
+  // B, A: up, up, nothing, down, down, down.
+  l.rig.put(Lattice::axis_sm, 0b01'11'11'01'00'10u << 20 | 0b10'10'10'10'10'10'10'10'10'10u);
+  l.rig.put(Lattice::axis_sm, all_dir_bits);
+  for (int i = 0; i < 2; ++i) l.rig.put(Lattice::bits_sm, 0);
+  l.rig.put(Lattice::tick_sm, tick_word(8, 125 - 50 - tick_low_overhead));
+  l.start();
+  l.rig.run(100 + 8 * 125 + 60);
+  const auto& line = l.rig.edges[tick_gpio];
+  const auto at = [&line](std::size_t tick) { return line[2 * tick] + step_latency_clocks; };
+  EXPECT_EQ(l.rig.edges[step], (std::vector<Cycle>{at(0), at(4)}));
+  EXPECT_EQ(l.rig.edges[dir], (std::vector<Cycle>{at(1), at(3), at(5)}));
 }
 
 TEST(Programs, WhenTheCreditsEndAllLatticeBitsGoLow) {

@@ -1,12 +1,16 @@
-// The expander against the closed form that the virtual board steps by.
+// The expander against the closed form that the virtual board steps by, with the guard of reversals
+// asked in every tick; its words as drives of each kind read them.
 #include "firmware/boards/rp2040/lattice/step_expander.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <random>
 #include <vector>
 
+#include "firmware/stepper/pulse_output.hpp"
 #include "firmware/stepper/segment.hpp"
 #include "sim/virtual_board/step_edges.hpp"
 #include "tests/scale.hpp"
@@ -18,9 +22,82 @@ using stepper::AxisRun;
 using stepper::TickBlock;
 
 struct Tick {
-  bool step, backwards;
-  bool operator==(const Tick&) const = default;
+  bool step = false, backwards = false;
 };
+
+/// What an axis puts out, tick by tick.
+class Reference {
+ public:
+  Reference(const stepper::DirectionTimes& times, std::int32_t step) : put_{step} {
+    guard_.set_times(times);
+    guard_.begin(false);
+    guard_.wake(~0u);
+  }
+  void play(const AxisRun& run, std::uint32_t ticks) {
+    sim::StepCursor cursor(run, ticks);
+    for (std::uint32_t i = 0; i < ticks; ++i) {
+      if (run.rate_after(i) != 0) guard_.head(cursor.backwards());
+      const bool wanted = cursor.tick() == i;
+      const bool step = guard_.tick(!wanted ? 0 : cursor.backwards() ? -1 : 1);
+      if (wanted) cursor.next();
+      ticks_.push_back({step, guard_.back()});
+      put_.push_back(put_.back() + (!step ? 0 : guard_.back() ? -1 : 1));
+      late_ += wanted && !step ? 1 : 0;
+    }
+  }
+  const Tick& tick(std::size_t i) const { return ticks_[i]; }
+  /// Steps put out before tick i.
+  std::int32_t put(std::size_t i) const { return put_[i]; }
+  std::size_t late() const { return late_; }
+
+ private:
+  stepper::ReversalGuard guard_;
+  std::vector<Tick> ticks_;
+  std::vector<std::int32_t> put_;
+  std::size_t late_ = 0;
+};
+
+/// A drive that reads what AXIS puts out at the beginning of each tick.
+class PinReader {
+ public:
+  explicit PinReader(settings::PulseMode mode) : mode_(mode) {}
+  Tick read(std::uint32_t pins) {
+    const bool first = (pins & 1) != 0, second = (pins & 2) != 0;
+    if (mode_ == settings::PulseMode::step_dir) return {first, second};
+    if (mode_ == settings::PulseMode::cw_ccw) {
+      EXPECT_FALSE(first && second);
+      return {first || second, second};
+    }
+    // 00, 10, 11, 01 (A B) upwards.
+    constexpr std::array<std::uint32_t, 4> turn{0b00, 0b01, 0b11, 0b10};  // B A
+    const auto place =
+        static_cast<std::uint32_t>(std::find(turn.begin(), turn.end(), pins) - turn.begin());
+    const std::uint32_t way = (place - place_) & 3;
+    place_ = place;
+    EXPECT_NE(way, 2u);
+    return {way != 0, way == 3};
+  }
+
+ private:
+  settings::PulseMode mode_;
+  std::uint32_t place_ = 0;
+};
+
+/// Random modes and times.
+stepper::PulseOutput random_output(std::mt19937_64& random) {
+  stepper::PulseOutput output;
+  for (stepper::AxisPulses& axis : output.axis)
+    axis.mode = static_cast<settings::PulseMode>(random() % 3);
+  const auto ticks = [&random] { return static_cast<std::uint8_t>(1 + random() % 25); };
+  output.times = {ticks(), ticks()};
+  return output;
+}
+
+std::vector<Reference> references(const stepper::PulseOutput& output, const StepPosition& steps) {
+  std::vector<Reference> all;
+  for (const std::int32_t step : steps) all.emplace_back(output.times, step);
+  return all;
+}
 
 /// Random blocks that join: rates below one step a tick, no change of direction inside a block.
 class Blocks {
@@ -90,11 +167,10 @@ void put(StepExpander& expander, const TickBlock& block, std::mt19937_64& random
   expander.end_runs(block.ticks);
 }
 
-Tick tick_in_ring(const LatticeRings& rings, std::size_t axis, std::uint64_t place) {
+/// Levels of both pins of an axis.
+std::uint32_t pins_in_ring(const LatticeRings& rings, std::size_t axis, std::uint64_t place) {
   const std::uint64_t at = place % ring_ticks;
-  const std::uint32_t word = rings.steps[axis][at / ticks_per_step_word];
-  const auto shift = 30 - 2 * (at % ticks_per_step_word);
-  return {(word >> shift & 1) != 0, (word >> shift & 2) != 0};
+  return rings.steps[axis][at / ticks_per_step_word] >> (30 - 2 * (at % ticks_per_step_word)) & 3;
 }
 
 std::uint32_t nibble_in_ring(const LatticeRings& rings, std::uint64_t place) {
@@ -102,45 +178,47 @@ std::uint32_t nibble_in_ring(const LatticeRings& rings, std::uint64_t place) {
   return rings.bits[at / ticks_per_bits_word] >> (28 - 4 * (at % ticks_per_bits_word)) & 15;
 }
 
-TEST(StepExpander, StepsAtTheTicksOfTheClosedForm) {
+TEST(StepExpander, StepsAtTheTicksOfTheClosedFormBehindTheGuard) {
+  std::size_t late = 0;
   for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(test::scaled(60)); ++seed) {
     auto rings = std::make_unique<LatticeRings>();
     StepExpander expander(*rings);
     Blocks blocks(seed);
     std::mt19937_64 random(seed);
+    const stepper::PulseOutput output = random_output(random);
+    std::vector<Reference> wanted = references(output, {});
+    std::vector<PinReader> readers;
+    for (const stepper::AxisPulses& axis : output.axis) readers.emplace_back(axis.mode);
     const std::uint64_t first = seed * 1237;
     blocks.start_at(first);
+    expander.configure(output);
     expander.begin(first, first, {});
-    std::uint64_t checked = first;
-    std::vector<TickBlock> kept;
+    std::uint64_t read = 0;  // ticks, from the first one on
+    std::vector<std::uint8_t> bits;
     for (int n = 0; n < 40; ++n) {
-      kept.push_back(blocks.next());
-      put(expander, kept.back(), random);
+      const TickBlock block = blocks.next();
+      put(expander, block, random);
+      for (std::size_t a = 0; a < wanted.size(); ++a) wanted[a].play(block.axis[a], block.ticks);
+      bits.insert(bits.end(), block.ticks, block.bits);
       // Words that are complete.
-      const std::uint64_t whole = first + (expander.end_tick() - first) / 16 * 16;
-      while (!kept.empty() && kept.front().first_tick + kept.front().ticks <= whole) {
-        const TickBlock& block = kept.front();
-        for (std::size_t a = 0; a < block.axis.size(); ++a) {
-          sim::StepCursor cursor(block.axis[a], block.ticks);
-          for (std::uint32_t i = 0; i < block.ticks; ++i) {
-            const Tick got = tick_in_ring(*rings, a, block.first_tick + i - first);
-            const bool step = cursor.tick() == i;
-            ASSERT_EQ(got.step, step) << "seed " << seed << " axis " << a << " tick " << i;
-            if (!step) continue;
-            ASSERT_EQ(got.backwards, cursor.backwards());
-            cursor.next();
+      const std::uint64_t whole = (expander.end_tick() - first) / 16 * 16;
+      for (; read < whole; ++read) {
+        for (std::size_t a = 0; a < wanted.size(); ++a) {
+          const Tick got = readers[a].read(pins_in_ring(*rings, a, read));
+          const Tick& tick = wanted[a].tick(read);
+          ASSERT_EQ(got.step, tick.step) << "seed " << seed << " axis " << a << " tick " << read;
+          if (tick.step || output.axis[a].mode == settings::PulseMode::step_dir) {
+            ASSERT_EQ(got.backwards, tick.backwards)
+                << "seed " << seed << " axis " << a << " tick " << read;
           }
-          ASSERT_EQ(cursor.tick(), sim::StepCursor::none);
         }
-        for (std::uint32_t i = 0; i < block.ticks; ++i)
-          ASSERT_EQ(nibble_in_ring(*rings, block.first_tick + i - first),
-                    lattice_nibble(block.bits));
-        checked = block.first_tick + block.ticks;
-        kept.erase(kept.begin());
+        ASSERT_EQ(nibble_in_ring(*rings, read), lattice_nibble(bits[read]));
       }
     }
-    ASSERT_GT(checked, first + 500);
+    ASSERT_GT(read, 500u);
+    for (const Reference& axis : wanted) late += axis.late();
   }
+  EXPECT_GT(late, static_cast<std::size_t>(test::scaled(60)) * 10) << "the guard had to do";
 }
 
 TEST(StepExpander, KnowsWhereTheAxesStandAtAnyTickStillInTheRings) {
@@ -149,24 +227,52 @@ TEST(StepExpander, KnowsWhereTheAxesStandAtAnyTickStillInTheRings) {
     auto rings = std::make_unique<LatticeRings>();
     StepExpander expander(*rings);
     Blocks blocks(seed);
+    const stepper::PulseOutput output = random_output(random);
+    // Where the random blocks begin.
+    std::vector<Reference> put_out = references(output, {-150, -50, 50, 150});
+    expander.configure(output);
     expander.begin(0, 0, {});
-    std::vector<TickBlock> all;
     for (int n = 0; n < 60; ++n) {
-      all.push_back(blocks.next());
-      put(expander, all.back(), random);
+      const TickBlock block = blocks.next();
+      put(expander, block, random);
+      for (std::size_t a = 0; a < put_out.size(); ++a) put_out[a].play(block.axis[a], block.ticks);
       for (int k = 0; k < 4; ++k) {
         const std::uint64_t end = expander.end_tick();
         const std::uint64_t tick = end - random() % std::min<std::uint64_t>(end + 1, 3000);
         StepPosition wanted{};
-        for (const TickBlock& block : all)
-          if (tick >= block.first_tick && tick <= block.first_tick + block.ticks)
-            for (std::size_t a = 0; a < wanted.size(); ++a)
-              wanted[a] = static_cast<std::int32_t>(
-                  block.axis[a]
-                      .position_after(static_cast<std::uint32_t>(tick - block.first_tick))
-                      .hi());
+        for (std::size_t a = 0; a < wanted.size(); ++a) wanted[a] = put_out[a].put(tick);
         ASSERT_EQ(expander.steps_at(tick), wanted) << "seed " << seed << " tick " << tick;
       }
+    }
+  }
+}
+
+/// Levels in quadrature, and DIR, go on from where they were when the ticks were stopped.
+TEST(StepExpander, GoesOnWithTheLevelsOfThePins) {
+  std::mt19937_64 random(11);
+  for (int run = 0; run < test::scaled(60); ++run) {
+    auto rings = std::make_unique<LatticeRings>();
+    StepExpander expander(*rings);
+    stepper::PulseOutput output = random_output(random);
+    output.axis[0].mode = settings::PulseMode::quadrature;
+    output.axis[1].mode = settings::PulseMode::step_dir;
+    expander.configure(output);
+    expander.begin(0, 0, {});
+    Blocks blocks(static_cast<std::uint64_t>(run));
+    for (int n = 0; n < 12; ++n) put(expander, blocks.next(), random);
+    const std::uint64_t stop = expander.end_tick() - 16 - random() % 200;
+    PerAxis<std::uint8_t> levels{};
+    for (std::size_t a = 0; a < levels.size(); ++a)
+      levels[a] = static_cast<std::uint8_t>(pins_in_ring(*rings, a, stop - 1));
+    const StepPosition steps = expander.steps_at(stop);
+    const std::uint64_t first = expander.end_tick() + 500;
+    expander.begin(first, first + 100, steps, levels);
+    EXPECT_EQ(expander.steps_at(first + 50), steps);
+    blocks.start_at(first + 100);
+    put(expander, blocks.next(), random);
+    for (std::uint64_t i = 0; i < 96; ++i) {
+      ASSERT_EQ(pins_in_ring(*rings, 0, i), levels[0]) << "run " << run << " tick " << i;
+      ASSERT_EQ(pins_in_ring(*rings, 1, i) & 2u, levels[1] & 2u) << "run " << run << " tick " << i;
     }
   }
 }
@@ -180,7 +286,7 @@ TEST(StepExpander, StandsUntilTheFirstRunAfterARestart) {
   EXPECT_EQ(expander.end_tick(), 1037u);
   EXPECT_EQ(expander.steps_at(1000), (StepPosition{1, 2, 3, 4}));
   for (std::size_t a = 0; a < 4; ++a)
-    for (std::uint64_t i = 0; i < 32; ++i) EXPECT_FALSE(tick_in_ring(*rings, a, i).step);
+    for (std::uint64_t i = 0; i < 32; ++i) EXPECT_EQ(pins_in_ring(*rings, a, i), 0u);
   for (std::uint64_t i = 0; i < 32; ++i) EXPECT_EQ(nibble_in_ring(*rings, i), 0u);
 }
 

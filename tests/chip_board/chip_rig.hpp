@@ -22,6 +22,7 @@
 #include "shared/boards/pico_pins.hpp"
 #include "sim/chip/profile/function_table.hpp"
 #include "sim/chip_board/chip_board.hpp"
+#include "sim/world/drive_settings.hpp"
 #include "tests/board/pin_monitor.hpp"
 #include "tests/scale.hpp"
 #include "tests/step_histogram.hpp"
@@ -50,6 +51,7 @@ inline job::Profile chip_profile(double lamp_hz = 500) {
 inline sim::WorldConfig chip_world(const job::Profile& profile) {
   sim::WorldConfig world;
   world.lamp.frequency_hz = profile.settings.milli(Id::lamp_frequency) / 1000.0;
+  world.drives = sim::drives_of(profile.settings);
   for (int axis = 0; axis < max_axes; ++axis)
     world.drives.lag_us[static_cast<std::size_t>(axis)] =
         profile.settings.milli(Id::drive_lag_x, axis) / 1000.0;

@@ -46,6 +46,14 @@ void make_output(unsigned gpio, bool high) {
 
 }  // namespace
 
+void RealTime::set_drives(bool enabled) const {
+  const std::uint32_t pin = 1u << boards::gpio(Role::drives_enable);
+  if (enabled == drives_active_high_)
+    sio().gpio_out_set = pin;
+  else
+    sio().gpio_out_clr = pin;
+}
+
 void RealTime::start_pads() const {
   // Outputs keep the reset state of their pads: weak pull-down, 4 mA, Schmitt trigger.
   const std::uint32_t pulled_up = inputs_.pins();
@@ -56,7 +64,7 @@ void RealTime::start_pads() const {
     pads_bank0().gpio[use.gpio] =
         pad::input_enable | pad::schmitt | pad::drive_4ma | (up ? pad::pull_up : pad::pull_down);
   }
-  make_output(boards::gpio(Role::drives_enable), true);  // active low: off
+  make_output(boards::gpio(Role::drives_enable), !drives_active_high_);  // off
   make_output(boards::gpio(Role::status_led), false);
   beam_.start();
 }
@@ -64,8 +72,11 @@ void RealTime::start_pads() const {
 void RealTime::start(machine::Controller& core) {
   start_us_ = microseconds();
   now_us_ = static_cast<std::uint32_t>(start_us_);
+  drives_active_high_ = core.values().whole(settings::Id::enable_invert) != 0;
   start_pads();
-  lattice_.start(map_);
+  const stepper::PulseOutput output = stepper::pulse_output(core.values());
+  expander_.configure(output);
+  lattice_.start(map_, output);
   fire_.start();
   fire_.configure(core.fire_timing());
   estop_.start();
@@ -95,7 +106,9 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
     filled +=
         fill(core, ticks < filled_at_once ? static_cast<std::uint32_t>(ticks) : filled_at_once);
   }
-  expander_.begin(tick, filled, steps);
+  PerAxis<std::uint8_t> levels{};
+  for (int a = 0; a < boards::axes(map_); ++a) levels[index(a)] = LatticeOutput::levels(a);
+  expander_.begin(tick, filled, steps, levels);
   filled_end_ = static_cast<std::uint32_t>(expander_.end_tick());
   timed_end_ = static_cast<std::uint32_t>(tick);
   played_ = static_cast<std::uint32_t>(tick);
@@ -259,11 +272,7 @@ void RealTime::input_changed(machine::Controller& core, machine::Input input, bo
 
 void RealTime::apply_outputs(const machine::Controller& core) {
   const machine::Outputs outputs = core.outputs();
-  constexpr std::uint32_t enable = 1u << boards::gpio(Role::drives_enable);
-  if (outputs.drives_enable)
-    sio().gpio_out_clr = enable;
-  else
-    sio().gpio_out_set = enable;
+  set_drives(outputs.drives_enable);
   constexpr std::uint32_t led = 1u << boards::gpio(Role::status_led);
   if (core.clock().locked())
     sio().gpio_out_set = led;

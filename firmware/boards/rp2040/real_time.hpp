@@ -81,6 +81,7 @@ class RealTime {
 
  private:
   void start_pads() const;
+  void set_drives(bool enabled) const;
   /// False if `most` spans were not enough.
   bool feed_spans(machine::Controller& core, std::uint32_t most);
   void begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled);
@@ -120,6 +121,7 @@ class RealTime {
   volatile std::uint32_t timed_end_ = 0;   ///< written by beat, read by fill
   volatile std::uint32_t played_ = 0;      ///< written by beat, read by fill
   bool pads_released_ = false;
+  bool drives_active_high_ = false;
   bool ask_ = false;           ///< for a token, this time
   std::uint8_t answered_ = 0;  ///< photosensors of which the core has not heard
 };

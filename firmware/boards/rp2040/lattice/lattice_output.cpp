@@ -25,6 +25,10 @@ const StateMachine& machine_of(int axis) { return axis_machines[static_cast<std:
 void select(unsigned gpio, Function function) {
   io_bank0().gpio[gpio].ctrl = io_ctrl::function(function);
 }
+void select_pulse(unsigned gpio, Function function, bool inverted) {
+  io_bank0().gpio[gpio].ctrl =
+      io_ctrl::function(function) | (inverted ? io_ctrl::output_inverted : 0);
+}
 /// For outputs that can release energy: kept low until somebody permits them.
 void select_low(unsigned gpio, Function function) {
   io_bank0().gpio[gpio].ctrl = io_ctrl::function(function) | io_ctrl::output_low;
@@ -82,15 +86,21 @@ std::uint32_t push_of_tick(std::uint16_t move_to_isr) {
 
 }  // namespace
 
-void LatticeOutput::start_axis(int axis) const {
+void LatticeOutput::start_axis(int axis, const stepper::AxisPulses& pulses) const {
   const StateMachine& sm = machine_of(axis);
-  const unsigned step = step_gpio(axis);
+  const unsigned first = step_gpio(axis);
   sm.configure(axis_program, axis_offset, 0);
-  sm.make_outputs_low(step, 2);
-  sm.machine().pinctrl = pio_pinctrl::out(step + 1, 1) | pio_pinctrl::set(step, 1);
+  sm.make_outputs_low(first, 2);
+  sm.machine().pinctrl =
+      pio_pinctrl::out(first, 2) | pio_pinctrl::set(first, fallen_pins(pulses.mode));
+  // With the function comes the inversion: the pad goes from undriven to its level at rest.
   const Function function = sm.block == 0 ? Function::pio0 : Function::pio1;
-  select(step, function);
-  select(step + 1, function);
+  select_pulse(first, function, pulses.first_inverted);
+  select_pulse(first + 1, function, pulses.second_inverted);
+}
+
+std::uint8_t LatticeOutput::levels(int axis) {
+  return static_cast<std::uint8_t>(machine_of(axis).registers().dbg_padout >> step_gpio(axis) & 3);
 }
 
 void LatticeOutput::start_pins() const {
@@ -109,7 +119,7 @@ void LatticeOutput::start_pins() const {
   select(tick_gpio, Function::pio1);
 }
 
-void LatticeOutput::start(boards::PinMap map) {
+void LatticeOutput::start(boards::PinMap map, const stepper::PulseOutput& output) {
   static_assert(tick_machine.block == 1 && tick_machine.number == tick_number);
   axes_ = boards::axes(map);
   pio0().ctrl = 0;
@@ -119,7 +129,7 @@ void LatticeOutput::start(boards::PinMap map) {
   load(pio1(), bits_program, bits_offset);
   load(pio1(), tick_program.program, tick_offset);
   load(pio1(), stamp_program.program, stamp_offset);
-  for (int a = 0; a < axes_; ++a) start_axis(a);
+  for (int a = 0; a < axes_; ++a) start_axis(a, output.axis[index(a)]);
   start_pins();
 }
 

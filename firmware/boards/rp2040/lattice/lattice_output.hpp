@@ -21,6 +21,7 @@
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
 #include "firmware/boards/rp2040/registers/dma.hpp"
 #include "firmware/boards/rp2040/registers/pio.hpp"
+#include "firmware/stepper/pulse_output.hpp"
 #include "shared/boards/pico_pins.hpp"
 
 namespace lamplock::rp2040 {
@@ -31,7 +32,7 @@ class LatticeOutput {
       : rings_(rings), ticks_(ticks), stamps_(stamps) {}
 
   /// Pins low, then their function, then programs. Nothing runs. PIO, DMA, pads out of reset.
-  void start(boards::PinMap map);
+  void start(boards::PinMap map, const stepper::PulseOutput& output);
   /// Everything to its beginning, FIFOs filled from the rings; AXIS and BITS wait for the first
   /// tick. `high_clocks` is the high time of the tick line.
   void prepare(std::uint32_t high_clocks);
@@ -40,7 +41,10 @@ class LatticeOutput {
     const std::uint32_t both = tick_machine.mask() | stamp_machine.mask();
     set_bits(pio1().ctrl, pio_ctrl::enable(both) | pio_ctrl::clkdiv_restart(both));
   }
-  /// No further tick: TICK stands where it is. A STEP that is high stays so until prepare(), so
+  /// What AXIS has put out last, without inversions: bit 0 the first pin of the axis, bit 1 the
+  /// second.
+  static std::uint8_t levels(int axis);
+  /// No further tick: TICK stands where it is. A pulse that is high stays so until prepare(), so
   /// that no step is cut short that ticks_begun() counts. Lattice bits stay: hold them at the pads.
   [[gnu::always_inline]] static void freeze() {
     clear_bits(pio1().ctrl, pio_ctrl::enable(1u << tick_number));
@@ -57,7 +61,7 @@ class LatticeOutput {
 
  private:
   static constexpr unsigned tick_number = 2;  ///< of TICK in PIO1
-  void start_axis(int axis) const;
+  void start_axis(int axis, const stepper::AxisPulses& pulses) const;
   void start_pins() const;
   void start_channels() const;
 

@@ -7,12 +7,13 @@ namespace lamplock::rp2040 {
 namespace {
 
 constexpr std::uint32_t place_mask = ring_ticks - 1;
+constexpr unsigned bits_per_tick = 32 / ticks_per_step_word;
 
-/// Puts `ticks` ticks that are all alike at `place` into a ring of words: its last, unfinished word
-/// is `partial`, `pattern` a word full of such ticks.
-template <std::uint32_t ticks_per_word, std::size_t ring_words>
+/// Puts `ticks` ticks that are all alike into a ring of words; `pattern` is a word full of such
+/// ticks, and finish(word) what goes into the ring for a complete one.
+template <std::uint32_t ticks_per_word, std::size_t ring_words, class Finish>
 void put_alike(std::array<std::uint32_t, ring_words>& ring, std::uint32_t& partial,
-               std::uint32_t pattern, std::uint32_t place, std::uint32_t ticks) {
+               std::uint32_t pattern, std::uint32_t place, std::uint32_t ticks, Finish&& finish) {
   constexpr std::uint32_t bits = 32 / ticks_per_word, words = ring_words;
   const auto shifted = [pattern](std::uint32_t word, std::uint32_t n) {  // n below a word
     return word << bits * n | (pattern & ((1u << bits * n) - 1));
@@ -23,12 +24,13 @@ void put_alike(std::array<std::uint32_t, ring_words>& ring, std::uint32_t& parti
     const std::uint32_t n = ticks < left ? ticks : left;
     partial = shifted(partial, n);
     ticks -= n;
-    if (n == left) ring[at++ % words] = partial;
+    if (n == left) ring[at++ % words] = finish(partial);
   }
+  const std::uint32_t all_alike = finish(pattern);
   for (std::uint32_t whole = ticks / ticks_per_word; whole != 0;) {
     at %= words;
     const std::uint32_t n = whole < words - at ? whole : words - at;
-    std::fill_n(ring.data() + at, n, pattern);
+    std::fill_n(ring.data() + at, n, all_alike);
     whole -= n;
     at += n;
   }
@@ -37,13 +39,28 @@ void put_alike(std::array<std::uint32_t, ring_words>& ring, std::uint32_t& parti
 
 }  // namespace
 
-void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPosition& steps) {
+void StepExpander::configure(const stepper::PulseOutput& output) {
+  for (int a = 0; a < max_axes; ++a) {
+    rows_[index(a)].mode = output.axis[index(a)].mode;
+    rows_[index(a)].guard.set_times(output.times);
+  }
+}
+
+void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPosition& steps,
+                         const PerAxis<std::uint8_t>& levels) {
   end_ = first;
-  rows_ = {};
   bits_ = {};
   power_.fill(0);
   power_end_ = static_cast<std::uint32_t>(filled > first ? filled : first);
   steps_ = steps;
+  for (int a = 0; a < max_axes; ++a) {
+    Row& row = rows_[index(a)];
+    row.fill = {};
+    row.levels = levels[index(a)];
+    row.guard.begin(row.mode == PulseMode::step_dir ? (row.levels & 2) != 0 : row.guard.back());
+    // Whoever looks back finds no steps.
+    rings_.steps[index(a)].fill(row.finish(row.dir()));
+  }
   if (filled <= first) return;
   const auto ticks = static_cast<std::uint32_t>(filled - first);
   for (int a = 0; a < max_axes; ++a) put_still(a, ticks);
@@ -51,44 +68,82 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
   end_runs(ticks);
 }
 
+// In one place: three loops hand words over.
+[[gnu::noinline]] std::uint32_t StepExpander::Row::finish_other(std::uint32_t word) {
+  return pulse_word(mode, word, levels);
+}
+
 void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t ticks) {
   auto& ring = rings_.steps[index(axis)];
   Row& row = rows_[index(axis)];
   StepPhase phase(run);
-  const std::uint32_t dir = row.dir = StepPhase::backwards(run) ? all_dir_bits : 0;
-  std::uint32_t at = row.place / ticks_per_step_word;
-  if (const std::uint32_t begun = row.place % ticks_per_step_word; begun != 0) {
+  const bool back = StepPhase::backwards(run);
+  if (!row.guard.passes(back)) ticks = put_guarded(axis, phase, back, false, ticks);
+  const std::uint32_t dir = row.dir();
+  std::uint32_t at = row.fill.place / ticks_per_step_word;
+  if (const std::uint32_t begun = row.fill.place % ticks_per_step_word; begun != 0) {
     const std::uint32_t left = ticks_per_step_word - begun, n = ticks < left ? ticks : left;
-    row.partial = expand_some(phase, row.partial, n, dir);
-    row.place += n;
+    row.fill.partial = expand_some(phase, row.fill.partial, n, dir);
+    row.fill.place += n;
     ticks -= n;
-    if (n == left) ring[at++ % step_ring_words] = row.partial;
+    if (n == left) ring[at++ % step_ring_words] = row.finish(row.fill.partial);
   }
-  row.place = (row.place + ticks) & place_mask;
+  row.fill.place = (row.fill.place + ticks) & place_mask;
   const bool rare = phase.steps_rarely(ticks);
   for (std::uint32_t words = ticks / ticks_per_step_word; words != 0;) {
     at %= step_ring_words;
     const std::uint32_t n = words < step_ring_words - at ? words : step_ring_words - at;
+    std::uint32_t* const out = ring.data() + at;
     if (rare)
-      expand_rare_words(phase, ring.data() + at, ring.data() + at + n, dir);
+      expand_rare_words(phase, out, out + n, dir);
     else
-      expand_words(phase, ring.data() + at, ring.data() + at + n, dir);
+      expand_words(phase, out, out + n, dir);
+    if (row.mode != PulseMode::step_dir)
+      for (std::uint32_t i = 0; i < n; ++i) out[i] = row.finish_other(out[i]);
     words -= n;
     at += n;
   }
   ticks %= ticks_per_step_word;
-  if (ticks != 0) row.partial = expand_some(phase, row.partial, ticks, dir);
+  if (ticks != 0) row.fill.partial = expand_some(phase, row.fill.partial, ticks, dir);
+}
+
+void StepExpander::put_guarded_tick(int axis, std::int32_t wanted) {
+  Row& row = rows_[index(axis)];
+  const bool step = row.guard.tick(wanted);
+  row.fill.partial = row.fill.partial << 2 | (row.guard.back() ? 2u : 0u) | (step ? 1u : 0u);
+  const std::uint32_t at = row.fill.place / ticks_per_step_word;
+  row.fill.place = (row.fill.place + 1) & place_mask;
+  if (row.fill.place % ticks_per_step_word == 0)
+    rings_.steps[index(axis)][at] = row.finish(row.fill.partial);
+}
+
+/// Tick by tick until the guard lets steps pass; the ticks that are left.
+std::uint32_t StepExpander::put_guarded(int axis, StepPhase& phase, bool back, bool stands,
+                                        std::uint32_t ticks) {
+  stepper::ReversalGuard& guard = rows_[index(axis)].guard;
+  if (guard.settled()) guard.wake(quiet_ticks(axis) + 1);
+  for (; ticks != 0 && !(guard.settled() && (stands || guard.back() == back)); --ticks) {
+    if (phase.rate != 0) guard.head(back);
+    put_guarded_tick(axis, !phase.tick() ? 0 : back ? -1 : 1);
+  }
+  return ticks;
 }
 
 void StepExpander::put_still(int axis, std::uint32_t ticks) {
   Row& row = rows_[index(axis)];
-  put_alike<ticks_per_step_word>(rings_.steps[index(axis)], row.partial, row.dir, row.place, ticks);
-  row.place = (row.place + ticks) & place_mask;
+  if (!row.guard.settled()) {
+    StepPhase still;
+    ticks = put_guarded(axis, still, false, true, ticks);
+  }
+  put_alike<ticks_per_step_word>(rings_.steps[index(axis)], row.fill.partial, row.dir(),
+                                 row.fill.place, ticks,
+                                 [&row](std::uint32_t word) { return row.finish(word); });
+  row.fill.place = (row.fill.place + ticks) & place_mask;
 }
 
 void StepExpander::put_bits(std::uint8_t bits, std::uint32_t ticks) {
   put_alike<ticks_per_bits_word>(rings_.bits, bits_.partial, lattice_nibble(bits) * 0x11111111u,
-                                 bits_.place, ticks);
+                                 bits_.place, ticks, [](std::uint32_t word) { return word; });
   bits_.place = (bits_.place + ticks) & place_mask;
 }
 
@@ -103,26 +158,46 @@ void StepExpander::put_power(std::uint16_t power, std::uint32_t ticks) {
   power_end_ = end;
 }
 
-std::uint32_t StepExpander::word_of(int axis, std::uint32_t place) const {
+/// The word in which a place lies, as bits of DIR and STEP; DIR counts where there is a step.
+std::uint32_t StepExpander::steps_of(int axis, std::uint32_t place) const {
   const Row& row = rows_[index(axis)];
-  const std::uint32_t begun = row.place % ticks_per_step_word;
-  if (begun != 0 && place / ticks_per_step_word == row.place / ticks_per_step_word)
-    return row.partial << 2 * (ticks_per_step_word - begun);
-  return rings_.steps[index(axis)][place / ticks_per_step_word];
+  const std::uint32_t at = place / ticks_per_step_word;
+  const std::uint32_t begun = row.fill.place % ticks_per_step_word;
+  if (begun != 0 && at == row.fill.place / ticks_per_step_word)
+    return row.fill.partial << 2 * (ticks_per_step_word - begun);
+  const auto& ring = rings_.steps[index(axis)];
+  return step_word(row.mode, ring[at], ring[(at + step_ring_words - 1) % step_ring_words] & 3);
+}
+
+/// Ticks since the last step, no further back than the guard wants to know.
+std::uint32_t StepExpander::quiet_ticks(int axis) const {
+  const Row& row = rows_[index(axis)];
+  std::uint32_t quiet = 0;
+  while (quiet < row.guard.times().hold_ticks) {
+    const std::uint32_t place = (row.fill.place - 1 - quiet) & place_mask;
+    const std::uint32_t in_word = place % ticks_per_step_word;
+    const std::uint32_t behind = ticks_per_step_word - 1 - in_word;
+    const std::uint32_t steps = steps_of(axis, place) >> 2 * behind & all_step_bits;
+    if (steps != 0)
+      return quiet + static_cast<std::uint32_t>(std::countr_zero(steps)) / bits_per_tick;
+    quiet += in_word + 1;
+  }
+  return quiet;
 }
 
 StepPosition StepExpander::steps_at(std::uint64_t tick) const {
-  // From the end back: what is still in the rings was not put out.
+  // From the end back: what is still in the rings was not put out, nor what is owed there.
   StepPosition steps{};
   const auto open = static_cast<std::uint32_t>(end_ > tick ? end_ - tick : 0);
   for (int a = 0; a < max_axes; ++a) {
-    std::int64_t step = steps_[index(a)];
+    const Row& row = rows_[index(a)];
+    std::int64_t step = steps_[index(a)] - row.guard.owed();
     for (std::uint32_t left = open; left != 0;) {
-      const std::uint32_t place = (rows_[index(a)].place - left) & place_mask;
+      const std::uint32_t place = (row.fill.place - left) & place_mask;
       const std::uint32_t skip = place % ticks_per_step_word;
       const std::uint32_t n = left < ticks_per_step_word - skip ? left : ticks_per_step_word - skip;
       // DIR belongs to the tick: a word may hold both directions.
-      const std::uint32_t word = word_of(a, place) << 2 * skip;
+      const std::uint32_t word = steps_of(a, place) << 2 * skip;
       const std::uint32_t used = ~0u << 2 * (ticks_per_step_word - n);
       const std::uint32_t stepping = word & used & all_step_bits;
       const std::uint32_t back = stepping & (word >> 1);

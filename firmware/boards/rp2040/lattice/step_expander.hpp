@@ -1,18 +1,23 @@
 // From runs of ticks to words for the state machines.
 //
 // In:  runs of each axis, of the lattice bits and of the laser's power, as the core's fill_axes()
-//      tells them.
+//      tells them; what the pins of each axis mean (pulse_words.hpp).
 // Out: words in the LatticeRings, a fixed number of ticks each; how far the rings are filled; the
 //      power of a tick.
 // Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked; power()
 //      by the beat interrupt (priority 1) too.
 // Budget: per axis and run some 200 cycles and at most 7 a tick, 2 where steps are rare; about a
-//      quarter of a cycle a tick where it stands.
+//      quarter of a cycle a tick where it stands. Behind a reversal some 150 cycles a tick until
+//      its guard (stepper/reversal_guard.hpp) lets steps pass: one tick as a rule.
+//
+// A word is made of bits of DIR and STEP and becomes what the pins want when it is complete.
 #pragma once
 
 #include <cstdint>
 
 #include "firmware/boards/rp2040/lattice/lattice_rings.hpp"
+#include "firmware/boards/rp2040/lattice/pulse_words.hpp"
+#include "firmware/stepper/pulse_output.hpp"
 #include "firmware/stepper/tick_block.hpp"
 
 namespace lamplock::rp2040 {
@@ -30,9 +35,13 @@ class StepExpander {
  public:
   explicit StepExpander(LatticeRings& rings) : rings_(rings) {}
 
+  /// What pins and drives are; begin() has to follow.
+  [[gnu::cold]] void configure(const stepper::PulseOutput& output);
   /// Starts anew: the first word begins with tick `first`; up to the tick `filled`, from where on
-  /// runs are told, everything stands.
-  void begin(std::uint64_t first, std::uint64_t filled, const StepPosition& steps);
+  /// runs are told, everything stands. `levels` are those of the pins of each axis (bit 0: STEP, CW
+  /// or A; bit 1: DIR, CCW or B) without inversions: they stay what they are.
+  void begin(std::uint64_t first, std::uint64_t filled, const StepPosition& steps,
+             const PerAxis<std::uint8_t>& levels = {});
 
   // What fill_axes() tells; the caller has made sure that there is room.
   void put_still(int axis, std::uint32_t ticks);
@@ -67,19 +76,35 @@ class StepExpander {
   StepPosition steps_at(std::uint64_t tick) const;
 
  private:
-  /// The ring of an axis as it is being filled.
-  struct Row {
+  /// A ring as it is being filled.
+  struct Fill {
     std::uint32_t place = 0;    ///< first tick not in it, from that of the first word on
     std::uint32_t partial = 0;  ///< the word being made, its ticks in the lower bits
-    std::uint32_t dir = 0;      ///< all_dir_bits if the axis goes, or last went, backwards
+  };
+  /// That of an axis; `partial` has bits of DIR and STEP in every mode.
+  struct Row {
+    Fill fill;
+    stepper::ReversalGuard guard;
+    PulseMode mode = PulseMode::step_dir;
+    std::uint32_t levels = 0;  ///< of A and B at the end of the last complete word
+
+    std::uint32_t dir() const { return guard.back() ? all_dir_bits : 0; }
+    std::uint32_t finish(std::uint32_t word) {
+      return mode == PulseMode::step_dir ? word : finish_other(word);
+    }
+    std::uint32_t finish_other(std::uint32_t word);
   };
 
-  std::uint32_t word_of(int axis, std::uint32_t place) const;
+  std::uint32_t put_guarded(int axis, StepPhase& phase, bool back, bool stands,
+                            std::uint32_t ticks);
+  void put_guarded_tick(int axis, std::int32_t wanted);
+  std::uint32_t steps_of(int axis, std::uint32_t place) const;
+  std::uint32_t quiet_ticks(int axis) const;
 
   LatticeRings& rings_;
   std::uint64_t end_ = 0;
   PerAxis<Row> rows_{};
-  Row bits_;
+  Fill bits_;
   StepPosition steps_{};         ///< at end_
   PowerRing power_;              ///< begin() clears it
   std::uint32_t power_end_ = 0;  ///< first tick whose power has not been told, lower half

@@ -1,10 +1,11 @@
 // The programs of the state machines: steps, tick line, lattice bits, fire stage, time stamps.
 //
 // In:  words that the CPU writes ahead of time (DMA rings), pins.
-// Out: STEP, DIR, lattice bits, Q-switch; results of LAMP SYNC edges; times of edges.
+// Out: STEP, DIR (or CW and CCW, A and B), lattice bits, Q-switch; results of LAMP SYNC edges;
+// times of edges.
 //
-//   PIO0: AXIS x 3 (state machines 0..2), FIRE (3)              29 of 32 instructions
-//   PIO1: AXIS (0), BITS (1), TICK (2), STAMP (3)               32 of 32
+//   PIO0: AXIS x 3 (state machines 0..2), FIRE (3)              26 of 32 instructions
+//   PIO1: AXIS (0), BITS (1), TICK (2), STAMP (3)               29 of 32
 //
 // All clock counts are system clocks, the state machines run undivided. A level on a pad at clock 0
 // is seen by an instruction that executes at clock 3 (two flip-flops, datasheet 3.5.6.3, and the
@@ -17,6 +18,7 @@
 #include "firmware/boards/rp2040/pio/assembler.hpp"
 #include "firmware/machine/controller.hpp"
 #include "shared/boards/pico_pins.hpp"
+#include "shared/settings_table.hpp"
 
 namespace lamplock::rp2040::pio {
 
@@ -24,29 +26,29 @@ inline constexpr unsigned synchroniser_clocks = 3;
 inline constexpr unsigned pad_clocks = 1;
 inline constexpr unsigned tick_gpio = boards::gpio(boards::Role::tick_line);
 
-/// AXIS: per tick one bit DIR and one bit STEP, most significant first, autopull at 32 bits.
-/// OUT pin: DIR; SET pin: STEP. DIR of a tick is put out after STEP of the tick before has fallen,
-/// while the tick line is low: set-up is the low time of the line, about half a tick, and longer
-/// wherever the direction changes without a step. STEP is high as long as the tick line. Without
-/// data or without ticks it waits with STEP low.
+/// AXIS: per tick the levels of the two pins of the axis, the second one (DIR, CCW, B) first,
+/// autopull at 32 bits. OUT pins: both; SET pins: those that fall with the tick line, from the
+/// first one on, as many as its pulse mode says (fallen_pins()). So a pulse is as high as the tick
+/// line, DIR changes at the beginning of a tick, at least one before the step
+/// (stepper/reversal_guard.hpp), and levels in quadrature stay. Without data or without ticks it
+/// waits with pulses low.
 consteval Program make_axis() {
   Assembler a;
-  const Label low = a.label();
   a.wrap_target();
-  a.out(OutTo::pins, 1);
-  a.out(OutTo::x, 1);
-  a.wait(true, WaitFor::gpio, tick_gpio);
-  a.jump(Jump::x_zero, low);
-  a.set(SetTo::pins, 1);
-  a.bind(low);
+  a.wait(true, WaitFor::gpio, tick_gpio).delay(1);
+  a.out(OutTo::pins, 2);
   a.wait(false, WaitFor::gpio, tick_gpio);
   a.set(SetTo::pins, 0);
   a.wrap();
   return a.finish();
 }
 inline constexpr Program axis_program = make_axis();
-/// Tick line on its pad to STEP on its pad: synchroniser, wait, jump, set.
+/// Tick line on its pad to STEP on its pad: synchroniser, wait and its delay, out.
 inline constexpr unsigned step_latency_clocks = synchroniser_clocks + 2 + pad_clocks;
+/// SET count of AXIS: STEP alone, CW and CCW, neither of A and B.
+constexpr unsigned fallen_pins(settings::PulseMode mode) {
+  return mode == settings::PulseMode::step_dir ? 1 : mode == settings::PulseMode::cw_ccw ? 2 : 0;
+}
 
 /// BITS: per tick four lattice bits, most significant nibble first, autopull at 32 bits. They
 /// change on the same clock as STEP. They do not end by themselves: TICK does that.

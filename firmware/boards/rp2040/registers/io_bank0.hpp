@@ -38,6 +38,8 @@ inline constexpr std::uint32_t function_mask = 0x1f;
 /// OUTOVER = 2: the output is low whatever the peripheral says. One bit away from normal, so that
 /// the set and clear aliases switch it.
 inline constexpr std::uint32_t output_low = 2u << 8;
+/// OUTOVER = 1: the pad shows the opposite of what the peripheral says.
+inline constexpr std::uint32_t output_inverted = 1u << 8;
 /// OEOVER = 2: not driven. INOVER = 3: peripherals see a high level.
 inline constexpr std::uint32_t output_off = 2u << 12;
 inline constexpr std::uint32_t input_high = 3u << 16;

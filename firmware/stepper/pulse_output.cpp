@@ -1,0 +1,35 @@
+#include "firmware/stepper/pulse_output.hpp"
+
+namespace lamplock::stepper {
+namespace {
+
+using settings::Id;
+
+/// Whole ticks that last at least so long, the shortest ones too.
+std::uint8_t ticks_of_ns(std::int32_t ns) {
+  const auto least = static_cast<std::uint32_t>(ns);
+  return static_cast<std::uint8_t>((least + shortest_tick_ns - 1) / shortest_tick_ns);
+}
+static_assert(settings::range(Id::direction_setup).max_milli / shortest_tick_ns < 255);
+static_assert(settings::range(Id::direction_hold).max_milli / shortest_tick_ns < 255);
+// Rounded up this is one tick at least.
+static_assert(settings::range(Id::direction_setup).min_milli > 0);
+static_assert(settings::range(Id::direction_hold).min_milli > 0);
+
+}  // namespace
+
+PulseOutput pulse_output(const settings::Values& values) {
+  PulseOutput output;
+  for (int a = 0; a < max_axes; ++a) {
+    AxisPulses& axis = output.axis[index(a)];
+    axis.mode = static_cast<PulseMode>(values.whole(Id::pulse_mode_x, a));
+    axis.first_inverted = (values.whole(Id::step_invert) >> a & 1) != 0;
+    axis.second_inverted = (values.whole(Id::direction_invert) >> a & 1) != 0;
+  }
+  // Thousandths of a microsecond.
+  output.times.setup_ticks = ticks_of_ns(values.milli(Id::direction_setup));
+  output.times.hold_ticks = ticks_of_ns(values.milli(Id::direction_hold));
+  return output;
+}
+
+}  // namespace lamplock::stepper

@@ -1,0 +1,41 @@
+// A machine that turns at full speed, and a job in which it does: steps one way and back lie closer
+// together than drives like.
+//
+// Who: tests of pulse modes and reversals, on both boards.
+#pragma once
+
+#include <random>
+
+#include "host/job/job.hpp"
+
+namespace lamplock::test {
+
+/// Speeds may jump by more than the machine has; 1000 steps/mm, at most 400 000 steps/s.
+inline void let_speed_jump(job::Profile& profile) {
+  using settings::Id;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto set = [&](Id id, double value) {
+      job::state_setting(profile, settings::for_axis(id, axis), value, "test");
+    };
+    set(Id::steps_per_mm_x, 1000);
+    set(Id::max_rate_x, 24'000);
+    set(Id::speed_jump_x, 500);
+    set(Id::acceleration_x, 20'000);
+    set(Id::travel_x, 1000);
+    set(Id::min_corner_x, -500);
+  }
+}
+
+/// Back and forth between 150 points; with a lamp of 1 kHz some 100 steps a millisecond.
+inline job::Job turning_job(const job::Profile& profile, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<> width(0.02, 0.12);
+  points::PointCloud points{{0, 0, 0}};
+  for (int i = 0, way = 1; i < 150; ++i, way = -way)
+    points.push_back({way * width(random), way * width(random) / 2, way * width(random) / 10});
+  job::JobOptions options;
+  options.mode = motion::JoinMode::path;
+  return job::make_job(points, profile, options);
+}
+
+}  // namespace lamplock::test
