@@ -63,8 +63,8 @@ class TickGenerator {
   ///   put_still(axis, ticks)        and then set_step(axis, step) where the axis is behind
   ///   put_axis(axis, run, ticks)    the last one
   ///   put_bits(bits, ticks)
-  ///   put_power(power, ticks)       of a continuous laser; but for 0 never beyond a power cell:
-  ///                                 that of the last of these ticks
+  ///   put_power(power, ticks)       of a continuous laser; where it changes evenly no more than a
+  ///                                 power cell: that in the middle of these ticks
   template <class Board>
   void fill_axes(std::uint32_t ticks, Board& board);
 
@@ -131,6 +131,8 @@ class TickGenerator {
   void fill_bits(std::uint32_t ticks, Board& board);
   template <class Board>
   [[gnu::noinline]] void fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const;
+  template <class Board>
+  static void put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board);
   /// The lattice is in a segment with power.
   bool shines() const { return lattice_.left != 0 && power_axis_ >= 0; }
   /// What that begins with at a tick in it, lower half of its number.
@@ -224,11 +226,22 @@ template <class Board>
 void TickGenerator::fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const {
   if (!shines()) return board.put_power(0, ticks);
   while (ticks != 0) {
-    const std::uint32_t left = power_cell_ticks - tick % power_cell_ticks;
-    const std::uint32_t n = left < ticks ? left : ticks;
+    const PowerStretch stretch = power_stretch(tick);
+    const std::uint32_t n = stretch.ticks < ticks ? stretch.ticks : ticks;
+    put_stretch(stretch, n, board);
     tick += n;
     ticks -= n;
-    board.put_power(rounded_power(power_stretch(tick - 1).power_q16), n);
+  }
+}
+
+template <class Board>
+void TickGenerator::put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board) {
+  if (stretch.slope_q16 == 0) return board.put_power(rounded_power(stretch.power_q16), ticks);
+  while (ticks != 0) {
+    const std::uint32_t n = ticks < power_cell_ticks ? ticks : power_cell_ticks;
+    board.put_power(rounded_power(stretch.power_q16 + stretch.slope_q16 * (n / 2)), n);
+    stretch.power_q16 += stretch.slope_q16 * n;
+    ticks -= n;
   }
 }
 

@@ -2,12 +2,14 @@
 //
 // In:  runs of each axis, of the lattice bits and of the laser's power, as the core's fill_axes()
 //      tells them.
-// Out: words in the LatticeRings, a fixed number of ticks each; how far the rings are filled; the
-//      power of a tick.
-// Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked; power()
-//      by the beat interrupt (priority 1) too.
+// Out: words in the LatticeRings, a fixed number of ticks each; counts of LASER PWM; how far the
+//      rings are filled.
+// Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked.
 // Budget: per axis and run some 200 cycles and at most 7 a tick, 2 where steps are rare; about a
-//      quarter of a cycle a tick where it stands.
+//      quarter of a cycle a tick where it stands; for power 40 a call and half a cycle a tick.
+//
+// Power has one value a cell: that of the last tick up to its middle that shines, or else of the
+// first one behind.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +30,7 @@ constexpr std::uint32_t lattice_nibble(std::uint8_t bits) {
 /// Fills the rings.
 class StepExpander {
  public:
-  explicit StepExpander(LatticeRings& rings) : rings_(rings) {}
+  StepExpander(LatticeRings& rings, PowerRing& power) : rings_(rings), power_(power) {}
 
   /// Starts anew: the first word begins with tick `first`; up to the tick `filled`, from where on
   /// runs are told, everything stands.
@@ -42,12 +44,6 @@ class StepExpander {
   void set_step(int axis, std::int32_t step) { steps_[index(axis)] = step; }
   /// So many ticks have been told of every axis and of the bits.
   void end_runs(std::uint32_t ticks) { end_ += ticks; }
-
-  /// Power of a continuous laser in the cell of a tick, lower half of its number: that of the last
-  /// tick in it that shines; 0 if none does.
-  std::uint16_t power(std::uint32_t tick) const {
-    return power_[tick / stepper::power_cell_ticks % power_ring_cells];
-  }
 
   /// First tick that has not been told.
   std::uint64_t end_tick() const { return end_; }
@@ -75,9 +71,9 @@ class StepExpander {
   std::uint64_t end_ = 0;
   PerAxis<Row> rows_{};
   Row bits_;
-  StepPosition steps_{};         ///< at end_
-  PowerRing power_;              ///< begin() clears it
-  std::uint32_t power_end_ = 0;  ///< first tick whose power has not been told, lower half
+  StepPosition steps_{};  ///< at end_
+  PowerRing& power_;
+  std::uint32_t power_place_ = 0;  ///< as in a Row, with the counts written ahead
 };
 
 }  // namespace lamplock::rp2040
