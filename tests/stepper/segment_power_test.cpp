@@ -260,6 +260,38 @@ TEST(LaserGate, IsOpenInSegmentsThatShineAndNowhereElse) {
   }
 }
 
+/// A laser that is switched sooner or later than the axes are there: the same light, so many ticks
+/// before or behind, and none while the lattice stands.
+TEST(LaserGate, IsShiftedByTheLeadOfTheLaserAndDarkAtRest) {
+  std::mt19937_64 random(8);
+  for (int i = 0; i < test::scaled(40); ++i) {
+    Segments make(random());
+    std::vector<Lit> segments = program(make, 60, i % 2 == 0 ? 3000 : 60);
+    for (Lit& lit : segments) lit.segment.start_tick += 3000, lit.segment.end.tick += 3000;
+    const std::uint64_t end = segments.back().segment.end_tick() + 3000;
+    const auto lead = static_cast<std::int32_t>(make.below(2001)) - 1000;
+    const std::uint32_t axis_lead = i % 3 == 0 ? 0 : make.below(2000);
+    Machine blocks, axes;
+    for (Machine* machine : {&blocks, &axes}) {
+      machine->generator.set_leads({0, axis_lead, 0, 0}, lead);
+      ASSERT_EQ(machine->generator.lead(), std::max(static_cast<std::int32_t>(axis_lead), lead));
+    }
+    ASSERT_NO_FATAL_FAILURE(blocks.run_blocks(segments, end, 1 + make.below(20'000)));
+    ASSERT_NO_FATAL_FAILURE(axes.run_axes(segments, end, 1 + make.below(1000), random));
+    EXPECT_EQ(axes.board.bits, blocks.board.bits);
+    EXPECT_TRUE(axes.queue.released());
+    for (std::uint64_t t = 1000; t < end; ++t) {
+      const std::uint64_t read = t + static_cast<std::uint64_t>(std::int64_t{lead});
+      const Lit* lit = lit_at(segments, read);
+      const bool shines = lit != nullptr && lit->shines() && lit_at(segments, t) != nullptr;
+      ASSERT_EQ((blocks.board.bits[t] & gate_bit) != 0, shines) << "tick " << t << ", " << lead;
+      const double want =
+          shines ? lit->exact(static_cast<std::uint32_t>(read - lit->segment.start_tick)) : 0;
+      ASSERT_LE(std::fabs(blocks.board.power[t] - want), 1) << "tick " << t << ", " << lead;
+    }
+  }
+}
+
 /// Braking: what the drives still do of the old motion shines, nothing behind it does.
 TEST(LaserGate, ShutsWhereABrakeBegins) {
   std::mt19937_64 random(4);
