@@ -1,6 +1,9 @@
 // Raster engraving on the virtual board: 0.1 mm pixels in both directions at 300 mm/s and 2 m/s2.
 #include "tests/board/raster.hpp"
 
+#include <set>
+
+#include "host/file.hpp"
 #include "tests/board/program_host.hpp"
 
 namespace lamplock::test {
@@ -31,6 +34,35 @@ TEST(Raster, LightChangesAtTheEdgesOfPixels) {
 TEST(Raster, OfListsOfPowersIsTheSame) {
   for (int i = 0; i < scaled(4); ++i)
     expect_engraved(Raster(static_cast<std::uint64_t>(i + 20), 4, 200, 4), 0, true);
+}
+
+/// The pattern by which the lead is found: eight bars a row.
+TEST(Raster, TheExampleForTheLeadDrawsItsBars) {
+  Rig rig(raster_machine());
+  ProgramHost host(rig);
+  const std::string text = read_file(LAMPLOCK_ROOT "/examples/laser-lead.ngc");
+  ASSERT_TRUE(host.stream(text));
+  for (const std::string& answer : host.answers()) ASSERT_EQ(answer, "ok");
+  std::size_t rows = 0;
+  for (std::size_t at = 0; (at = text.find(":300", at)) != std::string::npos; ++rows)
+    at = text.find('\n', at);
+  EXPECT_EQ(rows, 24u);
+  EXPECT_EQ(rig.board.world().beam().openings(), 8 * rows);
+  // Those to the left shine where those to the right do.
+  std::set<long> begins, ends;
+  const auto& x = rig.monitor.steps(0);
+  bool shone = false;
+  for (const sim::BeamChange& change : rig.board.world().beam().changes()) {
+    if (change.shines() == shone) continue;
+    shone = change.shines();
+    const auto next = std::upper_bound(
+        x.begin(), x.end(), change.at,
+        [](sim::Picoseconds at, const PinMonitor::Step& step) { return at < step.at; });
+    const bool left = (next - 1)->position < (next - 2)->position;
+    (shone == left ? ends : begins).insert((next - 1)->position);
+  }
+  for (const long place : begins) EXPECT_EQ(place % 1000, 0) << place;
+  for (const long place : ends) EXPECT_EQ(place % 1000, 40) << place;
 }
 
 /// A laser that answers late, or one that is too soon for its drives.

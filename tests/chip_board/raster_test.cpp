@@ -38,5 +38,44 @@ TEST(ChipRaster, OfListsOfPowersWithALeadOfTheLaserIsTheSame) {
   expect_engraved(Raster(2, 2, scaled(200), 4), 180, true);
 }
 
+/// M4: over a ramp of 20 ms each period of LASER PWM has the power of the speed in it.
+TEST(ChipRaster, PowerInProportionFollowsTheSpeedInEachPeriod) {
+  constexpr double accel_mm_s2 = 20'000, feed_mm_s = 400;
+  constexpr Picoseconds period = 16 * ps_per_us;
+  job::Profile machine = raster_machine();
+  job::set_acceleration(machine, accel_mm_s2 / 1000);
+  ChipRig rig(machine);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  ProgramSender sender(rig.board);
+  sender.give(fmt::format("M4 S1000 F{}\nG1 X20\nM5\nM2\n", 60 * feed_mm_s));
+  const Picoseconds end = rig.now() + ps_per_s;
+  ASSERT_TRUE(sender.run_until_answered(end) && sender.run_until_idle(end));
+  const auto& x = rig.monitor.steps(0);
+  const sim::Beam& beam = rig.board.world().beam();
+  const auto light = beam.changes();
+  int changes = 0;
+  const Picoseconds ramp_end = x.front().at + 20 * ps_per_ms;
+  for (std::size_t i = 1; i < light.size() && light[i].at < ramp_end; ++i)
+    if (light[i].power > light[i - 1].power) ++changes;
+  EXPECT_GT(changes, 0.95 * 20 * ps_per_ms / period);
+  // Speed by forty steps is that in the middle of their time; the tick rounds both ends.
+  constexpr std::size_t steps = 40;
+  constexpr double mm = steps * 0.005;
+  double worst = 0;
+  for (std::size_t i = 40; i + steps < x.size() - 40; i += 7) {
+    const double seconds = static_cast<double>(x[i + steps].at - x[i].at) * 1e-12;
+    const Picoseconds middle = (x[i].at + x[i + steps].at) / 2;
+    const double speed = mm / seconds, tick = speed * 1e-6 / seconds;
+    // Where the ramp begins or ends inside, it is the mean of more than a period.
+    if (speed < 0.1 * feed_mm_s || std::abs(feed_mm_s - speed) < accel_mm_s2 * seconds) continue;
+    const double power = beam.at(middle).light() * feed_mm_s / 65'535;
+    worst = std::max(worst, std::abs(power - speed) - tick);
+  }
+  // One period of the ramp, and a count of the duty.
+  std::cout << changes << " changes, off by " << worst << " mm/s\n";
+  EXPECT_LE(worst, accel_mm_s2 * 16e-6 + feed_mm_s / 2000);
+  EXPECT_GT(worst, 0);
+}
+
 }  // namespace
 }  // namespace lamplock::test
