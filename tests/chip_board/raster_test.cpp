@@ -71,9 +71,9 @@ TEST(ChipRaster, PowerInProportionFollowsTheSpeedInEachPeriod) {
     const double power = beam.at(middle).light() * feed_mm_s / 65'535;
     worst = std::max(worst, std::abs(power - speed) - tick);
   }
-  // One period of the ramp, and a count of the duty.
+  // Half a period of the ramp, and a count of the duty.
   std::cout << changes << " changes, off by " << worst << " mm/s\n";
-  EXPECT_LE(worst, accel_mm_s2 * 16e-6 + feed_mm_s / 2000);
+  EXPECT_LE(worst, accel_mm_s2 * 8e-6 + feed_mm_s / 2000);
   EXPECT_GT(worst, 0);
 }
 
