@@ -324,6 +324,40 @@ TEST(LaserGate, ShutsWhereABrakeBegins) {
   }
 }
 
+/// The same with a lead of the laser: it is dark from where it reads the brake.
+TEST(LaserGate, ShutsWhereItReadsABrake) {
+  std::mt19937_64 random(9);
+  for (int i = 0; i < test::scaled(60); ++i) {
+    Segments make(random());
+    std::vector<Lit> segments = program(make, 40, 400);
+    for (Lit& lit : segments) lit.segment.start_tick += 3000, lit.segment.end.tick += 3000;
+    Machine machine;
+    const auto lead = static_cast<std::int32_t>(make.below(2001)) - 1000;
+    machine.generator.set_leads({0, i % 3 == 0 ? 0 : make.below(2000), 0, 0}, lead);
+    const std::uint64_t at =
+        make.below(static_cast<std::uint32_t>(segments.back().segment.end.tick));
+    ASSERT_NO_FATAL_FAILURE(i % 4 < 2 ? machine.run_blocks(segments, at, 333)
+                                      : machine.run_axes(segments, at, 333, random));
+    if (!machine.generator.running()) continue;
+    const std::uint64_t head = machine.generator.head();
+    Lit brake = make.next(head, 300, false);
+    machine.queue.clear();
+    machine.generator.replace(brake.segment);
+    machine.fed = segments.size();
+    const std::uint64_t rest = brake.segment.end.tick, end = rest + 3000;
+    ASSERT_NO_FATAL_FAILURE(i % 4 < 2 ? machine.run_blocks(segments, end, 333)
+                                      : machine.run_axes(segments, end, 333, random));
+    EXPECT_TRUE(machine.queue.released());
+    for (std::uint64_t t = 1000; t < end; ++t) {
+      const std::uint64_t read = t + static_cast<std::uint64_t>(std::int64_t{lead});
+      const Lit* lit = read < head ? lit_at(segments, read) : nullptr;
+      const bool moves = t < head ? lit_at(segments, t) != nullptr : t < rest;
+      const bool shines = lit != nullptr && lit->shines() && moves;
+      ASSERT_EQ((machine.board.bits[t] & gate_bit) != 0, shines) << "tick " << t << ", " << lead;
+    }
+  }
+}
+
 TEST(LaserGate, ShutsDeadAtAHalt) {
   std::mt19937_64 random(5);
   for (int i = 0; i < test::scaled(30); ++i) {
