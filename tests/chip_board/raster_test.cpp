@@ -8,9 +8,8 @@
 namespace lamplock::test {
 namespace {
 
-void expect_engraved(const Raster& raster, double lead_us, bool lists) {
-  ChipRig rig(raster_machine(lead_us));
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
+/// On a board that has been booted.
+void expect_engraved(ChipRig& rig, const Raster& raster, double lead_us, bool lists) {
   ProgramSender sender(rig.board);
   sender.give(raster.program(lists));
   const Picoseconds end = rig.now() + 10 * ps_per_s;
@@ -31,11 +30,33 @@ void expect_engraved(const Raster& raster, double lead_us, bool lists) {
 }
 
 TEST(ChipRaster, LightChangesAtTheEdgesOfPixels) {
-  expect_engraved(Raster(1, 2, scaled(200), 4), 0, false);
+  ChipRig rig(raster_machine());
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  expect_engraved(rig, Raster(1, 2, scaled(200), 4), 0, false);
 }
 
 TEST(ChipRaster, OfListsOfPowersWithALeadOfTheLaserIsTheSame) {
-  expect_engraved(Raster(2, 2, scaled(200), 4), 180, true);
+  ChipRig rig(raster_machine(180));
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  expect_engraved(rig, Raster(2, 2, scaled(200), 4), 180, true);
+}
+
+/// An e-stop in the light starts the lattice anew, at any tick, and LASER PWM with it.
+TEST(ChipRaster, IsInItsPlaceAfterAnEStop) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 3; ++i) {
+    ChipRig rig(raster_machine());
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    rig.type("G21 G90 G0 X-40\nM3 S700\nG1 X-35 F9000\n");
+    while (!rig.board.bus().level(sim::Pin::laser_gate)) rig.run(100 * ps_per_us);
+    rig.run(static_cast<Picoseconds>(random() % 20'000) * ps_per_us);
+    rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
+    rig.board.world().schedule(sim::Pin::estop, false, rig.now() + 5 * ps_per_ms);
+    rig.run(100 * ps_per_ms);
+    EXPECT_FALSE(rig.board.world().beam().shone(rig.now() - 90 * ps_per_ms, rig.now()));
+    ASSERT_THAT(rig.answer("$X"), testing::HasSubstr("ok"));
+    expect_engraved(rig, Raster(random(), 1, scaled(100), 4), 0, false);
+  }
 }
 
 /// M4: over a ramp of 20 ms each period of LASER PWM has the power of the speed in it.
