@@ -1,8 +1,9 @@
 // Pixels per second of the simulated chip, beside what others do: a row of grey pixels, each of
-// another power than its neighbours, streamed over USB by a sender that always has another line.
+// another power than its neighbours, or in runs of one to four alike as in line art, streamed over
+// USB by a sender that always has another line.
 // The rate is in the chip's own time at 125 MHz, so it is the same on every machine.
 //
-// A pixel is a line of its own, as senders for grbl write them, or one value in a list of powers
+// A run is a line of its own, as senders for grbl write them, or one value in a list of powers
 // (docs/gcode.md). Counters:
 //   pixels_per_s     over the middle of the row
 //   of_feed          of what the feed asks for: 1 = the board keeps up
@@ -11,6 +12,7 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <random>
 #include <string>
@@ -43,12 +45,16 @@ settings::Values machine() {
   return profile.settings;
 }
 
-std::string row(double pixel_mm, double feed_mm_s, bool lists) {
+std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_run) {
   std::mt19937 random(1);
   std::string text = fmt::format("M3 S0\nF{}\n", feed_mm_s * 60), list;
-  for (int i = 1; i <= row_pixels; ++i) {
-    const auto power = 2 * (random() % 500) + static_cast<unsigned>(i) % 2;
+  unsigned odd = 0;
+  for (int i = 0; i < row_pixels;) {
+    const int run = std::min(row_pixels - i, static_cast<int>(1 + random() % longest_run));
+    const auto power = 2 * (random() % 500) + (odd ^= 1);
     list += fmt::format("{}{}", list.empty() ? "S" : ":", power);
+    if (lists && run > 1) list += fmt::format("*{}", run);
+    i += run;
     if (lists && list.size() < longest_list && i != row_pixels) continue;
     text += fmt::format("G1X{:.2f}{}\n", pixel_mm * i, list);
     list.clear();
@@ -66,10 +72,11 @@ double share(const test::SleepWatch& core) {
   return awake / (awake + static_cast<double>(core.asleep()));
 }
 
-Rate measure(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, bool lists) {
+Rate measure(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, bool lists,
+             unsigned longest_run) {
   const sim::Picoseconds end = board.now() + 20 * sim::ps_per_s;
   test::ProgramSender sender(board);
-  sender.give(row(pixel_mm, feed_mm_s, lists));
+  sender.give(row(pixel_mm, feed_mm_s, lists, longest_run));
   const double row_steps = row_pixels * pixel_mm * 200;
   const auto x = [&board] { return board.world().drives().position()[0]; };
   const auto run_to = [&](double part) {
@@ -95,6 +102,7 @@ void chip_pixels(benchmark::State& state) {
   const double pixel_mm = static_cast<double>(state.range(0)) / 1000;
   const auto feed_mm_s = static_cast<double>(state.range(1));
   const bool lists = state.range(2) != 0;
+  const auto longest_run = static_cast<unsigned>(state.range(3));
   const sim::chip::Image image = sim::chip::load_image(LAMPLOCK_IMAGE);
   Rate rate;
   for (auto _ : state) {
@@ -103,7 +111,7 @@ void chip_pixels(benchmark::State& state) {
       state.SkipWithError("the host has not found the board");
       break;
     }
-    rate = measure(board, pixel_mm, feed_mm_s, lists);
+    rate = measure(board, pixel_mm, feed_mm_s, lists, longest_run);
     if (!rate.complete) state.SkipWithError("the row was not run to its end");
   }
   state.counters["pixels_per_s"] = rate.pixels_per_s;
@@ -114,9 +122,11 @@ void chip_pixels(benchmark::State& state) {
   state.counters["core1"] = rate.core1;
 }
 BENCHMARK(chip_pixels)
-    ->ArgNames({"pixel_um", "feed_mm_s", "lists"})
-    ->ArgsProduct({{100}, {300, 500, 700}, {0, 1}})
-    ->ArgsProduct({{50}, {200, 300}, {0, 1}})
+    ->ArgNames({"pixel_um", "feed_mm_s", "lists", "longest_run"})
+    ->ArgsProduct({{100}, {300, 500}, {0, 1}, {1}})
+    ->ArgsProduct({{50}, {200, 300}, {0, 1}, {1}})
+    ->ArgsProduct({{100}, {800}, {0, 1}, {4}})
+    ->ArgsProduct({{50}, {400, 500}, {0, 1}, {4}})
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
 
