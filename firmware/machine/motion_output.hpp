@@ -31,15 +31,18 @@ class MotionOutput {
     return !generator_.running() && segments_.empty() && segments_.released();
   }
 
-  /// Lags of the drives, from the settings; in force with the next set_leads().
+  /// Lags of the drives and the lead of the laser, from the settings; in force with the next
+  /// set_leads().
   void set_lags(const settings::Values& values);
-  /// How far each axis is ahead of the lattice, in ticks as they are now; at rest only. Masked.
+  /// How far each axis and the laser are ahead of the lattice, in ticks as they are now; at rest
+  /// only. Masked.
   void set_leads(lamp::BeatClock& clock);
 
  private:
   stepper::SegmentQueue segments_;
   stepper::TickGenerator generator_{segments_};
   PerAxis<std::uint32_t> lag_clocks_{};
+  std::int32_t laser_lead_clocks_ = 0;
 };
 
 }  // namespace lamplock::machine

@@ -19,14 +19,17 @@ bool LineChords::add(std::uint32_t line, const StepPosition& end, const LineShap
                      const LineLimits& limits, LineCap& cap) {
   way_ = way_ + shape.length;
   if (way_ < LineReal(window_)) return false;
-  const bool single = line == mark_line_;
+  // A line that is long enough is a chord by itself, and the short ones in front of it are none: a
+  // corner at its far end must not slow them down.
+  const bool alone = !(shape.length < LineReal(window_)), skips = alone && line != mark_line_;
+  const bool single = alone || line == mark_line_;
   const LineShape chord = single ? shape : make_shape(way_between(mark_, end), limits);
-  // Between two single lines the corner itself says all.
+  // Between two single lines that meet the corner itself says all.
   const bool compare =
-      !is_zero(before_.length) && !is_zero(chord.length) && !(single && before_single_);
+      !is_zero(before_.length) && !is_zero(chord.length) && !(single && before_single_ && !skips);
   if (compare) cap = {before_line_ + 1, line, curve_speed_2(before_, chord, bends_, limits)};
   before_ = chord;
-  before_line_ = mark_line_;
+  before_line_ = alone ? line : mark_line_;
   before_single_ = single;
   mark_ = end;
   mark_line_ = line + 1;

@@ -13,7 +13,9 @@
 // than 1.15 of its acceleration on circles of 1 to 10 mm (1.25 at 80 steps/mm), and a path of 0.1
 // mm lines that bends at a tenth of what the machine can do keeps its speed. The limit comes late,
 // when a joint may be under way already; then the machine brakes for it as well as it can. It
-// concerns curves and not hard corners.
+// concerns curves and not hard corners. A line as long as the window is a chord by itself: what
+// short lines in front of it were not a chord yet are left out, or the corner at its far end, a run
+// of a raster away, would be taken for a bend of theirs.
 #pragma once
 
 #include <cstdint>

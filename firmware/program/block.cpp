@@ -1,5 +1,7 @@
 #include "firmware/program/block.hpp"
 
+#include "firmware/program/power_list.hpp"
+
 namespace lamplock::program {
 namespace {
 
@@ -130,7 +132,27 @@ constexpr bool may_jog(const Code& code) {
     if (const Fault fault = reader.next(word)) return fault;
     if (word.letter == 0) return {};
     if (const Fault fault = add(word, axes, jog)) return fault;
+    if (word.letter != 'S') continue;
+    if (const char next = reader.peek(); next != ':' && next != '*') continue;
+    if (const Fault fault = add_powers(line, word, reader)) return fault;
   }
+}
+
+/// The S word was the first number of a list: the reader goes on behind that.
+Fault Block::add_powers(std::string_view line, const Word& word, WordReader& reader) {
+  line.remove_prefix(word.column);
+  PowerList list(line);
+  for (PowerRun run;; pieces_ += run.pieces, last_power_milli_ = run.speed_milli) {
+    if (const GcodeError error = list.next(run); error != GcodeError::none)
+      return {error, word.column};
+    if (run.pieces == 0) break;
+    if (pieces_ + run.pieces > PowerList::most_pieces)
+      return {GcodeError::out_of_range, word.column};
+  }
+  if (list.size() > PowerList::most_characters) return {GcodeError::line_too_long, word.column};
+  powers_ = {line.data(), list.size()};
+  reader.go_to(static_cast<std::uint16_t>(word.column + list.size()));
+  return {};
 }
 
 [[gnu::hot]] Fault Block::add(const Word& word, int axes, bool jog) {

@@ -75,6 +75,12 @@ class Block {
   /// Column of the first word that nobody has taken; 0 if there is none.
   std::uint16_t first_unused() const;
 
+  /// Pieces that the S word divides the move into, with a power each; 0 where it is one number.
+  std::uint32_t pieces() const { return pieces_; }
+  /// Their powers, for a PowerList, and the last one.
+  std::string_view powers() const { return powers_; }
+  std::uint32_t last_power_milli() const { return last_power_milli_; }
+
   static constexpr std::uint16_t no_code = 0xffff;
 
  private:
@@ -97,6 +103,7 @@ class Block {
   Fault add_g(const Word& word, bool jog);
   Fault add_m(const Word& word);
   Fault add_code(Group group, std::uint16_t code, AxisUse use, std::uint16_t column);
+  Fault add_powers(std::string_view line, const Word& word, WordReader& reader);
   Fault add_value(const Word& word, int axes, bool jog);
 
   static constexpr std::size_t groups = static_cast<std::size_t>(Group::count);
@@ -104,6 +111,8 @@ class Block {
   std::uint32_t words_ = 0, unused_ = 0;  ///< a bit for each slot
   std::uint32_t axes_ = 0;
   AxisUse axis_use_ = AxisUse::nobody;
+  std::uint32_t pieces_ = 0, last_power_milli_ = 0;
+  std::string_view powers_;
   std::array<std::uint16_t, groups> codes_;
   std::array<std::uint16_t, groups> columns_;
   std::array<Word, value_letters.size()> values_;  ///< where words_ has a bit

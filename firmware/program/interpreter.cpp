@@ -1,5 +1,6 @@
 #include "firmware/program/interpreter.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -35,6 +36,14 @@ Fault Interpreter::jog(std::string_view line) {
   change_parameters(statement.changes());
   if (plan_.has(Stage::curve)) begin_curve(statement);
   if (plan_.has(Stage::cycle)) cycle_.begin(statement.cycle());
+  if (plan_.pieces != 0) begin_pieces(statement.powers());
+}
+
+/// The line will be gone when its pieces are asked for.
+void Interpreter::begin_pieces(std::string_view powers) {
+  std::copy(powers.begin(), powers.end(), power_text_.begin());
+  powers_ = PowerList({power_text_.data(), powers.size()});
+  pieces_ = 0;
 }
 
 void Interpreter::begin_curve(const Statement& statement) {
@@ -135,7 +144,29 @@ bool Interpreter::give_dwell(Action& action) {
   return true;
 }
 
+/// The state behind the line before is still there, and with it where the line begins.
+[[gnu::hot]] bool Interpreter::give_piece(Action& action) {
+  PowerRun run;
+  powers_.next(run);  // which has been looked through
+  pieces_ += run.pieces;
+  fill_move(action, false);
+  action.speed_milli = run.speed_milli;
+  action.programmed_end = pieces_ >= plan_.pieces || run.pieces == 0;
+  action.target_e7 = state_->machine_e7;
+  if (action.programmed_end) {
+    done(Stage::move);
+    return true;
+  }
+  action.exact_stop = false;
+  for (std::size_t i = 0; i < action.target_e7.size(); ++i) {
+    const std::int64_t from = next_->machine_e7[i], way = action.target_e7[i] - from;
+    action.target_e7[i] = from + way * std::int64_t{pieces_} / std::int64_t{plan_.pieces};
+  }
+  return true;
+}
+
 [[gnu::hot]] bool Interpreter::give_move(Stage stage, Action& action) {
+  if (stage == Stage::move && plan_.pieces != 0) return give_piece(action);
   fill_move(action, stage != Stage::move || plan_.motion == Motion::rapid);
   if (stage == Stage::via)
     action.target_e7 = state_->modal.rotation.turned(plan_.points[0]);

@@ -21,6 +21,8 @@
 //     of the program: not spindle, coolant and beat lock, which stay off.
 //   * M1 pauses like M0. M2 and M30 are the same.
 //   * G92 and G43.1 are out of force after a reset; G92.3 brings the stored shift back.
+//   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last one
+//   stays.
 //   * Cycles: R, Z, Q and P stay until another cycle begins; A moves together with X and Y.
 //
 // Position: the interpreter knows where the program is, which the machine reaches later. After
@@ -36,6 +38,7 @@
 #include "firmware/program/cycles.hpp"
 #include "firmware/program/modal.hpp"
 #include "firmware/program/parameters.hpp"
+#include "firmware/program/power_list.hpp"
 #include "firmware/program/statement.hpp"
 #include "firmware/program/time_share.hpp"
 #include "firmware/program/words.hpp"
@@ -88,11 +91,13 @@ class Interpreter {
  private:
   void take_over(const Statement& statement);
   void begin_curve(const Statement& statement);
+  void begin_pieces(std::string_view powers);
   void change_parameters(const Changes& changes);
   void begin_action(Action& action, ActionKind kind) const;
   bool give(Stage stage, Action& action);
   bool give_dwell(Action& action);
   bool give_move(Stage stage, Action& action);
+  bool give_piece(Action& action);
   bool give_curve(Action& action);
   bool give_cycle(Action& action);
   bool give_stop(Action& action);
@@ -109,6 +114,9 @@ class Interpreter {
   Curve curve_;
   TimeShare share_;
   DrillCycle cycle_;
+  std::array<char, PowerList::most_characters> power_text_;  ///< of the pieces of a line
+  PowerList powers_;
+  std::uint32_t pieces_ = 0;  ///< given
   Parameters& parameters_;
   const Options& options_;
 };

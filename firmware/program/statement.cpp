@@ -28,7 +28,7 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
 }
 
 [[gnu::hot]] bool Statement::everything() {
-  return before_motion() && data() && motion() && stop() && rest();
+  return before_motion() && data() && motion() && pixels() && stop() && rest();
 }
 
 [[gnu::hot]] bool Statement::before_motion() {
@@ -174,9 +174,23 @@ bool Statement::inverse_time() {
 }
 
 [[gnu::hot]] bool Statement::speed() {
-  return !block_.has('S') ||
-         unsigned_value('S', scaled(block_.word('S'), 1, 3), GcodeError::speed_out_of_range,
-                        after_.modal.speed_milli);
+  if (!block_.has('S')) return true;
+  if (!unsigned_value('S', scaled(block_.word('S'), 1, 3), GcodeError::speed_out_of_range,
+                      after_.modal.speed_milli))
+    return false;
+  if (block_.pieces() != 0) after_.modal.speed_milli = block_.last_power_milli();
+  return true;
+}
+
+/// A list of powers is that of a laser along a line at a speed.
+[[gnu::hot]] bool Statement::pixels() {
+  if (block_.pieces() == 0) return true;
+  const Modal& modal = after_.modal;
+  if (!options_.laser || !plan_.has(Stage::move) || plan_.motion != Motion::line ||
+      modal.feed_mode != FeedMode::per_minute || modal.beat_lock != BeatLock::off)
+    return fail_at('S', GcodeError::words_unused);
+  plan_.pieces = block_.pieces();
+  return true;
 }
 
 [[gnu::hot]] bool Statement::tool() {

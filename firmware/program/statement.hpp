@@ -76,7 +76,8 @@ struct Plan {
   std::uint32_t feed_um_min = 0;
   std::uint32_t time_us = 0;  ///< of the motion, in G93
   std::uint32_t dwell_us = 0;
-  std::uint32_t turns = 0;  ///< P of an arc
+  std::uint32_t turns = 0;   ///< P of an arc
+  std::uint32_t pieces = 0;  ///< of a line of pixels; 0 where it is one
   Motion motion = Motion::rapid;
   std::uint16_t stop = 0;   ///< M code
   bool in_machine = false;  ///< the end of the move is in machine coordinates
@@ -90,7 +91,7 @@ struct Plan {
   void add(Stage stage) { stages |= 1u << static_cast<int>(stage); }
   /// Forgets everything but places.
   void clear() {
-    stages = line = feed_um_min = time_us = dwell_us = turns = 0;
+    stages = line = feed_um_min = time_us = dwell_us = turns = pieces = 0;
     motion = Motion::rapid;
     stop = 0;
     in_machine = exact_stop = jog = false;
@@ -136,6 +137,8 @@ class Statement {
   const Changes& changes() const { return changes_; }
   /// If the plan has a cycle.
   const CycleRequest& cycle() const { return cycle_; }
+  /// If the plan has pieces: their powers.
+  std::string_view powers() const { return block_.powers(); }
   /// M code of group `saving`, or Block::no_code.
   std::uint16_t saving() const { return block_.code(Group::saving); }
 
@@ -173,6 +176,7 @@ class Statement {
   bool motion();
   bool move();
   bool cut_move();
+  bool pixels();
   bool stop();
   bool rest();
   bool jog();

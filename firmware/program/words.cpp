@@ -105,6 +105,12 @@ void WordReader::skip_comment() {
   return 0;
 }
 
+[[gnu::hot]] bool WordReader::take(char c) {
+  if (peek() != c) return false;
+  ++place_;
+  return true;
+}
+
 [[gnu::hot]] bool WordReader::read_number(Word& word) {
   Digits digits;
   char c = peek();

@@ -62,9 +62,17 @@ class WordReader {
   /// The next word; letter 0 at the end. Errors: letter_expected, bad_number.
   Fault next(Word& word);
 
- private:
-  /// The next character that counts, 0 at the end; place_ is at it.
+  // What is no word (power_list.hpp).
+  /// The next character that counts, 0 at the end; place() is at it.
   char peek();
+  /// Takes a character if it is the next one.
+  bool take(char c);
+  /// A number without a letter; false if there is none.
+  bool number(Word& word) { return read_number(word); }
+  std::uint16_t place() const { return place_; }
+  void go_to(std::uint16_t place) { place_ = place; }
+
+ private:
   void skip_comment();
   bool read_number(Word& word);
 

@@ -20,6 +20,8 @@ std::uint32_t slope_q16(std::uint32_t from, std::uint32_t to, std::uint32_t tick
 
 }  // namespace
 
+bool moves(const Segment& segment) { return moving_axis(segment) != none; }
+
 int power_axis(const Segment& segment) { return segment.shines ? moving_axis(segment) : none; }
 
 PowerStretch power_from(const SegmentPower& power, const AxisProfile& phases, std::uint32_t at) {

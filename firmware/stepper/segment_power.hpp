@@ -29,6 +29,9 @@ struct PowerPoints {
 /// no power at all it stays as it is.
 void set_power(Segment& segment, const PowerPoints& power);
 
+/// Some axis moves.
+bool moves(const Segment& segment);
+
 /// The axis whose phases the power of a segment follows; none, below zero, if it does not shine.
 int power_axis(const Segment& segment);
 

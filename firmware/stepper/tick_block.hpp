@@ -23,9 +23,9 @@ enum LatticeBit : std::uint8_t {
   gate_bit = 4,     ///< a continuous laser may shine
 };
 
-/// The power of a continuous laser is told in cells of the lattice, from multiples of this tick on:
-/// a board that sets it ten thousand times a second needs no more. Its gate keeps every tick.
-inline constexpr std::uint32_t power_cell_ticks = 64;
+/// Where the power of a continuous laser changes evenly it is told in cells of so many ticks, less
+/// than a step at 60 thousand steps a second. Its gate keeps every tick.
+inline constexpr std::uint32_t power_cell_ticks = 16;
 
 /// One axis in a block. Rate is added before the step is taken: tick j adds rate + j * accel.
 struct AxisRun {

@@ -21,8 +21,10 @@ void TickGenerator::set_position(const StepPosition& steps) {
     runs_[index(a)].run.position_q64 = middle_of_step(steps[index(a)]);
 }
 
-void TickGenerator::set_leads(const PerAxis<std::uint32_t>& ticks) {
-  lead_ = 0;
+void TickGenerator::set_leads(const PerAxis<std::uint32_t>& ticks, std::int32_t laser_ticks) {
+  laser_.lead = laser_ticks > 0 ? static_cast<std::uint32_t>(laser_ticks) : 0;
+  laser_lag_ticks_ = laser_ticks < 0 ? static_cast<std::uint32_t>(-laser_ticks) : 0;
+  lead_ = laser_.lead;
   for (int a = 0; a < max_axes; ++a) {
     runs_[index(a)].at.lead = ticks[index(a)];
     if (ticks[index(a)] > lead_) lead_ = ticks[index(a)];
@@ -149,9 +151,13 @@ std::uint32_t TickGenerator::run_ticks(Run& r, int a, std::uint64_t tick,
   return r.left < n ? r.left : n;
 }
 
+void TickGenerator::enter_lattice() {
+  moves_ = moves(queue_.at(lattice_.segment));
+  open_window();
+}
+
 void TickGenerator::open_window() {
   const Segment& segment = queue_.at(lattice_.segment);
-  power_axis_ = static_cast<std::int8_t>(power_axis(segment));
   old_window_ = window_;
   window_ = Window{};
   if (!segment.has_shot()) return;
@@ -191,6 +197,7 @@ void TickGenerator::replace(const Segment& segment) {
       if (r.at.left != 0 && r.left > r.at.left) r.left = r.at.left;
     }
     shorten(lattice_, left_);
+    shorten(laser_, left_);
   }
   queue_.push(segment);
   queue_.begin_front();
@@ -208,6 +215,7 @@ void TickGenerator::halt() {
     leave(r.at);
   }
   leave(lattice_);
+  leave(laser_);
   queue_.release(queue_.begun());
 }
 
@@ -308,12 +316,16 @@ std::uint8_t TickGenerator::bits(std::uint64_t tick) const {
   return bits;
 }
 
+void TickGenerator::pass(Reader& reader, std::uint32_t ticks) {
+  if (reader.left == 0) return;
+  reader.left -= ticks;
+  if (reader.left == 0) ++reader.segment;
+}
+
 /// The lattice bits have come to `tick`, over the last n ticks.
 void TickGenerator::advance_bits(std::uint64_t tick, std::uint32_t ticks) {
-  if (lattice_.left != 0) {
-    lattice_.left -= ticks;
-    if (lattice_.left == 0) ++lattice_.segment;
-  }
+  pass(lattice_, ticks);
+  pass(laser_, ticks);
   if (trigger_.period_ticks == 0) return;
   if (trigger_on_ < tick) last_trigger_ = trigger_on_;
   while (trigger_on_ + trigger_.width_ticks <= tick) trigger_on_ += trigger_.period_ticks;
@@ -322,7 +334,9 @@ void TickGenerator::advance_bits(std::uint64_t tick, std::uint32_t ticks) {
 void TickGenerator::release() {
   // The end of the segment at the head is asked for until the next one begins.
   const bool at_end = running_ && lattice_.segment == queue_.begun();
-  queue_.release(lattice_.segment - (at_end ? 1 : 0));
+  const std::uint32_t passed = lattice_.segment - (at_end ? 1 : 0);
+  const bool behind = static_cast<std::int32_t>(laser_.segment - passed) < 0;
+  queue_.release(behind ? laser_.segment : passed);
 }
 
 void TickGenerator::advance(std::uint32_t ticks) {
@@ -341,14 +355,25 @@ std::uint32_t TickGenerator::limit_by_motion(std::uint32_t ticks) {
   if (!running_ && !queue_.empty()) ticks = limit_to(queue_.front().start_tick, head(), ticks);
   for (int a = 0; a < max_axes; ++a)
     ticks = run_ticks(runs_[index(a)], a, tick_ + runs_[index(a)].at.lead, ticks);
-  if (lattice_.left == 0 && enter(lattice_, tick_)) open_window();
-  return limit_by(lattice_, tick_, ticks);
+  if (lattice_.left == 0 && enter(lattice_, tick_)) enter_lattice();
+  return limit_by_laser(tick_, limit_by(lattice_, tick_, ticks));
+}
+
+/// The laser goes into the segment that begins for it at `tick` of the lattice: how many of these
+/// ticks it stays in what it is in.
+std::uint32_t TickGenerator::limit_by_laser(std::uint64_t tick, std::uint32_t ticks) {
+  if (tick < laser_lag_ticks_) return limit_to(laser_lag_ticks_, tick, ticks);
+  const std::uint64_t at = tick + laser_.lead - laser_lag_ticks_;
+  if (laser_.left == 0 && enter(laser_, at))
+    power_axis_ = static_cast<std::int8_t>(power_axis(queue_.at(laser_.segment)));
+  return limit_by(laser_, at, ticks);
 }
 
 PowerStretch TickGenerator::power_stretch(std::uint32_t tick) const {
-  const Segment& s = queue_.at(lattice_.segment);
+  const Segment& s = queue_.at(laser_.segment);
+  const std::uint32_t at = tick + laser_.lead - laser_lag_ticks_;
   return power_from(s.power, s.axis[index(power_axis_)],
-                    tick - static_cast<std::uint32_t>(s.start_tick));
+                    at - static_cast<std::uint32_t>(s.start_tick));
 }
 
 /// Up to where the power begins to change in another way.

@@ -19,6 +19,10 @@
 // releases them; in between they stay in the queue. Planning and braking deal with the head, the
 // tick up to which the longest lead has read: where that axis is, all will be.
 //
+// A continuous laser is a reader, too: one that answers late has a lead, one that is sooner than
+// the beam is where the axes are has a lag, and then it releases the segments. It is dark where the
+// lattice stands, whatever it reads.
+//
 //   ticks:   released | read by axes with a lead ... | may be replanned
 //                     tick()                         head() = tick() + longest lead
 #pragma once
@@ -43,8 +47,9 @@ class TickGenerator {
  public:
   [[gnu::cold]] explicit TickGenerator(SegmentQueue& queue);
 
-  /// How many ticks each axis is ahead of the lattice; only while nothing moves at all.
-  [[gnu::cold]] void set_leads(const PerAxis<std::uint32_t>& ticks);
+  /// How many ticks each axis is ahead of the lattice, and the laser, or behind it; only while
+  /// nothing moves at all.
+  [[gnu::cold]] void set_leads(const PerAxis<std::uint32_t>& ticks, std::int32_t laser_ticks = 0);
 
   /// How the arm window is shifted: the shot is decided `ticks` before it is fired.
   void set_arm_lead(std::uint32_t ticks) { arm_lead_ticks_ = ticks; }
@@ -63,8 +68,8 @@ class TickGenerator {
   ///   put_still(axis, ticks)        and then set_step(axis, step) where the axis is behind
   ///   put_axis(axis, run, ticks)    the last one
   ///   put_bits(bits, ticks)
-  ///   put_power(power, ticks)       of a continuous laser; but for 0 never beyond a power cell:
-  ///                                 that of the last of these ticks
+  ///   put_power(power, ticks)       of a continuous laser; where it changes evenly no more than a
+  ///                                 power cell: that in the middle of these ticks
   template <class Board>
   void fill_axes(std::uint32_t ticks, Board& board);
 
@@ -131,9 +136,13 @@ class TickGenerator {
   void fill_bits(std::uint32_t ticks, Board& board);
   template <class Board>
   [[gnu::noinline]] void fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const;
-  /// The lattice is in a segment with power.
-  bool shines() const { return lattice_.left != 0 && power_axis_ >= 0; }
-  /// What that begins with at a tick in it, lower half of its number.
+  template <class Board>
+  static void put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board);
+  /// The laser is in a segment with power, and the lattice in one that moves.
+  bool shines() const {
+    return laser_.left != 0 && power_axis_ >= 0 && lattice_.left != 0 && moves_;
+  }
+  /// What that begins with at a tick of the lattice, lower half of its number.
   PowerStretch power_stretch(std::uint32_t tick) const;
   std::uint32_t run_ticks(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
   bool enter(Reader& reader, std::uint64_t tick) const;
@@ -146,13 +155,16 @@ class TickGenerator {
   [[gnu::cold]] void run_to_head(Run& run, int axis) const;
   [[gnu::cold]] bool shorten(Reader& reader, std::uint32_t ticks) const;
   static void stand(Run& run);
+  void enter_lattice();
   void open_window();
+  static void pass(Reader& reader, std::uint32_t ticks);
   void cut_windows();
   static std::uint32_t limit_to(std::uint64_t change, std::uint64_t tick, std::uint32_t ticks);
   std::uint32_t limit_by(const Reader& reader, std::uint64_t tick, std::uint32_t ticks) const;
   std::uint32_t wait(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
   std::uint32_t limit_by_motion(std::uint32_t ticks);
   std::uint32_t limit_by_bits(std::uint64_t tick, std::uint32_t ticks) const;
+  std::uint32_t limit_by_laser(std::uint64_t tick, std::uint32_t ticks);
   std::uint32_t limit_by_power(std::uint32_t ticks) const;
   std::uint8_t bits(std::uint64_t tick) const;
   void advance(std::uint32_t ticks);
@@ -164,10 +176,13 @@ class TickGenerator {
   std::uint32_t lead_ = 0;  ///< of the axis with the longest
   bool running_ = false;
   bool underrun_ = false;
-  std::int8_t power_axis_ = -1;  ///< of the segment that the lattice is in
+  bool moves_ = false;           ///< the segment that the lattice is in
+  std::int8_t power_axis_ = -1;  ///< of the one that the laser is in
   std::uint32_t left_ = 0;       ///< ticks left in the segment at the head
   PerAxis<Run> runs_{};
   Reader lattice_;  ///< bits have no lead
+  Reader laser_;
+  std::uint32_t laser_lag_ticks_ = 0;  ///< or a lead
   Window window_, old_window_;
   std::uint64_t cut_tick_ = 0;  ///< where the last brake began: no window from before goes on there
   std::uint32_t arm_lead_ticks_ = 0;
@@ -210,8 +225,9 @@ void TickGenerator::fill_axis(int a, std::uint32_t ticks, Board& board) {
 template <class Board>
 void TickGenerator::fill_bits(std::uint32_t ticks, Board& board) {
   for (std::uint64_t tick = tick_; ticks != 0;) {
-    if (lattice_.left == 0 && enter(lattice_, tick)) open_window();
-    const std::uint32_t n = limit_by_bits(tick, limit_by(lattice_, tick, ticks));
+    if (lattice_.left == 0 && enter(lattice_, tick)) enter_lattice();
+    const std::uint32_t n =
+        limit_by_bits(tick, limit_by_laser(tick, limit_by(lattice_, tick, ticks)));
     board.put_bits(bits(tick), n);
     fill_power(static_cast<std::uint32_t>(tick), n, board);
     tick += n;
@@ -224,11 +240,22 @@ template <class Board>
 void TickGenerator::fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const {
   if (!shines()) return board.put_power(0, ticks);
   while (ticks != 0) {
-    const std::uint32_t left = power_cell_ticks - tick % power_cell_ticks;
-    const std::uint32_t n = left < ticks ? left : ticks;
+    const PowerStretch stretch = power_stretch(tick);
+    const std::uint32_t n = stretch.ticks < ticks ? stretch.ticks : ticks;
+    put_stretch(stretch, n, board);
     tick += n;
     ticks -= n;
-    board.put_power(rounded_power(power_stretch(tick - 1).power_q16), n);
+  }
+}
+
+template <class Board>
+void TickGenerator::put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board) {
+  if (stretch.slope_q16 == 0) return board.put_power(rounded_power(stretch.power_q16), ticks);
+  while (ticks != 0) {
+    const std::uint32_t n = ticks < power_cell_ticks ? ticks : power_cell_ticks;
+    board.put_power(rounded_power(stretch.power_q16 + stretch.slope_q16 * (n / 2)), n);
+    stretch.power_q16 += stretch.slope_q16 * n;
+    ticks -= n;
   }
 }
 

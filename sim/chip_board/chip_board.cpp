@@ -71,8 +71,8 @@ constexpr std::array input_wires{
     Wire{Role::photosensor_3, Pin::photosensor_3, false},
     Wire{Role::photosensor_4, Pin::photosensor_4, false},
 };
-/// A pin that keeps its level longer than this is no pulse-width modulation.
-constexpr Picoseconds longest_pwm_period = 100 * ps_per_us;
+/// Of LASER PWM: 62.5 kHz.
+constexpr Picoseconds pwm_period = 16 * ps_per_us;
 constexpr std::array chained_limits{Pin::limit_x, Pin::limit_y, Pin::limit_z, Pin::limit_a};
 
 }  // namespace
@@ -151,51 +151,39 @@ void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   if (world_->next_event() != before) plan();
 }
 
+/// A rise is the begin of a period: what is high before it falls are whole ones at full power and a
+/// part of one, whose period counts whole.
 void ChipBoard::measure_pwm(bool level, Picoseconds at) {
   settle_pwm(at);
   pwm_.level = level;
-  if (!level) {
-    pwm_.fell = at;
+  if (level) {
+    pwm_.rose = at;
     return;
   }
-  const Picoseconds period = at - pwm_.rose;
-  if (period <= longest_pwm_period) {
-    pwm_.period = period;
-    pwm_.duty = static_cast<std::uint16_t>((pwm_.fell - pwm_.rose) * 65'535 / period);
-    bus_.set_power(pwm_.duty, pwm_.rose);
-  } else {
-    put_pulse();
-  }
-  pwm_.rose = at;
+  const Picoseconds high = at - pwm_.rose, whole = high / pwm_period;
+  pwm_.ends = pwm_.rose + whole * pwm_period;
+  if (high == whole * pwm_period) return put_power(0, at);
+  put_power(static_cast<std::uint16_t>(high % pwm_period * 65'535 / pwm_period), pwm_.ends);
+  pwm_.ends += pwm_period;
 }
 
-/// Low for long, or high: the level is the power, from where a period did not end in time.
+/// What is known without another edge: full power, and none behind the last period.
 void ChipBoard::settle_pwm(Picoseconds at) {
-  const Picoseconds since = std::max(pwm_.rose, pwm_.fell);
-  if (at - since <= longest_pwm_period) return;
-  if (pwm_.level) return bus_.set_power(65'535, pwm_.rose);
-  put_pulse();
-  pwm_.rose = pwm_.fell;
-}
-
-/// The last pulse, which no period ends: one as long as the period before, or, if it was longer
-/// than that, all power for its own time. Nothing if it has been put out.
-void ChipBoard::put_pulse() {
-  const Picoseconds high = pwm_.fell - pwm_.rose;
-  if (high <= 0) return;
-  if (high < pwm_.period) {
-    bus_.set_power(static_cast<std::uint16_t>(high * 65'535 / pwm_.period), pwm_.rose);
-    bus_.set_power(0, pwm_.rose + pwm_.period);
-  } else {
-    bus_.set_power(65'535, pwm_.rose);
-    bus_.set_power(0, pwm_.fell);
+  if (pwm_.level) {
+    if (at - pwm_.rose >= pwm_period) put_power(65'535, pwm_.rose);
+  } else if (at > pwm_.ends) {
+    put_power(0, pwm_.ends);
   }
 }
 
-std::uint16_t ChipBoard::attenuator(Picoseconds at) const {
-  const Picoseconds since = at - std::max(pwm_.rose, pwm_.fell);
-  if (since <= longest_pwm_period) return pwm_.duty;
-  return pwm_.level ? 65'535 : 0;
+void ChipBoard::put_power(std::uint16_t power, Picoseconds at) {
+  pwm_.power = power;
+  bus_.set_power(power, at);
+}
+
+std::uint16_t ChipBoard::attenuator(Picoseconds at) {
+  settle_pwm(at);
+  return pwm_.power;
 }
 
 void ChipBoard::plan() {

@@ -77,9 +77,9 @@ class ChipBoard final : public Board,
   void connect_pads(const settings::Values& stored, const DriveConfig& drives);
   void drive(Pin pin, bool level);
   void measure_pwm(bool level, Picoseconds at);
-  std::uint16_t attenuator(Picoseconds at) const;
+  std::uint16_t attenuator(Picoseconds at);
   void settle_pwm(Picoseconds at);
-  void put_pulse();
+  void put_power(std::uint16_t power, Picoseconds at);
 
   PinBus bus_;
   std::unique_ptr<World> world_;
@@ -93,12 +93,12 @@ class ChipBoard final : public Board,
     bool pulled_up = false;  ///< outside: high while the board does not drive it
   };
   std::array<std::optional<Pad>, chip::gpio_count> outputs_{};
-  /// The filter behind LASER PWM: its last whole period.
+  /// The filter behind LASER PWM.
   struct Pwm {
     bool level = false;
-    Picoseconds rose = 0, fell = 0;
-    std::uint16_t duty = 0;  ///< 65535 = all of it
-    Picoseconds period = 0;
+    Picoseconds rose = 0;
+    Picoseconds ends = 0;     ///< the period that it fell in
+    std::uint16_t power = 0;  ///< told last
   };
   Pwm pwm_;
   std::vector<LatticeShot> lattice_shots_;  ///< stays empty: pins do not tell lattice ticks

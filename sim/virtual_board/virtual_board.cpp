@@ -300,13 +300,17 @@ void VirtualBoard::play_block(const stepper::TickBlock& block, std::uint64_t to_
 /// Up to a tick of the block.
 void VirtualBoard::play_power(const stepper::TickBlock& block, std::uint64_t to_tick) {
   if ((block.bits & stepper::gate_bit) == 0) return;
+  // In cells from where its change begins on, as fill_axes() tells it.
   constexpr std::uint64_t cell = stepper::power_cell_ticks;
   const std::uint64_t end = block.first_tick + block.ticks;
-  for (std::uint64_t tick = played_; tick < to_tick; tick = (tick / cell + 1) * cell) {
-    if (tick != block.first_tick && tick % cell != 0) continue;
-    const std::uint64_t last = std::min((tick / cell + 1) * cell, end) - 1;
-    power_ = block.power(static_cast<std::uint32_t>(last - block.first_tick));
-    put_power(ticks_.time_of(tick));
+  for (std::uint64_t tick = played_; tick < to_tick;) {
+    const std::uint64_t into = (tick - block.first_tick) % cell;
+    if (into == 0) {
+      const std::uint64_t middle = tick + std::min(cell, end - tick) / 2;
+      power_ = block.power(static_cast<std::uint32_t>(middle - block.first_tick));
+      put_power(ticks_.time_of(tick));
+    }
+    tick += cell - into;
   }
 }
 

@@ -182,7 +182,8 @@ TEST(StepExpander, StepsAtTheTicksOfTheClosedFormBehindTheGuard) {
   std::size_t late = 0;
   for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(test::scaled(60)); ++seed) {
     auto rings = std::make_unique<LatticeRings>();
-    StepExpander expander(*rings);
+    auto power = std::make_unique<PowerRing>();
+    StepExpander expander(*rings, *power);
     Blocks blocks(seed);
     std::mt19937_64 random(seed);
     const stepper::PulseOutput output = random_output(random);
@@ -225,7 +226,8 @@ TEST(StepExpander, KnowsWhereTheAxesStandAtAnyTickStillInTheRings) {
   std::mt19937_64 random(5);
   for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(test::scaled(30)); ++seed) {
     auto rings = std::make_unique<LatticeRings>();
-    StepExpander expander(*rings);
+    auto power = std::make_unique<PowerRing>();
+    StepExpander expander(*rings, *power);
     Blocks blocks(seed);
     const stepper::PulseOutput output = random_output(random);
     // Where the random blocks begin.
@@ -279,9 +281,10 @@ TEST(StepExpander, GoesOnWithTheLevelsOfThePins) {
 
 TEST(StepExpander, StandsUntilTheFirstRunAfterARestart) {
   auto rings = std::make_unique<LatticeRings>();
+  auto power = std::make_unique<PowerRing>();
   for (auto& ring : rings->steps) ring.fill(~0u);
   rings->bits.fill(~0u);
-  StepExpander expander(*rings);
+  StepExpander expander(*rings, *power);
   expander.begin(1000, 1037, {1, 2, 3, 4});
   EXPECT_EQ(expander.end_tick(), 1037u);
   EXPECT_EQ(expander.steps_at(1000), (StepPosition{1, 2, 3, 4}));
@@ -292,7 +295,8 @@ TEST(StepExpander, StandsUntilTheFirstRunAfterARestart) {
 
 TEST(StepExpander, HasNoRoomForTicksNotYetPutOut) {
   auto rings = std::make_unique<LatticeRings>();
-  StepExpander expander(*rings);
+  auto power = std::make_unique<PowerRing>();
+  StepExpander expander(*rings, *power);
   expander.begin(0, 0, {});
   ASSERT_LT(expander.room(0), ring_ticks);
   expander.end_runs(expander.room(0));
@@ -308,35 +312,42 @@ TEST(StepExpander, PutsEachLatticeBitOnItsPin) {
   EXPECT_EQ(lattice_nibble(stepper::trigger_bit | stepper::gate_bit | stepper::arm_bit), 7u);
 }
 
-/// A cell keeps what shines in it last; darkness takes nothing from a cell that has begun.
-TEST(StepExpander, KeepsThePowerOfEveryCell) {
+/// Written ahead so that it is in force in the ticks of its cell (laser_pwm.hpp).
+TEST(StepExpander, CountsThePowerInTheMiddleOfEveryCell) {
   constexpr std::uint32_t cell = stepper::power_cell_ticks;
   std::mt19937_64 random(7);
   for (int i = 0; i < test::scaled(60); ++i) {
     auto rings = std::make_unique<LatticeRings>();
-    StepExpander expander(*rings);
-    // Over the end of 32 bits, too.
+    auto power = std::make_unique<PowerRing>();
+    power->counts.fill(77);
+    StepExpander expander(*rings, *power);
+    // Over the end of 32 bits, too. Cells begin with the first tick, whatever its number.
     const std::uint64_t first = (1ull << 32) - 20'000 + random() % 20'000;
-    expander.begin(first, first + 40, {});
-    std::uint64_t tick = first + 40;
-    std::vector<std::uint16_t> want((first + 60'000) / cell + 2 - first / cell, 0);
-    while (tick < first + 30'000) {
-      const bool dark = random() % 3 == 0;
-      const auto most = static_cast<std::uint32_t>(dark ? 500 : cell - tick % cell);
+    const std::uint32_t still = static_cast<std::uint32_t>(random() % 40);
+    expander.begin(first, first + still, {});
+    std::vector<std::uint16_t> told(still, 0);
+    while (told.size() < 30'000) {
+      const unsigned most = random() % 4 == 0 ? 500 : random() % 2 == 0 ? 40 : 5;
       const auto n = static_cast<std::uint32_t>(1 + random() % most);
-      const auto power = static_cast<std::uint16_t>(dark ? 0 : 1 + random() % 65'535);
-      expander.put_power(power, n);
-      if (!dark) want[tick / cell - first / cell] = power;
-      tick += n;
+      const auto p = static_cast<std::uint16_t>(random() % 3 == 0 ? 0 : 200 + random() % 65'000);
+      expander.put_power(p, n);
+      told.insert(told.end(), n, p);
       // As far back as the ring reaches.
-      const std::uint64_t oldest = tick - first > 3000 ? tick - 3000 : first;
-      for (std::uint64_t t = oldest; t < tick; t += 1 + random() % cell)
-        ASSERT_EQ(expander.power(static_cast<std::uint32_t>(t)), want[t / cell - first / cell])
-            << t;
+      const std::size_t whole = told.size() / cell;
+      for (std::size_t c = whole > 200 ? whole - 200 : 0; c < whole; c += 1 + random() % 3) {
+        // The last one up to the middle, or else the first one behind it.
+        std::uint32_t want = 0;
+        for (std::uint32_t t = 0; t < cell; ++t) {
+          const std::uint16_t shone = told[c * cell + t];
+          if (shone != 0 && (t <= cell / 2 || want == 0)) want = shone;
+        }
+        ASSERT_EQ(power->counts[(c + power_ahead_cells) % power_ring_cells],
+                  laser_duty(static_cast<std::uint16_t>(want)))
+            << "cell " << c;
+      }
     }
-    expander.begin(tick, tick, {});
-    for (std::uint64_t t = tick; t < tick + ring_ticks; t += cell)
-      ASSERT_EQ(expander.power(static_cast<std::uint32_t>(t)), 0);
+    expander.begin(first, first, {});
+    for (const std::uint16_t count : power->counts) ASSERT_EQ(count, 0);
   }
 }
 

@@ -148,9 +148,8 @@ TEST(ProgramTicks, AndLightAreThoseOfTheVirtualBoard) {
     ours.trace.cut(ours.trace.first_step() + static_cast<Picoseconds>(program.seconds * 1e12));
   expect_same_answers(ours.answers, theirs.answers);
   const TraceComparison steps(ours.trace, theirs.trace, ours.ended);
-  // From a tick of the virtual board's to the end of the PWM period that follows the chip's next
-  // beat interrupt.
-  constexpr Picoseconds raster = 200 * ps_per_us;
+  // A cell has the power in its middle.
+  constexpr Picoseconds raster = 9 * ps_per_us;
   const LightComparison light(ours.trace, theirs.trace, steps, raster);
   print(steps, light);
   EXPECT_EQ(steps.difference(), "");
@@ -158,9 +157,8 @@ TEST(ProgramTicks, AndLightAreThoseOfTheVirtualBoard) {
   EXPECT_EQ(steps.largest_step_error(), 0);
   EXPECT_LE(steps.stretches().size() - 1, program.dwells);
   EXPECT_EQ(steps.largest_gate_error(), 0);
-  // A duty has 4096 counts, and of the 64 ticks of a cell one says its power: where power turns
-  // round the boards may take another one.
-  EXPECT_LE(light.largest_error(), 64);
+  // A duty has 2000 counts.
+  EXPECT_LE(light.largest_error(), 66);
   EXPECT_NEAR(light.other_energy(), light.energy(), 0.005 * light.energy());
   expect_no_violations(rig);
 }

@@ -124,10 +124,16 @@ class LineReference {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       way += lines_[i].length;
       if (way < window * (1 - 1e-9)) continue;
+      // One that is long enough is a chord by itself.
+      const bool skips = first != i && lines_[i].length >= window * (1 - 1e-9);
+      if (skips) {
+        first = i;
+        mark = lines_[i].start;
+      }
       LineVector chord{};
       for (std::size_t a = 0; a < axes(); ++a) chord[a] = lines_[i].end[a] - mark[a];
       const std::size_t count = i + 1 - first;
-      if (norm(before) != 0 && norm(chord) != 0 && count + before_lines > 2) {
+      if (norm(before) != 0 && norm(chord) != 0 && (skips || count + before_lines > 2)) {
         const double v_2 = turn_2(before, chord, false, gentle);
         for (std::size_t k = before_first + 1; k <= i; ++k)
           lines_[k].entry_2 = std::min(lines_[k].entry_2, v_2);

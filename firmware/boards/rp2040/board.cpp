@@ -14,6 +14,7 @@ namespace {
 
 /// At the end of memory, where alignment leaves no gaps (toolchain/arm/rp2040.ld).
 [[gnu::section(".bss.rings.stamps")]] StampRing stamp_ring;
+[[gnu::section(".bss.rings.power")]] PowerRing power_ring;
 [[gnu::section(".bss.rings.lattice")]] LatticeRings lattice_rings;
 [[gnu::section(".bss.rings.ticks")]] TickRing tick_ring;
 
@@ -228,5 +229,5 @@ void second_core() { lamplock::rp2040::board().plan_for_ever(); }
 int main() {
   using namespace lamplock::rp2040;
   release_reset(used_blocks);
-  (new (board_memory) Board({tick_ring, lattice_rings, stamp_ring}))->run();
+  (new (board_memory) Board({tick_ring, lattice_rings, power_ring, stamp_ring}))->run();
 }

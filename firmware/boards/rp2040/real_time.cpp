@@ -20,9 +20,6 @@ constexpr std::uint32_t beat_period_us = 100;
 /// interrupt follows at once.
 constexpr std::uint32_t most_spans = 1;
 constexpr std::uint32_t all_spans = ~0u;
-/// A power is put out for the ticks to come up to the next beat interrupt, and is that at the end
-/// of its cell: with so many ticks on top of the present one it is right in their middle.
-constexpr std::uint32_t power_lead_ticks = beat_period_us / 2 - stepper::power_cell_ticks / 2;
 /// From the decision to start the lattice to its first tick: filling the rings takes longer than
 /// anything else.
 constexpr std::uint64_t start_margin_clocks = 2000 * clocks_per_us;
@@ -127,7 +124,7 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
   stamps_.begin(go_clock);
   lattice_.prepare(high);
   Estop::release_trigger();
-  go(start_us_ + begin_us);
+  go(start_us_ + begin_us, static_cast<std::uint32_t>(clock - go_clock));
   fire_.restart();
   set_bits(pio0().irq0_inte, pio_intr::rx_not_empty(fire_machine.number));
   set_bits(timer().inte, 1u << beat_alarm);
@@ -135,7 +132,9 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
   set_alarm(least_wait_us);
 }
 
-void RealTime::go(std::uint64_t at_us) {
+void RealTime::go(std::uint64_t at_us, std::uint32_t first_tick_clocks) {
+  const std::uint32_t count =
+      (laser_pwm_counts - first_tick_clocks % laser_pwm_counts) % laser_pwm_counts;
   while (microseconds() + 1 < at_us) {
   }
   // Half of the last microsecond passes unmasked: 15 turns of some 4 cycles.
@@ -145,6 +144,7 @@ void RealTime::go(std::uint64_t at_us) {
   while (static_cast<std::int32_t>(timer().timerawl - at) < 0) {
   }
   lattice_.go();
+  BeamOutput::set_count(count);
 }
 
 /// From this moment on: the other levels get that time.
@@ -217,9 +217,6 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   ask_ = !ask_;
   if (!result && (ask_ || fire_.has_token())) fire_.handle_token(core, present);
   apply_beam(core);
-  if (beam_.laser_is_enabled())
-    beam_.set_power(
-        expander_.power(feed_.tick_near(static_cast<std::uint32_t>(present)) + power_lead_ticks));
   set_alarm(enough ? beat_period_us : least_wait_us);
   if (!result) call_for_token();
 }

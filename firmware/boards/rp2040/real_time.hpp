@@ -38,6 +38,7 @@ namespace lamplock::rp2040 {
 struct Rings {
   TickRing& ticks;
   LatticeRings& lattice;
+  PowerRing& power;
   StampRing& stamps;
 };
 
@@ -47,10 +48,10 @@ class RealTime {
   RealTime(boards::PinMap map, const Rings& rings)
       : tick_ring_(rings.ticks),
         map_(map),
-        expander_(rings.lattice),
+        expander_(rings.lattice, rings.power),
         feed_(rings.ticks),
         stamps_(rings.stamps),
-        lattice_(rings.lattice, rings.ticks, rings.stamps),
+        lattice_(rings.lattice, rings.power, rings.ticks, rings.stamps),
         fire_(lattice_, feed_, stamps_),
         beam_(map),
         estop_(fire_),
@@ -87,7 +88,8 @@ class RealTime {
   void begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled);
   /// The next ticks into the rings.
   [[gnu::noinline]] std::uint32_t fill(machine::Controller& core, std::uint32_t ticks);
-  void go(std::uint64_t at_us);
+  /// The lattice, whose first tick comes so many clocks later, and with it a period of LASER PWM.
+  void go(std::uint64_t at_us, std::uint32_t first_tick_clocks);
   void stop_dead(machine::Controller& core);
   void input_changed(machine::Controller& core, machine::Input input, bool active,
                      std::uint32_t began_us);

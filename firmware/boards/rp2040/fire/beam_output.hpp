@@ -1,15 +1,15 @@
 // The beam's pins: shutters, attenuator, continuous laser out, photosensors in.
 //
-// In:  what the core wants open (outputs()), the power of a continuous laser, edges that the pins
-//      have caught.
-// Out: SHUTTER 1..4, LASER PWM (30 kHz), whether LASER GATE may follow the lattice; photosensors()
-//      of the core.
+// In:  what the core wants open (outputs()), edges that the pins have caught.
+// Out: SHUTTER 1..4, LASER PWM (62.5 kHz), whether LASER GATE may follow the lattice;
+//      photosensors() of the core.
 // Who: apply(): beat interrupt (priority 1), and the main loop with it masked, after anything that
-//      may have changed outputs(). set_power(), answered(): beat interrupt, answered() before the
-//      results of FIRE are read. close(): any level.
+//      may have changed outputs(). answered(): beat interrupt, before the results of FIRE are read.
+//      close(): any level.
 //
-// LASER PWM is the attenuator's, or, while the core enables the continuous laser, that one's power.
-// LASER GATE is held low at its pad but then.
+// LASER PWM is the attenuator's, or, while the core enables the continuous laser, that one's power,
+// which DMA writes with the lattice (laser_pwm.hpp). LASER GATE is held low at its pad but then.
+// When the ticks run out the gate shuts; LASER PWM stays as it is, up to the restart.
 //
 // apply() touches the pins only where something else is wanted than the last time; after close() by
 // an e-stop forget() makes it put everything out again.
@@ -23,6 +23,8 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/boards/rp2040/lattice/laser_pwm.hpp"
+#include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 #include "firmware/boards/rp2040/registers/pwm.hpp"
@@ -40,7 +42,7 @@ class BeamOutput {
   void start() const {
     force_low(pwm_gpio);
     PwmSliceRegisters& slice = pwm().slice[pwm_slice(pwm_gpio)];
-    slice.top = period_counts - 1;
+    slice.top = laser_pwm_counts - 1;
     slice.cc = 0;
     slice.csr = pwm_csr::enable;
     set_function(pwm_gpio, io_ctrl::Function::pwm);
@@ -69,19 +71,13 @@ class BeamOutput {
     }
     // Off at the pad first: what the lattice says then stays inside.
     if (!outputs.laser_enable) force_low(gate_gpio);
-    power_ = 0;
+    LatticeOutput::connect_power(outputs.laser_enable);
     put_duty(outputs.laser_enable ? std::uint16_t{0} : outputs.attenuator);
     if (outputs.laser_enable) release(gate_gpio);
   }
 
-  /// The continuous laser is enabled: its power is wanted.
-  bool laser_is_enabled() const { return applied_ != nothing && (applied_ & laser_enabled) != 0; }
-  /// While it is. An e-stop holds the pad low whatever is put here.
-  void set_power(std::uint16_t power) {
-    if (power == power_) return;
-    power_ = power;
-    put_duty(power);
-  }
+  /// Where in its period LASER PWM is.
+  static void set_count(std::uint32_t count) { pwm().slice[pwm_slice(pwm_gpio)].ctr = count; }
 
   /// The pins may be off by another hand.
   void forget() { applied_ = nothing; }
@@ -100,13 +96,7 @@ class BeamOutput {
     return bits;
   }
 
-  /// Counts high of a period for a value of the attenuator: 65535 is always high.
-  static constexpr std::uint32_t duty(std::uint16_t attenuator) {
-    return (std::uint32_t{attenuator} + period_counts / 512) / (65536 / period_counts);
-  }
-
  private:
-  static constexpr std::uint32_t period_counts = 4096;  ///< 30.5 kHz
   static constexpr unsigned channels = 4;
   static constexpr unsigned pwm_gpio = boards::gpio(boards::Role::laser_pwm);
   static constexpr unsigned gate_gpio = boards::gpio(boards::Role::laser_gate);
@@ -133,7 +123,7 @@ class BeamOutput {
   }
 
   static void put_duty(std::uint16_t value) {
-    pwm().slice[pwm_slice(pwm_gpio)].cc = duty(value) << pwm_shift(pwm_gpio);
+    pwm().slice[pwm_slice(pwm_gpio)].cc = std::uint32_t{laser_duty(value)} << pwm_shift(pwm_gpio);
   }
   /// Keeps the pad's overrides.
   static void set_function(unsigned gpio, io_ctrl::Function function) {
@@ -145,10 +135,7 @@ class BeamOutput {
   static constexpr std::uint32_t laser_enabled = 1u << 24;
 
   std::uint32_t applied_ = nothing;  ///< at the pins: laser enabled, attenuator, shutters
-  std::uint16_t power_ = 0;          ///< of the continuous laser, at the pin
   const bool has_shutters_;
 };
-static_assert(BeamOutput::duty(65535) == 4096 && BeamOutput::duty(0) == 0 &&
-              BeamOutput::duty(32768) == 2048);
 
 }  // namespace lamplock::rp2040

@@ -38,12 +38,13 @@ constexpr std::uint32_t most_transfers = ~0u;
 /// Channels end at different times, this many words apart.
 constexpr std::uint32_t stagger = 1u << 20;
 
-std::uint32_t address(const void* p) {
+std::uint32_t address(const volatile void* p) {
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p));
 }
 
-/// A constant that channel 7 writes: start whoever has ended.
-const std::uint32_t again_mask = (1u << again_channel) - 1;
+constexpr std::uint32_t stream_mask = (1u << again_channel) - 1;
+/// A constant that channel 7 writes: start whoever has ended. BITS has its own.
+const std::uint32_t again_mask = stream_mask & ~(1u << bits_channel);
 
 struct Stream {
   unsigned channel;
@@ -72,9 +73,11 @@ void feed_machine(unsigned channel, const StateMachine& sm, const void* ring, un
 
 void stop_channels() {
   // Not enabled, none can be triggered again by the end of another.
+  constexpr std::uint32_t all = stream_mask | 1u << power_channel;
   for (unsigned channel = 0; channel < again_channel; ++channel) dma().ch[channel].al1_ctrl = 0;
-  dma().chan_abort = again_mask;
-  while ((dma().chan_abort & again_mask) != 0) {
+  dma().ch[power_channel].al1_ctrl = 0;
+  dma().chan_abort = all;
+  while ((dma().chan_abort & all) != 0) {
   }
 }
 
@@ -137,6 +140,26 @@ void LatticeOutput::use_sync(unsigned gpio) const {
   stamp_machine.configure(stamp_program.program, stamp_offset, gpio);
 }
 
+/// A narrow write reaches both channels of the slice (datasheet, 2.1.4); the other one has no pin.
+void LatticeOutput::start_bits() const {
+  DmaChannelRegisters& power = dma().ch[power_channel];
+  power.read_addr = address(power_.counts.data());
+  power.write_addr = power_address(false);
+  power.trans_count = 1;
+  power.al1_ctrl = dma_ctrl::en | dma_ctrl::high_priority | dma_ctrl::size_half |
+                   dma_ctrl::incr_read | dma_ctrl::ring_size(power_ring_bits) |
+                   dma_ctrl::chain_to(bits_channel) | dma_ctrl::treq(dreq::permanent) |
+                   dma_ctrl::irq_quiet;
+  DmaChannelRegisters& bits = dma().ch[bits_channel];
+  bits.read_addr = address(rings_.bits.data());
+  bits.write_addr = address(&bits_machine.registers().txf[bits_machine.number]);
+  bits.trans_count = bits_words_per_cell;
+  bits.ctrl_trig =
+      dma_ctrl::en | dma_ctrl::high_priority | dma_ctrl::size_word | dma_ctrl::incr_read |
+      dma_ctrl::ring_size(bits_ring_bits) | dma_ctrl::chain_to(power_channel) |
+      dma_ctrl::treq(dreq::pio_tx(bits_machine.block, bits_machine.number)) | dma_ctrl::irq_quiet;
+}
+
 void LatticeOutput::start_channels() const {
   DmaChannelRegisters& again = dma().ch[again_channel];
   again.read_addr = address(&again_mask);
@@ -148,7 +171,7 @@ void LatticeOutput::start_channels() const {
   for (int a = 0; a < axes_; ++a)
     feed_machine(static_cast<unsigned>(a), machine_of(a),
                  rings_.steps[static_cast<std::size_t>(a)].data(), step_ring_bits);
-  feed_machine(bits_channel, bits_machine, rings_.bits.data(), bits_ring_bits);
+  start_bits();
   feed_machine(tick_channel, tick_machine, ticks_.words.data(), tick_ring_bits);
   start_stream({stamp_channel, &stamp_machine.registers().rxf[stamp_machine.number],
                 stamps_.words.data(), stamp_ring_bits,

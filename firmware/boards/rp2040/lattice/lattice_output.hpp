@@ -9,7 +9,9 @@
 // DMA channels read their rings round and round by address wrap. A channel counts to 2^32 - 1 and
 // then would stop (TICK after more than an hour): each is chained to one small channel that
 // triggers all of them; those that run ignore that (datasheet, 2.5.2.1). Their counts differ, so
-// that no two end together.
+// that no two end together. BITS ends after each cell of ticks and starts the channel of LASER PWM,
+// which writes a count and starts BITS again (laser_pwm.hpp). While the continuous laser is not
+// enabled it writes to a slice of the PWM that has no pin.
 #pragma once
 
 #include <array>
@@ -21,6 +23,7 @@
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
 #include "firmware/boards/rp2040/registers/dma.hpp"
 #include "firmware/boards/rp2040/registers/pio.hpp"
+#include "firmware/boards/rp2040/registers/pwm.hpp"
 #include "firmware/stepper/pulse_output.hpp"
 #include "shared/boards/pico_pins.hpp"
 
@@ -28,8 +31,8 @@ namespace lamplock::rp2040 {
 
 class LatticeOutput {
  public:
-  LatticeOutput(LatticeRings& rings, TickRing& ticks, StampRing& stamps)
-      : rings_(rings), ticks_(ticks), stamps_(stamps) {}
+  LatticeOutput(LatticeRings& rings, PowerRing& power, TickRing& ticks, StampRing& stamps)
+      : rings_(rings), power_(power), ticks_(ticks), stamps_(stamps) {}
 
   /// Pins low, then their function, then programs. Nothing runs. PIO, DMA, pads out of reset.
   void start(boards::PinMap map, const stepper::PulseOutput& output);
@@ -56,16 +59,30 @@ class LatticeOutput {
     const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(stamps_.words.data());
     return (dma().ch[stamp_channel].write_addr - static_cast<std::uint32_t>(begin)) / 4;
   }
+  /// From the next cell on power goes to LASER PWM, or nowhere; prepare() makes it go nowhere. Its
+  /// slice of the PWM is the caller's while it does.
+  static void connect_power(bool to_pin) {
+    dma().ch[power_channel].write_addr = power_address(to_pin);
+  }
   /// LAMP SYNC comes from this pin.
   void use_sync(unsigned gpio) const;
 
  private:
+  /// A slice whose pins have other functions.
+  static constexpr unsigned unused_slice = 7;
+  static_assert(pwm_slice(boards::gpio(boards::Role::laser_pwm)) != unused_slice);
+  static std::uint32_t power_address(bool to_pin) {
+    const unsigned slice = to_pin ? pwm_slice(boards::gpio(boards::Role::laser_pwm)) : unused_slice;
+    return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(&pwm().slice[slice].cc));
+  }
   static constexpr unsigned tick_number = 2;  ///< of TICK in PIO1
   void start_axis(int axis, const stepper::AxisPulses& pulses) const;
   void start_pins() const;
   void start_channels() const;
+  void start_bits() const;
 
   LatticeRings& rings_;
+  PowerRing& power_;
   TickRing& ticks_;
   StampRing& stamps_;
   int axes_ = 3;  ///< axes that have pins

@@ -1,5 +1,5 @@
-// The rings between fill interrupt and DMA: steps of four axes, lattice bits. And one that no DMA
-// reads: the power of a continuous laser, for the beat interrupt.
+// The rings between fill interrupt and DMA: steps of four axes, lattice bits, the power of a
+// continuous laser.
 //
 // In:  words of the StepExpander.
 // Out: the same words, read by DMA round and round.
@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/boards/rp2040/lattice/laser_pwm.hpp"
 #include "firmware/boards/rp2040/lattice/step_kernel.hpp"
 #include "shared/units.hpp"
 
@@ -30,10 +31,17 @@ static_assert(bits_ring_words * 4 == 1u << bits_ring_bits);
 inline constexpr std::uint32_t prefetch_ticks = 9 * ticks_per_step_word;
 static_assert(prefetch_ticks == 144);
 
-/// As long as the others, a cell of the lattice an element: tick t is in t / power_cell_ticks,
-/// counted round. What is not told yet is what was there one round ago.
+/// As long as the others, a cell of the lattice an element: counts of LASER PWM, each where it is
+/// to be written (laser_pwm.hpp).
 inline constexpr std::uint32_t power_ring_cells = ring_ticks / stepper::power_cell_ticks;
-using PowerRing = std::array<std::uint16_t, power_ring_cells>;
+inline constexpr unsigned power_ring_bits = 9;
+static_assert(power_ring_cells * 2 == 1u << power_ring_bits);
+inline constexpr std::uint32_t bits_words_per_cell =
+    stepper::power_cell_ticks / ticks_per_bits_word;
+
+struct alignas(1u << power_ring_bits) PowerRing {
+  std::array<std::uint16_t, power_ring_cells> counts{};
+};
 
 struct alignas(1u << bits_ring_bits) LatticeRings {
   std::array<std::uint32_t, bits_ring_words> bits{};

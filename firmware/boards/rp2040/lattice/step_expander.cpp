@@ -50,8 +50,8 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
                          const PerAxis<std::uint8_t>& levels) {
   end_ = first;
   bits_ = {};
-  power_.fill(0);
-  power_end_ = static_cast<std::uint32_t>(filled > first ? filled : first);
+  power_.counts.fill(0);
+  power_place_ = power_ahead_cells * stepper::power_cell_ticks;
   steps_ = steps;
   for (int a = 0; a < max_axes; ++a) {
     Row& row = rows_[index(a)];
@@ -65,6 +65,7 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
   const auto ticks = static_cast<std::uint32_t>(filled - first);
   for (int a = 0; a < max_axes; ++a) put_still(a, ticks);
   put_bits(0, ticks);
+  put_power(0, ticks);
   end_runs(ticks);
 }
 
@@ -149,13 +150,18 @@ void StepExpander::put_bits(std::uint8_t bits, std::uint32_t ticks) {
 
 void StepExpander::put_power(std::uint16_t power, std::uint32_t ticks) {
   constexpr std::uint32_t cell = stepper::power_cell_ticks;
-  const std::uint32_t end = power_end_ + ticks;
-  // Darkness leaves a cell what shines in it before.
-  std::uint32_t at = power_end_ / cell * cell;
-  if (power == 0 && at != power_end_) at += cell;
+  const std::uint16_t counts = laser_duty(power);
+  std::uint32_t at = power_place_;
+  const std::uint32_t end = at + ticks;
+  if (const std::uint32_t begun = at % cell; begun != 0) {
+    // Darkness leaves a cell what shines in it before, and so does what comes behind the middle.
+    std::uint16_t& count = power_.counts[at / cell % power_ring_cells];
+    if (power != 0 && (begun <= cell / 2 || count == 0)) count = counts;
+    at += cell - begun;
+  }
   for (; static_cast<std::int32_t>(end - at) > 0; at += cell)
-    power_[at / cell % power_ring_cells] = power;
-  power_end_ = end;
+    power_.counts[at / cell % power_ring_cells] = counts;
+  power_place_ = end;
 }
 
 /// The word in which a place lies, as bits of DIR and STEP; DIR counts where there is a step.

@@ -2,15 +2,17 @@
 //
 // In:  runs of each axis, of the lattice bits and of the laser's power, as the core's fill_axes()
 //      tells them; what the pins of each axis mean (pulse_words.hpp).
-// Out: words in the LatticeRings, a fixed number of ticks each; how far the rings are filled; the
-//      power of a tick.
-// Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked; power()
-//      by the beat interrupt (priority 1) too.
+// Out: words in the LatticeRings, a fixed number of ticks each; counts of LASER PWM; how far the
+//      rings are filled.
+// Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked.
 // Budget: per axis and run some 200 cycles and at most 7 a tick, 2 where steps are rare; about a
 //      quarter of a cycle a tick where it stands. Behind a reversal some 150 cycles a tick until
-//      its guard (stepper/reversal_guard.hpp) lets steps pass: one tick as a rule.
+//      its guard (stepper/reversal_guard.hpp) lets steps pass: one tick as a rule. For power 40 a
+//      call and half a cycle a tick.
 //
-// A word is made of bits of DIR and STEP and becomes what the pins want when it is complete.
+// A word is made of bits of DIR and STEP and becomes what the pins want when it is complete. Power
+// has one value a cell: that of the last tick up to its middle that shines, or else of the first
+// one behind.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +35,7 @@ constexpr std::uint32_t lattice_nibble(std::uint8_t bits) {
 /// Fills the rings.
 class StepExpander {
  public:
-  explicit StepExpander(LatticeRings& rings) : rings_(rings) {}
+  StepExpander(LatticeRings& rings, PowerRing& power) : rings_(rings), power_(power) {}
 
   /// What pins and drives are; begin() has to follow.
   [[gnu::cold]] void configure(const stepper::PulseOutput& output);
@@ -51,12 +53,6 @@ class StepExpander {
   void set_step(int axis, std::int32_t step) { steps_[index(axis)] = step; }
   /// So many ticks have been told of every axis and of the bits.
   void end_runs(std::uint32_t ticks) { end_ += ticks; }
-
-  /// Power of a continuous laser in the cell of a tick, lower half of its number: that of the last
-  /// tick in it that shines; 0 if none does.
-  std::uint16_t power(std::uint32_t tick) const {
-    return power_[tick / stepper::power_cell_ticks % power_ring_cells];
-  }
 
   /// First tick that has not been told.
   std::uint64_t end_tick() const { return end_; }
@@ -105,9 +101,9 @@ class StepExpander {
   std::uint64_t end_ = 0;
   PerAxis<Row> rows_{};
   Fill bits_;
-  StepPosition steps_{};         ///< at end_
-  PowerRing power_;              ///< begin() clears it
-  std::uint32_t power_end_ = 0;  ///< first tick whose power has not been told, lower half
+  StepPosition steps_{};  ///< at end_
+  PowerRing& power_;
+  std::uint32_t power_place_ = 0;  ///< as in a Row, with the counts written ahead
 };
 
 }  // namespace lamplock::rp2040

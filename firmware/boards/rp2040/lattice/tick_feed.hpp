@@ -75,15 +75,6 @@ class TickFeed {
   /// No later than tick_at(), at most a span earlier, and cheaper; the clock only grows. Lower
   /// halves.
   std::uint32_t tick_before(std::uint32_t clock);
-  /// The tick at a clock as tick_before() was last asked, as if ticks in its span had their nominal
-  /// length: a few off at most, and cheaper than tick_at(). Nonsense if ticks have run out.
-  std::uint32_t tick_near(std::uint32_t clock) const {
-    const lamp::TickSpan& span = spans_[played_spans_ % remembered];
-    const std::uint32_t into = clock - static_cast<std::uint32_t>(span.first_clock);
-    if (into >= span.clocks) return static_cast<std::uint32_t>(span.first_tick);
-    // No division at this level: 8389 / 2^20 = 1 / 124.99.
-    return static_cast<std::uint32_t>(span.first_tick) + (into * 8389 >> 20);
-  }
   /// When a tick begins, within 0.5 us; false if it has no length yet.
   bool clock_of(std::uint64_t tick, std::uint64_t& clock) const;
   /// Words made since begin().

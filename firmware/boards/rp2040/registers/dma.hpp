@@ -58,6 +58,7 @@ inline DmaRegisters& dma() { return *reinterpret_cast<DmaRegisters*>(0x50000000)
 namespace dma_ctrl {
 inline constexpr std::uint32_t en = 1u << 0;
 inline constexpr std::uint32_t high_priority = 1u << 1;
+inline constexpr std::uint32_t size_half = 1u << 2;
 inline constexpr std::uint32_t size_word = 2u << 2;
 inline constexpr std::uint32_t incr_read = 1u << 4;
 inline constexpr std::uint32_t incr_write = 1u << 5;

@@ -1,0 +1,134 @@
+// Pixels per second of the simulated chip, beside what others do: a row of grey pixels, each of
+// another power than its neighbours, or in runs of one to four alike as in line art, streamed over
+// USB by a sender that always has another line.
+// The rate is in the chip's own time at 125 MHz, so it is the same on every machine.
+//
+// A run is a line of its own, as senders for grbl write them, or one value in a list of powers
+// (docs/gcode.md). Counters:
+//   pixels_per_s     over the middle of the row
+//   of_feed          of what the feed asks for: 1 = the board keeps up
+//   core0, core1     share of the time that the core is awake
+//   x_...            times the rate of others, 0.1 mm a pixel
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include "host/job/job.hpp"
+#include "sim/chip_board/chip_board.hpp"
+#include "tests/chip_board/program_sender.hpp"
+#include "tests/chip_board/sleep_watch.hpp"
+
+namespace lamplock {
+namespace {
+
+/// Pixels per second of others, their own images in emulation, a line a pixel.
+constexpr double grbl_avr = 343, grblhal_rp2040 = 2339;
+
+constexpr int row_pixels = 2000;
+/// Where the rate is measured: behind the way to full speed, before the way to a stop.
+constexpr double measured_from = 0.3, measured_to = 0.8;
+constexpr std::size_t longest_list = 240;  // of 256 characters
+
+/// 10 m/s2, 1 m/s, no lamp, 200 steps/mm.
+settings::Values machine() {
+  using settings::Id;
+  job::Profile profile = job::default_profile();
+  job::set_acceleration(profile, 10);
+  job::set_speed(profile, 1);
+  job::state_setting(profile, Id::lamp_mode, 0, "benchmark");
+  job::state_setting(profile, Id::laser_mode, 1, "benchmark");
+  job::state_setting(profile, Id::travel_x, 400, "benchmark");
+  return profile.settings;
+}
+
+std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_run) {
+  std::mt19937 random(1);
+  std::string text = fmt::format("M3 S0\nF{}\n", feed_mm_s * 60), list;
+  unsigned odd = 0;
+  for (int i = 0; i < row_pixels;) {
+    const int run = std::min(row_pixels - i, static_cast<int>(1 + random() % longest_run));
+    const auto power = 2 * (random() % 500) + (odd ^= 1);
+    list += fmt::format("{}{}", list.empty() ? "S" : ":", power);
+    if (lists && run > 1) list += fmt::format("*{}", run);
+    i += run;
+    if (lists && list.size() < longest_list && i != row_pixels) continue;
+    text += fmt::format("G1X{:.2f}{}\n", pixel_mm * i, list);
+    list.clear();
+  }
+  return text;
+}
+
+struct Rate {
+  double pixels_per_s = 0, core0 = 0, core1 = 0;
+  bool complete = false;
+};
+
+double share(const test::SleepWatch& core) {
+  const auto awake = static_cast<double>(core.awake());
+  return awake / (awake + static_cast<double>(core.asleep()));
+}
+
+Rate measure(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, bool lists,
+             unsigned longest_run) {
+  const sim::Picoseconds end = board.now() + 20 * sim::ps_per_s;
+  test::ProgramSender sender(board);
+  sender.give(row(pixel_mm, feed_mm_s, lists, longest_run));
+  const double row_steps = row_pixels * pixel_mm * 200;
+  const auto x = [&board] { return board.world().drives().position()[0]; };
+  const auto run_to = [&](double part) {
+    while (x() < part * row_steps && board.now() < end) sender.step();
+  };
+  Rate rate;
+  run_to(measured_from);
+  const auto from = x();
+  const sim::Picoseconds begin = board.now();
+  {
+    const test::SleepWatch core0(board.chip().core(0)), core1(board.chip().core(1));
+    run_to(measured_to);
+    rate.core0 = share(core0);
+    rate.core1 = share(core1);
+  }
+  rate.pixels_per_s = (x() - from) / (200 * pixel_mm) / sim::seconds(board.now() - begin);
+  rate.complete = sender.run_until_answered(end) && sender.errors() == 0 &&
+                  sender.run_until_idle(end) && x() == static_cast<std::int32_t>(row_steps);
+  return rate;
+}
+
+void chip_pixels(benchmark::State& state) {
+  const double pixel_mm = static_cast<double>(state.range(0)) / 1000;
+  const auto feed_mm_s = static_cast<double>(state.range(1));
+  const bool lists = state.range(2) != 0;
+  const auto longest_run = static_cast<unsigned>(state.range(3));
+  const sim::chip::Image image = sim::chip::load_image(LAMPLOCK_IMAGE);
+  Rate rate;
+  for (auto _ : state) {
+    sim::ChipBoard board(image, machine(), {});
+    if (!board.run_until_found(sim::ps_per_s)) {
+      state.SkipWithError("the host has not found the board");
+      break;
+    }
+    rate = measure(board, pixel_mm, feed_mm_s, lists, longest_run);
+    if (!rate.complete) state.SkipWithError("the row was not run to its end");
+  }
+  state.counters["pixels_per_s"] = rate.pixels_per_s;
+  state.counters["of_feed"] = rate.pixels_per_s * pixel_mm / feed_mm_s;
+  state.counters["x_grbl_AVR"] = rate.pixels_per_s / grbl_avr;
+  state.counters["x_grblHAL_RP2040"] = rate.pixels_per_s / grblhal_rp2040;
+  state.counters["core0"] = rate.core0;
+  state.counters["core1"] = rate.core1;
+}
+BENCHMARK(chip_pixels)
+    ->ArgNames({"pixel_um", "feed_mm_s", "lists", "longest_run"})
+    ->ArgsProduct({{100}, {300, 500}, {0, 1}, {1}})
+    ->ArgsProduct({{50}, {200, 300}, {0, 1}, {1}})
+    ->ArgsProduct({{100}, {800}, {0, 1}, {4}})
+    ->ArgsProduct({{50}, {400, 500}, {0, 1}, {4}})
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace lamplock

@@ -1,0 +1,78 @@
+// Raster engraving on the virtual board: 0.1 mm pixels in both directions at 300 mm/s and 2 m/s2.
+#include "tests/board/raster.hpp"
+
+#include <set>
+
+#include "host/file.hpp"
+#include "tests/board/program_host.hpp"
+
+namespace lamplock::test {
+namespace {
+
+void expect_engraved(const Raster& raster, double lead_us, bool lists = false) {
+  const job::Profile machine = raster_machine(lead_us);
+  Rig rig(machine);
+  ProgramHost host(rig);
+  ASSERT_TRUE(host.stream(raster.program(lists)));
+  for (const std::string& answer : host.answers()) ASSERT_EQ(answer, "ok");
+  host.run_ms(20);
+  const Raster::Judgement judgement = raster.judge(
+      rig.monitor, rig.board.world().beam(), static_cast<sim::Picoseconds>(lead_us * ps_per_us));
+  EXPECT_EQ(judgement.lit_as_wanted, raster.pixels());
+  EXPECT_LE(judgement.largest_shift, 1);
+  EXPECT_GT(judgement.changes, raster.pixels() / 10);
+  EXPECT_GT(judgement.slowest_mm_s, 0.98 * Raster::speed_mm_s);
+  EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
+  EXPECT_FALSE(rig.board.bus().level(sim::Pin::laser_gate));
+}
+
+TEST(Raster, LightChangesAtTheEdgesOfPixels) {
+  for (int i = 0; i < scaled(4); ++i)
+    expect_engraved(Raster(static_cast<std::uint64_t>(i + 1), 4, 200, 4), 0);
+}
+
+TEST(Raster, OfListsOfPowersIsTheSame) {
+  for (int i = 0; i < scaled(4); ++i)
+    expect_engraved(Raster(static_cast<std::uint64_t>(i + 20), 4, 200, 4), 0, true);
+}
+
+/// The pattern by which the lead is found: eight bars a row.
+TEST(Raster, TheExampleForTheLeadDrawsItsBars) {
+  Rig rig(raster_machine());
+  ProgramHost host(rig);
+  const std::string text = read_file(LAMPLOCK_ROOT "/examples/laser-lead.ngc");
+  ASSERT_TRUE(host.stream(text));
+  for (const std::string& answer : host.answers()) ASSERT_EQ(answer, "ok");
+  std::size_t rows = 0;
+  for (std::size_t at = 0; (at = text.find(":300", at)) != std::string::npos; ++rows)
+    at = text.find('\n', at);
+  EXPECT_EQ(rows, 24u);
+  EXPECT_EQ(rig.board.world().beam().openings(), 8 * rows);
+  // Those to the left shine where those to the right do.
+  std::set<long> begins, ends;
+  const auto& x = rig.monitor.steps(0);
+  bool shone = false;
+  for (const sim::BeamChange& change : rig.board.world().beam().changes()) {
+    if (change.shines() == shone) continue;
+    shone = change.shines();
+    const auto next = std::upper_bound(
+        x.begin(), x.end(), change.at,
+        [](sim::Picoseconds at, const PinMonitor::Step& step) { return at < step.at; });
+    const bool left = (next - 1)->position < (next - 2)->position;
+    (shone == left ? ends : begins).insert((next - 1)->position);
+  }
+  for (const long place : begins) EXPECT_EQ(place % 1000, 0) << place;
+  for (const long place : ends) EXPECT_EQ(place % 1000, 40) << place;
+}
+
+/// A laser that answers late, or one that is too soon for its drives.
+TEST(Raster, LightChangesAtTheEdgesOfPixelsWithALeadOfTheLaser) {
+  for (int i = 0; i < scaled(4); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    const auto lead_us = static_cast<double>(random() % 2001) - 1000;
+    expect_engraved(Raster(static_cast<std::uint64_t>(i + 50), 2, 200, 4), lead_us);
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test
