@@ -2,20 +2,14 @@
 
 namespace lamplock::motion {
 
-PerAxis<std::int64_t> way_between(const StepPosition& from, const StepPosition& to) {
-  PerAxis<std::int64_t> way{};
-  for (std::size_t a = 0; a < way.size(); ++a) way[a] = std::int64_t{to[a]} - from[a];
-  return way;
-}
-
-void LineChords::reset(const StepPosition& at, std::uint32_t line) {
+void LineChords::reset(const LinePlace& at, std::uint32_t line) {
   mark_ = at;
   mark_line_ = line;
   way_ = {};
   before_ = {};
 }
 
-bool LineChords::add(std::uint32_t line, const StepPosition& end, const LineShape& shape,
+bool LineChords::add(std::uint32_t line, const LinePlace& end, const LineShape& shape,
                      const LineLimits& limits, LineCap& cap) {
   way_ = way_ + shape.length;
   if (way_ < LineReal(window_)) return false;

@@ -3,7 +3,7 @@
 // In:  every line pushed. Out: now and then, a limit of speed for the joints of the last ones.
 // Called by the line planner, once per line pushed; a chord is measured once per window.
 //
-// Between two lines of a few steps a turn cannot be told from the rounding of their ends
+// Between two lines of a few steps a turn cannot be told from the rounding of their numbers
 // (line_geometry.hpp), so a curve of a small radius, or a corner of tiny lines, would be passed at
 // any speed. Over a chord of `window` steps rounding is less than 2/window of a turn: the chord is
 // compared with the one before it, and all joints within both get the speed of the circle that
@@ -34,23 +34,20 @@ class LineChords {
   LineChords(std::uint32_t window_steps, LineBends bends) : window_(window_steps), bends_(bends) {}
 
   /// Starts anew at a position; the next line is `line`.
-  void reset(const StepPosition& at, std::uint32_t line);
+  void reset(const LinePlace& at, std::uint32_t line);
   /// Line number `line`, which ends at `end`. True if a limit follows.
-  bool add(std::uint32_t line, const StepPosition& end, const LineShape& shape,
+  bool add(std::uint32_t line, const LinePlace& end, const LineShape& shape,
            const LineLimits& limits, LineCap& cap);
 
  private:
   std::uint32_t window_;
   LineBends bends_;
-  StepPosition mark_{};          ///< where the present chord starts
+  LinePlace mark_;               ///< where the present chord starts
   std::uint32_t mark_line_ = 0;  ///< its first line
   LineReal way_;                 ///< along the path since then
   LineShape before_;             ///< the chord before
   std::uint32_t before_line_ = 0;
   bool before_single_ = false;  ///< it is a single line
 };
-
-/// Displacement between two positions.
-PerAxis<std::int64_t> way_between(const StepPosition& from, const StepPosition& to);
 
 }  // namespace lamplock::motion

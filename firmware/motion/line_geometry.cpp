@@ -155,11 +155,11 @@ LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
   return out;
 }
 
-LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limits) {
+LineShape make_shape(const WayParts& way, const LineLimits& limits) {
   PerAxis<std::uint64_t> weighted_q31{};
   std::uint64_t all = 0;
   for (int a = 0; a < limits.axes; ++a) {
-    const auto size = static_cast<std::uint32_t>(magnitude(steps[index(a)]));
+    const auto size = static_cast<std::uint32_t>(magnitude(way.parts[index(a)]));
     weighted_q31[index(a)] = wide_product(size, limits.axis[index(a)].weight_q31);
     all |= weighted_q31[index(a)];
   }
@@ -177,14 +177,15 @@ LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limit
   }
   // 2^29 at least.
   const std::uint32_t root = isqrt(squares);
-  shape.length = LineReal(root, -31 - left);
+  shape.length = LineReal(root, -31 - left - way.bits);
   shape.per_length = LineReal::power(0) / shape.length;
   // 2^61 / root, 32 bits.
-  const std::uint32_t per_root = whole_down(times_power(shape.per_length, 30 - left), 0xffffffffu);
+  const std::uint32_t per_root =
+      whole_down(times_power(shape.per_length, 30 - left - way.bits), 0xffffffffu);
   for (int a = 0; a < limits.axes; ++a) {
     if (part[index(a)] == 0) continue;
     const auto c = static_cast<std::int32_t>(wide_product(part[index(a)], per_root) >> 31);
-    shape.cosine_q30[index(a)] = steps[index(a)] < 0 ? -c : c;
+    shape.cosine_q30[index(a)] = way.parts[index(a)] < 0 ? -c : c;
   }
   return shape;
 }

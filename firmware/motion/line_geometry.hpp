@@ -1,6 +1,6 @@
 // Lines of a program and the corners between them, for the line planner.
 //
-// In:  displacements in whole steps, the machine's limits, the junction deviation.
+// In:  displacements, the machine's limits, the junction deviation.
 // Out: per line its length, direction and what the axes allow along it; per corner the square of
 //      the highest speed through it.
 // Called by the line planner, once or a few times per line pushed.
@@ -12,15 +12,17 @@
 // first is what counts between long lines. Where an axis may jump in speed (speed_jump), a corner
 // is passed as fast as that allows, if it is more.
 //
-// Points are rounded to whole steps, so that a straight line comes out bent: by up to
-// (1 step) (1/l + 1/l') on every axis, see path_geometry.hpp. Such a change of direction says
-// nothing and is taken off. A turn of more than a right angle is no rounding. What is lost between
-// short lines is seen by line_chords.hpp.
+// The numbers of a program are rounded, so that a straight line comes out bent. Places are kept to
+// 1/256 step (line_place.hpp), but who has written them did not need to be better than a step: a
+// change of direction of up to (1 step) (1/l + 1/l') on every axis says nothing and is taken off. A
+// turn of more than a right angle is no rounding. What is lost between short lines is seen by
+// line_chords.hpp.
 #pragma once
 
 #include <cstdint>
 
 #include "firmware/motion/limits.hpp"
+#include "firmware/motion/line_place.hpp"
 #include "firmware/motion/line_real.hpp"
 #include "firmware/motion/line_rise.hpp"
 
@@ -60,7 +62,7 @@ struct LineShape {
   LineReal per_length;  ///< 1 / length
   PerAxis<std::int32_t> cosine_q30{};
 };
-LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limits);
+LineShape make_shape(const WayParts& way, const LineLimits& limits);
 
 /// What the axes allow along a direction.
 struct LineBounds {

@@ -21,6 +21,11 @@ void TickGenerator::set_position(const StepPosition& steps) {
     runs_[index(a)].run.position_q64 = middle_of_step(steps[index(a)]);
 }
 
+void TickGenerator::settle() {
+  for (Run& r : runs_)
+    r.run.position_q64 = middle_of_step(static_cast<std::int32_t>(r.run.position_q64.hi()));
+}
+
 void TickGenerator::set_leads(const PerAxis<std::uint32_t>& ticks) {
   lead_ = 0;
   for (int a = 0; a < max_axes; ++a) {

@@ -22,7 +22,7 @@ class LineReference {
       const LineTarget& target = targets[i];
       Path line;
       line.target = static_cast<std::uint32_t>(i);
-      for (std::size_t a = 0; a < axes(); ++a) line.end[a] = target.steps[a] / m_.steps_mm[a];
+      for (std::size_t a = 0; a < axes(); ++a) line.end[a] = steps_at(target, a) / m_.steps_mm[a];
       for (std::size_t a = 0; a < axes(); ++a) line.way[a] = line.end[a] - at[a];
       line.length = norm(line.way);
       if (line.length == 0) {
