@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/error.hpp"
@@ -21,6 +22,8 @@ using sim::Picoseconds;
 /// How board and drives talk. The drives of the paper take CW/CCW.
 constexpr sim::PulseMode pulse_mode = sim::PulseMode::step_dir;
 constexpr double ps_per_second = 1e12;
+/// What a drive takes by pulses, whatever its motor could do.
+constexpr double most_pulses_per_s = 500'000;
 
 /// Where an axis of the tick generator is at a tick, steps; a step is shown half of it ahead.
 double planned_steps(const stepper::TickBlock& block, std::size_t axis, double ticks) {
@@ -95,8 +98,11 @@ settings::Values ServoMachine::settings() const {
   job::state_setting(profile, Id::axes, servo_axes, where);
   job::state_setting(profile, Id::lamp_mode, 0, where);
   job::state_setting(profile, Id::soft_limits, 0, where);
+  const double most_mm_min = std::min(in_units(profile.settings, Id::max_rate_x),
+                                      most_pulses_per_s / pulses_per_mm() * 60);
   for (int a = 0; a < static_cast<int>(servo_axes); ++a) {
     job::state_setting(profile, settings::for_axis(Id::steps_per_mm_x, a), pulses_per_mm(), where);
+    job::state_setting(profile, settings::for_axis(Id::max_rate_x, a), most_mm_min, where);
     job::state_setting(profile, settings::for_axis(Id::acceleration_x, a), accel_mm_s2, where);
   }
   return profile.settings;
