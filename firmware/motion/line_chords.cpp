@@ -2,7 +2,8 @@
 
 namespace lamplock::motion {
 
-void LineChords::reset(const LinePlace& at, std::uint32_t line) {
+void LineChords::reset(const LinePlace& at, std::uint32_t line, const LineLimits& limits) {
+  least_way_ = LineReal(window_) * limits.rounding;
   mark_ = at;
   mark_line_ = line;
   way_ = {};
@@ -12,7 +13,7 @@ void LineChords::reset(const LinePlace& at, std::uint32_t line) {
 bool LineChords::add(std::uint32_t line, const LinePlace& end, const LineShape& shape,
                      const LineLimits& limits, LineCap& cap) {
   way_ = way_ + shape.length;
-  if (way_ < LineReal(window_)) return false;
+  if (way_ < least_way_) return false;
   const bool single = line == mark_line_;
   const LineShape chord = single ? shape : make_shape(way_between(mark_, end), limits);
   // Between two single lines the corner itself says all.

@@ -12,9 +12,11 @@
 // first is what counts between long lines. Where an axis may jump in speed (speed_jump), a corner
 // is passed as fast as that allows, if it is more.
 //
-// The numbers of a program are rounded, so that a straight line comes out bent. Places are kept to
-// 1/256 step (line_place.hpp), but who has written them did not need to be better than a step: a
-// change of direction of up to (1 step) (1/l + 1/l') on every axis says nothing and is taken off. A
+// The numbers of a program are rounded, so that a straight line comes out bent: a change of
+// direction of up to r (1/l + 1/l') on every axis says nothing and is taken off. Places are kept to
+// 1/16 step, at worst (line_place.hpp), and who writes a program rounds to 1/1000 inch, at worst;
+// but what is less than a step no machine shows, so r is the sum of both and a step at most. Coarse
+// machines have less than a step: there it would be the turn of a small circle. A
 // turn of more than a right angle is no rounding. What is lost between short lines is seen by
 // line_chords.hpp.
 #pragma once
@@ -30,7 +32,8 @@ namespace lamplock::motion {
 
 /// Limits of one axis along a line that only it moves, in lengths of the line planner and ticks.
 struct LineAxis {
-  LineReal unit;  ///< length of a step; 1 for the coarsest axis
+  LineReal unit;      ///< length of a step; 1 for the coarsest axis
+  LineReal rounding;  ///< by so much a way may be off for the numbers that told its ends
   LineReal speed;
   LineReal accel;
   LineReal jump;
@@ -44,6 +47,7 @@ struct LineLimits {
   PerAxis<LineAxis> axis{};
   LineReal um_min;     ///< speed of 1 um/min
   LineReal deviation;  ///< junction deviation
+  LineReal rounding;   ///< the most of any axis
   /// 1 / ticks that `paced_lines` lines take at least, for whoever plans has to keep ahead; 0 =
   /// any.
   LineReal per_pace;

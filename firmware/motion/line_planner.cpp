@@ -3,11 +3,11 @@
 namespace lamplock::motion {
 namespace {
 
-/// Chords (line_chords.hpp), steps: where a corner of tiny lines ends to look like rounding, where
-/// a curve does that is worth slowing for, and where rounding does not matter.
-constexpr std::uint32_t short_chord_steps = 12;
-constexpr std::uint32_t long_chord_steps = 128;
-constexpr std::uint32_t gentle_chord_steps = 512;
+/// Chords (line_chords.hpp), in roundings: where a corner of tiny lines ends to look like rounding,
+/// where a curve does that is worth slowing for, and where rounding does not matter.
+constexpr std::uint32_t short_chord = 12;
+constexpr std::uint32_t long_chord = 128;
+constexpr std::uint32_t gentle_chord = 512;
 
 constexpr std::uint32_t most_feed_percent = 200, least_feed_percent = 10;
 constexpr std::uint32_t full_percent = 100;
@@ -34,9 +34,9 @@ LinePlanner::LinePlanner(LineRing& ring, const LineLimits& limits, const Limits&
     : ring_(ring),
       limits_(limits),
       axes_(axes),
-      short_chords_(short_chord_steps, LineBends::any),
-      long_chords_(long_chord_steps, LineBends::any),
-      gentle_chords_(gentle_chord_steps, LineBends::gentle) {
+      short_chords_(short_chord, LineBends::any),
+      long_chords_(long_chord, LineBends::any),
+      gentle_chords_(gentle_chord, LineBends::gentle) {
   forget();
 }
 
@@ -61,7 +61,7 @@ void LinePlanner::forget() {
 
 void LinePlanner::reset_chords() {
   for (LineChords* chords : {&short_chords_, &long_chords_, &gentle_chords_})
-    chords->reset(end_, ring_.end());
+    chords->reset(end_, ring_.end(), limits_);
 }
 
 void LinePlanner::set_feed_percent(std::uint32_t percent) {
