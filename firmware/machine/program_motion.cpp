@@ -13,6 +13,18 @@ constexpr std::int64_t most_product =
     program::most_position_e7 * settings::range(Id::steps_per_mm_x).max_milli;
 static_assert(most_product / per_step < most_steps);
 
+/// 10^10 = 2^10 5^10: a divisor of 24 bits costs a processor without division half as much.
+constexpr std::uint32_t per_step_units = 9'765'625;
+static_assert(per_step == std::int64_t{per_step_units} << 10);
+
+/// How far from the middle of a step it is to what is `units` above its lower edge.
+int off_q8(std::uint32_t units) {
+  using motion::most_off_q8, motion::place_bits;
+  const std::uint32_t from_edge = ((units << place_bits) + per_step_units / 2) / per_step_units;
+  const int off = static_cast<int>(from_edge) - (1 << (place_bits - 1));
+  return off > most_off_q8 ? most_off_q8 : off < -most_off_q8 ? -most_off_q8 : off;
+}
+
 motion::LinePower laser_of(const program::Action& move) {
   switch (move.spindle) {
     case Spindle::constant:
@@ -26,17 +38,24 @@ motion::LinePower laser_of(const program::Action& move) {
 
 }  // namespace
 
-[[gnu::hot]] StepPosition steps_of(const program::Place& place_e7, const settings::Values& values) {
-  StepPosition steps{};
+[[gnu::hot]] motion::LinePlace line_place(const program::Place& place_e7,
+                                          const settings::Values& values) {
+  motion::LinePlace place;
   for (int a = 0; a < values.whole(Id::axes); ++a) {
     const std::int64_t product = place_e7[index(a)] * values.milli(Id::steps_per_mm_x, a);
     const std::uint64_t magnitude = static_cast<std::uint64_t>(product < 0 ? -product : product);
-    // 10^10 = 2^10 5^10: a divisor of 24 bits costs a processor without division half as much.
-    static_assert(per_step == 9'765'625ll << 10);
-    const auto step = static_cast<std::int32_t>(((magnitude + per_step / 2) >> 10) / 9'765'625);
-    steps[index(a)] = product < 0 ? -step : step;
+    const std::uint64_t units = (magnitude + per_step / 2) >> 10;
+    const auto step = static_cast<std::int32_t>(units / per_step_units);
+    const int off = off_q8(static_cast<std::uint32_t>(units) -
+                           static_cast<std::uint32_t>(step) * per_step_units);
+    place.steps[index(a)] = product < 0 ? -step : step;
+    place.off_q8[index(a)] = static_cast<std::int8_t>(product < 0 ? -off : off);
   }
-  return steps;
+  return place;
+}
+
+StepPosition steps_of(const program::Place& place_e7, const settings::Values& values) {
+  return line_place(place_e7, values).steps;
 }
 
 std::int64_t place_of(std::int32_t step, const settings::Values& values, int axis) {
@@ -58,8 +77,7 @@ std::int64_t place_of(std::int32_t step, const settings::Values& values, int axi
 
 [[gnu::hot]] motion::LineTarget line_target(const program::Action& move,
                                             const settings::Values& values) {
-  motion::LineTarget line;
-  line.steps = steps_of(move.target_e7, values);
+  motion::LineTarget line{line_place(move.target_e7, values)};
   line.feed_um_min = move.feed_um_min;
   line.time_us = move.time_us;
   line.line = move.line;

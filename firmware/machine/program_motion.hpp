@@ -1,9 +1,11 @@
 // From what a program asks for to what the machine does: millimetres become steps, S words power.
 //
 // In:  moves of the interpreter, the settings. Out: lines for the planner, in steps.
-// Who: whoever runs a program, once a move; main loop, four 64-bit divisions.
+// Who: whoever runs a program, once a move; main loop, four divisions of 64 bits and as many of 32.
 //
-// This is the one place where a programmed position is rounded.
+// This is the one place where a programmed position is rounded, once: to the nearest step, where
+// the machine stands at the end, and inside of that to 1/256 step, where the line leads
+// (motion/line_place.hpp).
 #pragma once
 
 #include <cstdint>
@@ -15,7 +17,10 @@
 
 namespace lamplock::machine {
 
-/// Steps nearest to a place, half away from zero; axes that the machine does not have stay at 0.
+/// A place in steps: the nearest ones, half away from zero, and how far beside their middle, at
+/// most motion::most_off_q8; axes that the machine does not have stay at 0.
+motion::LinePlace line_place(const program::Place& place_e7, const settings::Values& values);
+/// Its steps alone.
 StepPosition steps_of(const program::Place& place_e7, const settings::Values& values);
 
 /// Where an axis is at a step, 10^-7 mm.

@@ -29,6 +29,7 @@ Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q
   planning_.recall();
   planning_.use_lines();
   output_.set_lags(values);
+  generator_.settle();
   stepper::MotionState at = generator_.state();
   at.tick = 0;
   const Result result = planning_.lines().begin(values, clock_.beat_ticks(), tick_q16, at);
@@ -50,6 +51,8 @@ void ProgramRunner::end() {
   planning_.hand_over().recall();
   begun_ = broken_off_ = false;
   drained_ = true;
+  // Lines end beside the middle of steps; whoever moves the machine next counts from there.
+  if (output_.at_rest()) generator_.settle();
 }
 
 bool ProgramRunner::take(const motion::LineTarget& line) {

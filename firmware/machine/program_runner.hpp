@@ -51,6 +51,7 @@ class ProgramRunner {
   Result begin(const settings::Values& values, std::uint32_t tick_q16);
   bool begun() const { return begun_; }
   /// Nothing is planned any more, at once; what was handed out goes on to its end, which is a rest.
+  /// At rest the machine is in the middle of its steps then, which is no motion.
   void end();
   /// Takes a line; false if there is no room now. Between begin() and end().
   bool take(const motion::LineTarget& line);

@@ -2,26 +2,21 @@
 
 namespace lamplock::motion {
 
-PerAxis<std::int64_t> way_between(const StepPosition& from, const StepPosition& to) {
-  PerAxis<std::int64_t> way{};
-  for (std::size_t a = 0; a < way.size(); ++a) way[a] = std::int64_t{to[a]} - from[a];
-  return way;
-}
-
-void LineChords::reset(const StepPosition& at, std::uint32_t line) {
+void LineChords::reset(const LinePlace& at, std::uint32_t line, const LineLimits& limits) {
+  least_way_ = LineReal(window_) * limits.rounding;
   mark_ = at;
   mark_line_ = line;
   way_ = {};
   before_ = {};
 }
 
-bool LineChords::add(std::uint32_t line, const StepPosition& end, const LineShape& shape,
+bool LineChords::add(std::uint32_t line, const LinePlace& end, const LineShape& shape,
                      const LineLimits& limits, LineCap& cap) {
   way_ = way_ + shape.length;
-  if (way_ < LineReal(window_)) return false;
+  if (way_ < least_way_) return false;
   // A line that is long enough is a chord by itself, and the short ones in front of it are none: a
   // corner at its far end must not slow them down.
-  const bool alone = !(shape.length < LineReal(window_)), skips = alone && line != mark_line_;
+  const bool alone = !(shape.length < least_way_), skips = alone && line != mark_line_;
   const bool single = alone || line == mark_line_;
   const LineShape chord = single ? shape : make_shape(way_between(mark_, end), limits);
   // Between two single lines that meet the corner itself says all.

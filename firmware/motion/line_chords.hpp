@@ -3,13 +3,13 @@
 // In:  every line pushed. Out: now and then, a limit of speed for the joints of the last ones.
 // Called by the line planner, once per line pushed; a chord is measured once per window.
 //
-// Between two lines of a few steps a turn cannot be told from the rounding of their ends
+// Between two lines of a few steps a turn cannot be told from the rounding of their numbers
 // (line_geometry.hpp), so a curve of a small radius, or a corner of tiny lines, would be passed at
-// any speed. Over a chord of `window` steps rounding is less than 2/window of a turn: the chord is
-// compared with the one before it, and all joints within both get the speed of the circle that
+// any speed. Over a chord of `window` roundings these are less than 2/window of a turn: the chord
+// is compared with the one before it, and all joints within both get the speed of the circle that
 // touches the two. What rounding may be is taken off the turn, so a turn that is not much more
 // passes too fast: longer chords see it better, but see a small circle as a smaller one; so the
-// longest count for gentle turns only. With chords of 12, 128 and 512 steps no axis has more
+// longest count for gentle turns only. With chords of 12, 128 and 512 roundings no axis has more
 // than 1.15 of its acceleration on circles of 1 to 10 mm (1.25 at 80 steps/mm), and a path of 0.1
 // mm lines that bends at a tenth of what the machine can do keeps its speed. The limit comes late,
 // when a joint may be under way already; then the machine brakes for it as well as it can. It
@@ -32,27 +32,26 @@ struct LineCap {
 
 class LineChords {
  public:
-  /// `bends` says which turns from chord to chord count.
-  LineChords(std::uint32_t window_steps, LineBends bends) : window_(window_steps), bends_(bends) {}
+  /// The window is counted in LineLimits::rounding; `bends` says which turns from chord to chord
+  /// count.
+  LineChords(std::uint32_t window, LineBends bends) : window_(window), bends_(bends) {}
 
   /// Starts anew at a position; the next line is `line`.
-  void reset(const StepPosition& at, std::uint32_t line);
+  void reset(const LinePlace& at, std::uint32_t line, const LineLimits& limits);
   /// Line number `line`, which ends at `end`. True if a limit follows.
-  bool add(std::uint32_t line, const StepPosition& end, const LineShape& shape,
+  bool add(std::uint32_t line, const LinePlace& end, const LineShape& shape,
            const LineLimits& limits, LineCap& cap);
 
  private:
   std::uint32_t window_;
+  LineReal least_way_;  ///< the window as a length
   LineBends bends_;
-  StepPosition mark_{};          ///< where the present chord starts
+  LinePlace mark_;               ///< where the present chord starts
   std::uint32_t mark_line_ = 0;  ///< its first line
   LineReal way_;                 ///< along the path since then
   LineShape before_;             ///< the chord before
   std::uint32_t before_line_ = 0;
   bool before_single_ = false;  ///< it is a single line
 };
-
-/// Displacement between two positions.
-PerAxis<std::int64_t> way_between(const StepPosition& from, const StepPosition& to);
 
 }  // namespace lamplock::motion

@@ -11,6 +11,11 @@ constexpr int accel_room_bits = 9;
 constexpr int speed_room_bits = 13;
 /// The ramp of a pulse is found to 1/256 of its length, its peak may be higher by twice that.
 constexpr int pulse_room_bits = 6;
+/// What rounding makes of a way: of its ends to places, 2 edge_q8, and of the numbers in a program,
+/// 1/1000 inch.
+constexpr int place_rounding_bits = 4;
+static_assert((2 * edge_q8) << place_rounding_bits == 1 << place_bits);
+constexpr std::uint32_t written_nm = 25'400;
 /// Changes of direction below this are rounding of the cosines themselves.
 constexpr std::uint32_t noise_q30 = 16;
 /// More than any change.
@@ -63,7 +68,8 @@ Turn make_turn(const LineShape& from, const LineShape& to, const LineLimits& lim
   for (int a = 0; a < limits.axes; ++a) {
     const std::int32_t u = from.cosine_q30[index(a)], v = to.cosine_q30[index(a)];
     const std::uint32_t rounding =
-        whole_down(times_power(limits.axis[index(a)].unit * per_length, 30), most_rounding_q30) +
+        whole_down(times_power(limits.axis[index(a)].rounding * per_length, 30),
+                   most_rounding_q30) +
         noise_q30;
     if (magnitude(u + v) > rounding) turn.back = false;
     const std::uint32_t change = magnitude(v - u);
@@ -136,11 +142,14 @@ LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
   // um/min: / 1000 um / (60 s).
   out.um_min = per_mm / LineReal(1000u) / LineReal(60u * ticks_per_second);
   out.deviation = per_mm * LineReal(deviation_nm) / LineReal(1'000'000u);
+  const LineReal written = per_mm * LineReal(written_nm) / LineReal(1'000'000u);
   for (int a = 0; a < limits.axes; ++a) {
     const AxisLimits& axis = limits.axis[index(a)];
     LineAxis& line = out.axis[index(a)];
     line.weight_q31 = axis.weight_q31;
     line.unit = LineReal(axis.weight_q31, -31);
+    line.rounding = least(line.unit, times_power(line.unit, -place_rounding_bits) + written);
+    out.rounding = most(out.rounding, line.rounding);
     line.speed = with_room(limit(axis.speed_q62, 62, line.unit), speed_room_bits);
     line.accel = with_room(limit(axis.accel_q62, 62, line.unit), accel_room_bits);
     line.jump = limit(axis.jump_q62, 62, line.unit);
@@ -155,11 +164,11 @@ LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
   return out;
 }
 
-LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limits) {
+LineShape make_shape(const WayParts& way, const LineLimits& limits) {
   PerAxis<std::uint64_t> weighted_q31{};
   std::uint64_t all = 0;
   for (int a = 0; a < limits.axes; ++a) {
-    const auto size = static_cast<std::uint32_t>(magnitude(steps[index(a)]));
+    const auto size = static_cast<std::uint32_t>(magnitude(way.parts[index(a)]));
     weighted_q31[index(a)] = wide_product(size, limits.axis[index(a)].weight_q31);
     all |= weighted_q31[index(a)];
   }
@@ -177,14 +186,15 @@ LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limit
   }
   // 2^29 at least.
   const std::uint32_t root = isqrt(squares);
-  shape.length = LineReal(root, -31 - left);
+  shape.length = LineReal(root, -31 - left - way.bits);
   shape.per_length = LineReal::power(0) / shape.length;
   // 2^61 / root, 32 bits.
-  const std::uint32_t per_root = whole_down(times_power(shape.per_length, 30 - left), 0xffffffffu);
+  const std::uint32_t per_root =
+      whole_down(times_power(shape.per_length, 30 - left - way.bits), 0xffffffffu);
   for (int a = 0; a < limits.axes; ++a) {
     if (part[index(a)] == 0) continue;
     const auto c = static_cast<std::int32_t>(wide_product(part[index(a)], per_root) >> 31);
-    shape.cosine_q30[index(a)] = steps[index(a)] < 0 ? -c : c;
+    shape.cosine_q30[index(a)] = way.parts[index(a)] < 0 ? -c : c;
   }
   return shape;
 }

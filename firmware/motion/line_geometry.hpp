@@ -1,6 +1,6 @@
 // Lines of a program and the corners between them, for the line planner.
 //
-// In:  displacements in whole steps, the machine's limits, the junction deviation.
+// In:  displacements, the machine's limits, the junction deviation.
 // Out: per line its length, direction and what the axes allow along it; per corner the square of
 //      the highest speed through it.
 // Called by the line planner, once or a few times per line pushed.
@@ -12,15 +12,19 @@
 // first is what counts between long lines. Where an axis may jump in speed (speed_jump), a corner
 // is passed as fast as that allows, if it is more.
 //
-// Points are rounded to whole steps, so that a straight line comes out bent: by up to
-// (1 step) (1/l + 1/l') on every axis, see path_geometry.hpp. Such a change of direction says
-// nothing and is taken off. A turn of more than a right angle is no rounding. What is lost between
-// short lines is seen by line_chords.hpp.
+// The numbers of a program are rounded, so that a straight line comes out bent: a change of
+// direction of up to r (1/l + 1/l') on every axis says nothing and is taken off. Places are kept to
+// 1/16 step, at worst (line_place.hpp), and who writes a program rounds to 1/1000 inch, at worst;
+// but what is less than a step no machine shows, so r is the sum of both and a step at most. Coarse
+// machines have less than a step: there it would be the turn of a small circle. A
+// turn of more than a right angle is no rounding. What is lost between short lines is seen by
+// line_chords.hpp.
 #pragma once
 
 #include <cstdint>
 
 #include "firmware/motion/limits.hpp"
+#include "firmware/motion/line_place.hpp"
 #include "firmware/motion/line_real.hpp"
 #include "firmware/motion/line_rise.hpp"
 
@@ -28,7 +32,8 @@ namespace lamplock::motion {
 
 /// Limits of one axis along a line that only it moves, in lengths of the line planner and ticks.
 struct LineAxis {
-  LineReal unit;  ///< length of a step; 1 for the coarsest axis
+  LineReal unit;      ///< length of a step; 1 for the coarsest axis
+  LineReal rounding;  ///< by so much a way may be off for the numbers that told its ends
   LineReal speed;
   LineReal accel;
   LineReal jump;
@@ -42,6 +47,7 @@ struct LineLimits {
   PerAxis<LineAxis> axis{};
   LineReal um_min;     ///< speed of 1 um/min
   LineReal deviation;  ///< junction deviation
+  LineReal rounding;   ///< the most of any axis
   /// 1 / ticks that `paced_lines` lines take at least, for whoever plans has to keep ahead; 0 =
   /// any.
   LineReal per_pace;
@@ -60,7 +66,7 @@ struct LineShape {
   LineReal per_length;  ///< 1 / length
   PerAxis<std::int32_t> cosine_q30{};
 };
-LineShape make_shape(const PerAxis<std::int64_t>& steps, const LineLimits& limits);
+LineShape make_shape(const WayParts& way, const LineLimits& limits);
 
 /// What the axes allow along a direction.
 struct LineBounds {

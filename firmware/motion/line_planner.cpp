@@ -3,11 +3,11 @@
 namespace lamplock::motion {
 namespace {
 
-/// Chords (line_chords.hpp), steps: where a corner of tiny lines ends to look like rounding, where
-/// a curve does that is worth slowing for, and where rounding does not matter.
-constexpr std::uint32_t short_chord_steps = 12;
-constexpr std::uint32_t long_chord_steps = 128;
-constexpr std::uint32_t gentle_chord_steps = 512;
+/// Chords (line_chords.hpp), in roundings: where a corner of tiny lines ends to look like rounding,
+/// where a curve does that is worth slowing for, and where rounding does not matter.
+constexpr std::uint32_t short_chord = 12;
+constexpr std::uint32_t long_chord = 128;
+constexpr std::uint32_t gentle_chord = 512;
 
 constexpr std::uint32_t most_feed_percent = 200, least_feed_percent = 10;
 constexpr std::uint32_t full_percent = 100;
@@ -28,21 +28,15 @@ void set_bounds(const LineBounds& bounds, Line& line) {
   line.speed = LinePacked(bounds.speed);
 }
 
-StepPosition steps_of(const stepper::MotionState& at) {
-  StepPosition steps{};
-  for (std::size_t a = 0; a < steps.size(); ++a) steps[a] = at.axis[a].step();
-  return steps;
-}
-
 }  // namespace
 
 LinePlanner::LinePlanner(LineRing& ring, const LineLimits& limits, const Limits& axes)
     : ring_(ring),
       limits_(limits),
       axes_(axes),
-      short_chords_(short_chord_steps, LineBends::any),
-      long_chords_(long_chord_steps, LineBends::any),
-      gentle_chords_(gentle_chord_steps, LineBends::gentle) {
+      short_chords_(short_chord, LineBends::any),
+      long_chords_(long_chord, LineBends::any),
+      gentle_chords_(gentle_chord, LineBends::gentle) {
   forget();
 }
 
@@ -61,13 +55,13 @@ void LinePlanner::forget() {
   speed_ = {};
   last_ = {};
   recent_ = {};
-  end_ = steps_of(at_);
+  end_ = place_of(at_);
   reset_chords();
 }
 
 void LinePlanner::reset_chords() {
   for (LineChords* chords : {&short_chords_, &long_chords_, &gentle_chords_})
-    chords->reset(end_, ring_.end());
+    chords->reset(end_, ring_.end(), limits_);
 }
 
 void LinePlanner::set_feed_percent(std::uint32_t percent) {
@@ -83,7 +77,7 @@ void LinePlanner::set_rapid_percent(std::uint32_t percent) {
 
 bool LinePlanner::push(const LineTarget& target) {
   if (ring_.full()) return false;
-  const LineShape shape = make_shape(way_between(end_, target.steps), limits_);
+  const LineShape shape = make_shape(way_between(end_, target), limits_);
   if (is_zero(shape.length)) {
     stop_ = stop_ || target.exact_stop;
     return true;
@@ -92,7 +86,7 @@ bool LinePlanner::push(const LineTarget& target) {
   const bool paced = !is_zero(limits_.per_pace);
   if (paced) bounds.speed = least(bounds.speed, paced_speed(shape.length));
   Line& line = ring_.next();
-  line.steps = target.steps;
+  line.set_place(target);
   line.set_length(shape.length);
   set_bounds(bounds, line);
   line.line = target.line;
@@ -110,7 +104,7 @@ bool LinePlanner::push(const LineTarget& target) {
   line.entry_2 = {};
   const std::uint32_t number = ring_.end();
   ring_.push();
-  end_ = target.steps;
+  end_ = target;
   last_ = shape;
   stop_ = target.exact_stop;
   LineCap limit;
@@ -147,14 +141,14 @@ void LinePlanner::cap(const LineCap& cap) {
 
 void LinePlanner::begin_line() {
   const Line& line = ring_.at(ring_.begin());
-  way_.steps = way_between(steps_of(at_), line.steps);
-  way_.target = line.steps;
+  way_.way = way_between(place_of(at_), line);
+  way_.target = line;
   longest_ = 0;
   for (int a = 1; a < max_axes; ++a)
-    if (abs64(way_.steps[index(a)]) > abs64(way_.steps[index(longest_)])) longest_ = a;
+    if (abs64(way_.way.parts[index(a)]) > abs64(way_.way.parts[index(longest_)])) longest_ = a;
   length_ = line.length();
   // It has none if the machine stands at its end since return_to().
-  way_.per_length = is_zero(length_) ? LineReal() : LineReal::power(0) / length_;
+  way_.per_length = is_zero(length_) ? LineReal() : LineReal::power(-way_.way.bits) / length_;
   // What feed and length say, for the time itself is not kept.
   time_left_ = line.timed ? length_ / line.feed.real() : LineReal();
   begun_ = whole_ = true;
@@ -246,16 +240,19 @@ void LinePlanner::return_to(const Mark& mark, const stepper::MotionState& at_res
   measure_again();
 }
 
-/// The first line comes from elsewhere: its length, what it allows, and the corner at its end.
+/// The first line comes from elsewhere, the middle of a step (settles_): its length, what it
+/// allows, and the corner at its end.
 void LinePlanner::measure_again() {
+  LinePlace here = place_of(at_);
+  here.off_q8 = {};
   if (ring_.empty()) {
-    end_ = steps_of(at_);
+    end_ = here;
     last_ = {};
     reset_chords();
     return;
   }
   Line& line = ring_.at(ring_.begin());
-  const LineShape shape = make_shape(way_between(steps_of(at_), line.steps), limits_);
+  const LineShape shape = make_shape(way_between(here, line), limits_);
   line.set_length(shape.length);
   if (!is_zero(shape.length)) set_bounds(make_bounds(shape, limits_), line);
   if (ring_.size() == 1) {
@@ -265,7 +262,7 @@ void LinePlanner::measure_again() {
   Line& second = ring_.at(ring_.begin() + 1);
   LineReal most_2;
   if (!is_zero(shape.length)) {
-    const LineShape after = make_shape(way_between(line.steps, second.steps), limits_);
+    const LineShape after = make_shape(way_between(line, second), limits_);
     const LineReal slower = least(line.speed.real(), second.speed.real());
     most_2 = least(slower * slower, corner_speed_2(shape, after, limits_));
   }

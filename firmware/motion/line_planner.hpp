@@ -28,6 +28,11 @@
 // Then the lines are as they were, and the machine goes straight from where it stands to the end of
 // the line that was under way.
 //
+// Lines end where the program says, to 1/256 step, and not in the middle of steps
+// (line_place.hpp): the staircase of steps is within half a step of the line everywhere, and a
+// machine at rest between two lines stands inside the nearest step. Only a cancel, and what comes
+// too late, go to the middle.
+//
 // Times: the ticks of segments are what is planned, nothing is rounded behind that; a line takes
 // up to two ticks longer than it would without whole ticks (line_profile.hpp).
 #pragma once
@@ -132,7 +137,7 @@ class LinePlanner {
   std::uint32_t forgets_ = 0;  ///< how often all was forgotten
 
   // The end of the ring.
-  StepPosition end_{};
+  LinePlace end_;
   LineShape last_;     ///< of the last line; no length = none
   bool stop_ = false;  ///< at its end
   LineReal recent_;    ///< mean length of the last lines, times as many

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/motion/line_place.hpp"
 #include "firmware/motion/line_real.hpp"
 #include "shared/units.hpp"
 
@@ -26,9 +27,8 @@ enum class LinePower : std::uint8_t {
 /// Full power of a laser.
 inline constexpr std::uint32_t full_power = 65535;
 
-/// A straight line, as it is asked for.
-struct LineTarget {
-  StepPosition steps{};           ///< where it ends
+/// A straight line, as it is asked for: where it ends, and how.
+struct LineTarget : LinePlace {
   std::uint32_t feed_um_min = 0;  ///< speed along it; not of rapids, not if timed
   std::uint32_t time_us = 0;      ///< time for it, if timed
   std::uint32_t line = 0;         ///< carried along
@@ -39,9 +39,8 @@ struct LineTarget {
   bool exact_stop = false;  ///< a stop at its end
 };
 
-/// A line in the ring.
-struct Line {
-  StepPosition steps{};
+/// A line in the ring, and where it ends.
+struct Line : LinePlace {
   std::uint32_t length_mantissa = 0;  ///< 32 bits of it: the way has to come out exactly
   LinePacked accel;                   ///< along it
   LinePacked speed;                   ///< highest that the axes can do along it
@@ -54,6 +53,7 @@ struct Line {
   LinePower laser : 2 = LinePower::off;
   bool rapid : 1 = false, timed : 1 = false;
 
+  void set_place(const LinePlace& place) { static_cast<LinePlace&>(*this) = place; }
   LineReal length() const {
     return length_mantissa == 0 ? LineReal() : LineReal::of_parts(length_mantissa, length_exponent);
   }
@@ -63,7 +63,7 @@ struct Line {
         is_zero(length) ? std::int8_t{0} : static_cast<std::int8_t>(length.exponent());
   }
 };
-static_assert(sizeof(Line) <= 48);
+static_assert(sizeof(Line) <= 52);
 
 /// Fixed ring; indices only ever grow.
 class LineRing {

@@ -12,19 +12,19 @@ constexpr std::int64_t no_way_q62 = one_q62 >> 21;
 std::uint64_t magnitude(std::int64_t v) { return static_cast<std::uint64_t>(abs64(v)); }
 std::int64_t even(std::int64_t accel_q62) { return accel_q62 & ~std::int64_t{1}; }
 
-/// Speed of an axis, `per_tick` being the part of the line in a tick.
-std::int64_t axis_speed_q62(std::int64_t steps, LineReal per_tick) {
-  const auto count = static_cast<std::uint32_t>(magnitude(steps));
+/// Speed of an axis, `per_tick` being the part of the line in a tick, times steps of a part.
+std::int64_t axis_speed_q62(std::int64_t parts, LineReal per_tick) {
+  const auto count = static_cast<std::uint32_t>(magnitude(parts));
   const std::uint64_t product = wide_product(count, per_tick.mantissa());
   const int shift = -62 - per_tick.exponent();
   const auto speed = static_cast<std::int64_t>(shift >= 64  ? 0
                                                : shift >= 0 ? product >> shift
                                                             : product << -shift);
-  return steps < 0 ? -speed : speed;
+  return parts < 0 ? -speed : speed;
 }
 
-Int128 way_left_q62(const stepper::MotionState& at, const StepPosition& target, std::size_t a) {
-  return (stepper::middle_of_step(target[a]) - at.axis[a].position_q64) >> 2;
+Int128 way_left_q62(const stepper::MotionState& at, const LinePlace& target, std::size_t a) {
+  return (position_of(target, a) - at.axis[a].position_q64) >> 2;
 }
 
 /// Speeds of an axis at the ends of phases.
@@ -98,13 +98,14 @@ Int128 way_of(const AxisProfile& p) {
 LineReal length_left(const LineWay& way, LineReal length, int longest,
                      const stepper::MotionState& at) {
   const std::size_t a = index(longest);
-  Int128 left = stepper::middle_of_step(way.target[a]) - at.axis[a].position_q64;
-  if (way.steps[a] < 0) left = -left;
+  Int128 left = position_of(way.target, a) - at.axis[a].position_q64;
+  if (way.way.parts[a] < 0) left = -left;
   if (left.negative()) return {};
   const auto hi = static_cast<std::uint64_t>(left.hi());
   const LineReal steps =
       hi == 0 ? LineReal(left.lo(), -64) : LineReal(hi << 32 | left.lo() >> 32, -32);
-  return steps * length / LineReal(static_cast<std::uint32_t>(magnitude(way.steps[a])));
+  const auto parts = static_cast<std::uint32_t>(magnitude(way.way.parts[a]));
+  return times_power(steps * length / LineReal(parts), way.way.bits);
 }
 
 void make_segment(const stepper::MotionState& from, const LineWay& way, const LineRun& run,
@@ -121,16 +122,16 @@ void make_segment(const stepper::MotionState& from, const LineWay& way, const Li
   const LineReal end = steady ? cruise : run.end * way.per_length;
   PerAxis<std::int64_t> ends{};
   for (std::size_t a = 0; a < max_axes; ++a) {
-    const std::int64_t steps = way.steps[a];
+    const std::int64_t parts = way.way.parts[a];
     AxisSpeeds v;
-    if (steps == 0 && !pulses) {
+    if (parts == 0 && !pulses) {
       stand(s.ticks, s.axis[a]);
       continue;
     }
-    if (steps != 0) {
-      v.cruise_q62 = axis_speed_q62(steps, cruise);
-      v.start_q62 = steady ? v.cruise_q62 : axis_speed_q62(steps, start);
-      v.end_q62 = steady ? v.cruise_q62 : axis_speed_q62(steps, end);
+    if (parts != 0) {
+      v.cruise_q62 = axis_speed_q62(parts, cruise);
+      v.start_q62 = steady ? v.cruise_q62 : axis_speed_q62(parts, start);
+      v.end_q62 = steady ? v.cruise_q62 : axis_speed_q62(parts, end);
       if (fits) fit_way(v, way_left_q62(from, way.target, a).to_int64(), run);
     }
     make_axis(v, run, s.axis[a]);
@@ -140,7 +141,7 @@ void make_segment(const stepper::MotionState& from, const LineWay& way, const Li
   for (std::size_t a = 0; a < max_axes; ++a) {
     stepper::AxisState& axis = s.end.axis[a];
     axis.position_q64 = from.axis[a].position_q64;
-    if (way.steps[a] != 0) axis.position_q64 = axis.position_q64 + (way_of(s.axis[a]) << 2);
+    if (way.way.parts[a] != 0) axis.position_q64 = axis.position_q64 + (way_of(s.axis[a]) << 2);
     axis.speed_q62 = ends[a];
   }
 }
@@ -152,14 +153,12 @@ stepper::Segment make_settling(const stepper::MotionState& from, std::uint32_t t
   s.end = from;
   s.end.tick = s.end_tick();
   for (std::size_t a = 0; a < max_axes; ++a) {
-    const StepPosition here{from.axis[0].step(), from.axis[1].step(), from.axis[2].step(),
-                            from.axis[3].step()};
-    const Int128 way = way_left_q62(from, here, a);
+    const Int128 position_q64 = from.axis[a].position_q64;
+    const Int128 way = (stepper::middle_of_step(from.axis[a].step()) - position_q64) >> 2;
     s.axis[a].cruise_ticks = ticks;
     if (way < Int128(no_way_q62) && Int128(-no_way_q62) < way) continue;
     s.axis[a] = make_phases(way, 0, 0, ticks / 2, 0, ticks - ticks / 2);
-    s.end.axis[a].position_q64 =
-        from.axis[a].position_q64 + (stepper::displacement_q62(s.axis[a]) << 2);
+    s.end.axis[a].position_q64 = position_q64 + (stepper::displacement_q62(s.axis[a]) << 2);
   }
   return s;
 }

@@ -1,8 +1,8 @@
 // From a run along a line to the motion of all axes.
 //
 // In:  where the machine is, the line, a run (line_profile.hpp).
-// Out: a segment for the tick generator: all axes in proportion, exact at the end of the line (in
-//      the middle of its steps to better than 1e-6 step; the rest is carried on).
+// Out: a segment for the tick generator: all axes in proportion, exact at the end of the line (at
+//      its place to better than 1e-6 step; the rest is carried on).
 // Called by the line planner, once per segment; a steady speed takes the Cortex-M0+ 600 cycles per
 // axis that moves, one that changes a division of 64 bits and two products more per phase.
 #pragma once
@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "firmware/motion/limits.hpp"
+#include "firmware/motion/line_place.hpp"
 #include "firmware/motion/line_profile.hpp"
 #include "firmware/stepper/segment.hpp"
 
@@ -17,9 +18,9 @@ namespace lamplock::motion {
 
 /// The line under way.
 struct LineWay {
-  PerAxis<std::int64_t> steps{};  ///< from its start to its end
-  LineReal per_length;            ///< 1 / length
-  StepPosition target{};
+  WayParts way;         ///< from its start to its end
+  LineReal per_length;  ///< steps of a part / length
+  LinePlace target;
 };
 
 /// What is left of the line along its longest axis, `longest`, over its whole: times the length.

@@ -21,6 +21,11 @@ void TickGenerator::set_position(const StepPosition& steps) {
     runs_[index(a)].run.position_q64 = middle_of_step(steps[index(a)]);
 }
 
+void TickGenerator::settle() {
+  for (Run& r : runs_)
+    r.run.position_q64 = middle_of_step(static_cast<std::int32_t>(r.run.position_q64.hi()));
+}
+
 void TickGenerator::set_leads(const PerAxis<std::uint32_t>& ticks, std::int32_t laser_ticks) {
   laser_.lead = laser_ticks > 0 ? static_cast<std::uint32_t>(laser_ticks) : 0;
   laser_lag_ticks_ = laser_ticks < 0 ? static_cast<std::uint32_t>(-laser_ticks) : 0;

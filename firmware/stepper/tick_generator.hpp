@@ -99,6 +99,8 @@ class TickGenerator {
   [[gnu::cold]] void halt();
   /// Sets the position of every axis; at rest only (power-up, after a dead stop).
   void set_position(const StepPosition& steps);
+  /// At rest: every axis goes to the middle of the step where it stands, which is no motion.
+  [[gnu::cold]] void settle();
 
  private:
   /// Where somebody is in the segments that have begun.

@@ -19,6 +19,7 @@ void add_example(CLI::App& program, Action& action);
 void add_points(CLI::App& program, Action& action);
 void add_order(CLI::App& program, Action& action);
 void add_check(CLI::App& program, Action& action);
+void add_diagnose(CLI::App& program, Action& action);
 void add_job(CLI::App& program, Action& action);
 void add_send(CLI::App& program, Action& action);
 void add_settings(CLI::App& program, Action& action);

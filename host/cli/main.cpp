@@ -48,6 +48,7 @@ Exit run(int argc, char** argv) {
   lamplock::cli::add_points(program, action);
   lamplock::cli::add_order(program, action);
   lamplock::cli::add_check(program, action);
+  lamplock::cli::add_diagnose(program, action);
   lamplock::cli::add_job(program, action);
   lamplock::cli::add_send(program, action);
   lamplock::cli::add_settings(program, action);

@@ -30,7 +30,9 @@ TEST(ProgramMotion, StepsAreTheNearestOnes) {
       ASSERT_TRUE(values.set_milli(settings::for_axis(Id::steps_per_mm_x, a),
                                    std::max(1, resolution(random) >> (random() % 20))));
     }
+    const motion::LinePlace line = line_place(at, values);
     const StepPosition steps = steps_of(at, values);
+    ASSERT_EQ(steps, line.steps);
     for (int a = 0; a < max_axes; ++a) {
       __extension__ using Wide = __int128;
       const Wide product = Wide{at[index(a)]} * values.milli(Id::steps_per_mm_x, a);
@@ -41,6 +43,15 @@ TEST(ProgramMotion, StepsAreTheNearestOnes) {
       }
       const Wide off = product - unit * steps[index(a)];
       EXPECT_LE(off < 0 ? -2 * off : 2 * off, unit);
+      // To the nearest 256th but for the edges of the step; a unit of 10^10 loses its last bits.
+      const int off_q8 = line.off_q8[index(a)];
+      const Wide beside = 512 * off - 2 * unit * off_q8;
+      EXPECT_LE(std::abs(off_q8), motion::most_off_q8);
+      if (std::abs(off_q8) < motion::most_off_q8) {
+        EXPECT_LE(beside < 0 ? -beside : beside, unit + 512 * 1024);
+      } else {
+        EXPECT_GE(off_q8 < 0 ? -beside : beside, -unit - 512 * 1024);
+      }
     }
   }
 }
@@ -49,6 +60,15 @@ TEST(ProgramMotion, HalfAStepIsRoundedAwayFromZero) {
   const settings::Values values;  // 200 steps/mm
   EXPECT_EQ(steps_of({25'000, -25'000, 24'999}, values), (StepPosition{1, -1, 0, 0}));
   EXPECT_EQ(steps_of({0, 0, 0, program::one_e7}, values), (StepPosition{}));  // no such axis
+}
+
+TEST(ProgramMotion, WhatIsLeftOfAStepIsKeptButAtItsEdges) {
+  const settings::Values values;  // 200 steps/mm
+  const motion::LinePlace place = line_place({12'500, -12'500, 24'999, 0}, values);
+  EXPECT_EQ(place.steps, (StepPosition{0, 0, 0, 0}));
+  EXPECT_EQ(place.off_q8, (PerAxis<std::int8_t>{64, -64, 120, 0}));
+  EXPECT_EQ(line_place({25'000, -25'000, 50'000, 0}, values).off_q8,
+            (PerAxis<std::int8_t>{-120, 120, 0, 0}));
 }
 
 TEST(ProgramMotion, OutsideTheWorkSpaceIsNamedByItsAxis) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -25,6 +26,19 @@ using motion::LineTarget;
 using LineVector = std::array<double, max_axes>;
 
 inline double line_q62(std::int64_t v) { return std::ldexp(static_cast<double>(v), -62); }
+
+/// A place that is `steps` steps from zero along an axis, as the planner keeps it.
+inline void put_place(motion::LinePlace& place, int axis, double steps) {
+  const double step = std::round(steps);
+  const auto off = static_cast<int>(std::lround((steps - step) * (1 << motion::place_bits)));
+  place.steps[index(axis)] = static_cast<std::int32_t>(step);
+  place.off_q8[index(axis)] =
+      static_cast<std::int8_t>(std::clamp(off, -motion::most_off_q8, motion::most_off_q8));
+}
+/// Where it is.
+inline double steps_at(const motion::LinePlace& place, std::size_t axis) {
+  return place.steps[axis] + std::ldexp(place.off_q8[axis], -motion::place_bits);
+}
 
 /// Settings of a machine in the units of the user, per axis.
 struct LineMachine {
@@ -182,13 +196,18 @@ inline double steps_off_middle(Int128 position_q64, std::int32_t step) {
   return std::ldexp(static_cast<double>(native(position_q64 - stepper::middle_of_step(step))), -64);
 }
 
+/// The same from a place.
+inline double steps_off(Int128 position_q64, const motion::LinePlace& place, int axis) {
+  return std::ldexp(
+      static_cast<double>(native(position_q64 - motion::position_of(place, index(axis)))), -64);
+}
+
 /// The machine stands where the last line ends.
 inline void expect_at_end(const LineRig& rig) {
   ASSERT_FALSE(testing::Test::HasFatalFailure());
   ASSERT_TRUE(rig.at().at_rest());
   for (int a = 0; a < rig.machine().axes; ++a)
-    ASSERT_LT(std::fabs(steps_off_middle(rig.at().axis[index(a)].position_q64,
-                                         rig.targets().back().steps[index(a)])),
+    ASSERT_LT(std::fabs(steps_off(rig.at().axis[index(a)].position_q64, rig.targets().back(), a)),
               2e-6);
 }
 
@@ -248,8 +267,7 @@ inline void LineRig::look_at(const LineSegment& line) {
               native(from_.axis[index(a)].position_q64 + (stepper::displacement_q62(p) << 2)));
     ASSERT_LE(abs64(p.end_speed_q62() - end.speed_q62), 40 * std::int64_t{s.ticks});
     if (line.ends_line) {
-      ASSERT_LT(std::fabs(steps_off_middle(end.position_q64, targets_[line.line].steps[index(a)])),
-                2e-6);
+      ASSERT_LT(std::fabs(steps_off(end.position_q64, targets_[line.line], a)), 2e-6);
     }
     ASSERT_TRUE(motion::keeps_jerk(p, limit.jerk_q78))
         << p.lead_ticks << " " << p.cruise_ticks << " " << p.tail_ticks;

@@ -40,14 +40,16 @@ inline void limit_jerk(LineRandom& random, LineMachine& m) {
       m.jerk_m_s3[a] = std::max(0.01, m.accel_mm_s2[a] * 1e-3 / between(random, 1e-4, 0.1));
 }
 
-/// Lengths over decades around `scale_mm`, directions at random, or a little changed, or kept; ways
-/// back; feeds over decades, rapids, stops.
+/// In whole steps or with what is left of them, half and half. Lengths over decades around
+/// `scale_mm`, directions at random, or a little changed, or kept; ways back; feeds over decades,
+/// rapids, stops.
 inline std::vector<LineTarget> random_lines(LineRandom& random, const LineMachine& m,
                                             std::size_t count, double scale_mm) {
   std::normal_distribution<double> normal;
   std::vector<LineTarget> targets;
   LineVector at{}, direction{};
   double mm_s = between(random, 2, 500);
+  const bool whole = random() % 2 == 0;
   for (std::size_t i = 0; i < count; ++i) {
     const auto kind = random() % 8;
     const double bend = i == 0 || kind == 0 ? 1 : kind < 4 ? 0.1 : 0;
@@ -62,7 +64,8 @@ inline std::vector<LineTarget> random_lines(LineRandom& random, const LineMachin
     for (std::size_t a = 0; a < static_cast<std::size_t>(m.axes); ++a) {
       direction[a] /= std::sqrt(squares);
       at[a] += length * direction[a];
-      t.steps[a] = static_cast<std::int32_t>(std::lround(at[a] * m.steps_mm[a]));
+      const double steps = at[a] * m.steps_mm[a];
+      put_place(t, static_cast<int>(a), whole ? std::round(steps) : steps);
     }
     if (random() % 8 == 0) mm_s = between(random, 2, 500);
     t.feed_um_min = static_cast<std::uint32_t>(mm_s * 60e3);

@@ -15,8 +15,7 @@ std::uint32_t feed(double mm_s) { return static_cast<std::uint32_t>(std::lround(
 
 LineTarget to_mm(const LineMachine& m, LineVector mm, double mm_s) {
   LineTarget t;
-  for (int a = 0; a < m.axes; ++a)
-    t.steps[index(a)] = static_cast<std::int32_t>(std::lround(mm[index(a)] * m.steps_mm[index(a)]));
+  for (int a = 0; a < m.axes; ++a) put_place(t, a, mm[index(a)] * m.steps_mm[index(a)]);
   t.feed_um_min = feed(mm_s);
   return t;
 }
@@ -97,8 +96,9 @@ double worst_axis_accel(const LineRig& rig, double radius_mm) {
   const LineMachine& m = rig.machine();
   double worst = 0;
   for (const LineSegment& s : rig.segments()) {
-    const double x = s.segment.end.axis[0].step() / m.steps_mm[0];
-    const double y = radius_mm - s.segment.end.axis[1].step() / m.steps_mm[1];
+    const double x = steps_off_middle(s.segment.end.axis[0].position_q64, 0) / m.steps_mm[0];
+    const double y =
+        radius_mm - steps_off_middle(s.segment.end.axis[1].position_q64, 0) / m.steps_mm[1];
     const double along = std::max(std::fabs(x), std::fabs(y)) / std::hypot(x, y);
     const double v = rig.speed_mm_s(s);
     worst = std::max(worst, v * v / radius_mm * along / m.accel_mm_s2[0]);
@@ -133,6 +133,24 @@ TEST(LinePlanner, TightCurvesOfDensePointsAreSlowedAsFarAsTheirRadiusNeeds) {
       EXPECT_LT(rig.seconds(), (radius * steps_mm < 150 ? 1.25 : 1.15) *
                                    (circle_seconds(radius, 80, 1000, 200) + 0.1));
     }
+}
+
+TEST(LinePlanner, CoarseMachinesSeeHowTheirCurvesBend) {
+  // A step is 0.15 mm, longer than the lines. Rounding is 0.035 mm: the smallest circle has as many
+  // of them as the one above.
+  LineMachine m;
+  m.steps_mm.fill(512 / 78.0);
+  m.accel_mm_s2.fill(1000);
+  for (const double radius : {4.0, 10.0, 50.0}) {
+    SCOPED_TRACE(testing::Message() << "radius " << radius);
+    LineRig rig(m);
+    // The ring holds enough of these lines for so much.
+    constexpr double length = 200, mm_s = 120;
+    rig.stream(curve(m, radius, length, mm_s));
+    const double best = circle_seconds(radius, length, 1000, mm_s) + mm_s / 1000;
+    EXPECT_LT(worst_axis_accel(rig, radius), 1.15);
+    EXPECT_LT(rig.seconds(), 1.15 * best);
+  }
 }
 
 TEST(LinePlanner, RandomPathsKeepLimitsAndTakeNoLongerThanTheyMust) {

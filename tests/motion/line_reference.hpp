@@ -22,7 +22,7 @@ class LineReference {
       const LineTarget& target = targets[i];
       Path line;
       line.target = static_cast<std::uint32_t>(i);
-      for (std::size_t a = 0; a < axes(); ++a) line.end[a] = target.steps[a] / m_.steps_mm[a];
+      for (std::size_t a = 0; a < axes(); ++a) line.end[a] = steps_at(target, a) / m_.steps_mm[a];
       for (std::size_t a = 0; a < axes(); ++a) line.way[a] = line.end[a] - at[a];
       line.length = norm(line.way);
       if (line.length == 0) {
@@ -82,6 +82,11 @@ class LineReference {
     return std::sqrt(squares);
   }
 
+  /// What says nothing of a way: a sixteenth of a step and 1/1000 inch, a step at most.
+  double rounding_mm(std::size_t a) const {
+    return std::min(1 / m_.steps_mm[a], 1 / m_.steps_mm[a] / 16 + 0.0254);
+  }
+
   /// Highest squared speed of a change of direction: a corner, or the bend of two chords.
   double turn_2(const LineVector& from, const LineVector& to, bool corner,
                 double gentle = 10) const {
@@ -93,7 +98,7 @@ class LineReference {
     const bool sharp = dot < -6.2e-8;
     for (std::size_t a = 0; a < axes(); ++a) {
       const double u = from[a] / l0, v = to[a] / l1;
-      const double noise = 1.5e-8, rounding = (1 / l0 + 1 / l1) / m_.steps_mm[a] + noise;
+      const double noise = 1.5e-8, rounding = (1 / l0 + 1 / l1) * rounding_mm(a) + noise;
       if (std::fabs(u + v) > rounding) back = false;
       const double all = std::fabs(v - u);
       if (all <= (sharp ? noise : rounding)) continue;
@@ -114,9 +119,10 @@ class LineReference {
     return std::max(radius * accel, jump * jump);
   }
 
-  /// Chords of so many steps of the coarsest axis; turns up to `gentle`.
-  void cap(double window_steps, double gentle = 10) {
-    const double window = window_steps / m_.coarsest();
+  /// Chords of so many roundings of the axis that has the most; turns up to `gentle`.
+  void cap(double roundings, double gentle = 10) {
+    double window = 0;
+    for (std::size_t a = 0; a < axes(); ++a) window = std::max(window, roundings * rounding_mm(a));
     std::size_t first = 0, before_first = 0, before_lines = 0;
     LineVector mark{}, before{};
     if (!lines_.empty()) mark = lines_[0].start;

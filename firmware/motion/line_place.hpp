@@ -1,0 +1,65 @@
+// Where lines of a program end: a step, and how far beside its middle.
+//
+// In:  programmed places, rounded once (machine/program_motion.hpp); where the machine stands.
+// Out: places to 1/256 step, and the ways between them.
+// Called by the line planner, once or a few times per line pushed.
+//
+// The step of a place is the nearest to what was programmed, and the place lies inside it, so a
+// machine that comes to rest there stands on that step exactly. A place keeps `edge_q8` away from
+// the edges of its step, where a pulse is due: axes turn at ends of lines alone, so an axis that
+// turns has the time of a sixteenth of a step between a pulse and the one back, at least.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/stepper/segment.hpp"
+#include "shared/fixed_point.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::motion {
+
+/// Fractional bits of a place.
+inline constexpr int place_bits = 8;
+/// How near a place may come to the edge of its step: 1/32.
+inline constexpr int edge_q8 = 8;
+/// How far beside the middle of its step it may be.
+inline constexpr int most_off_q8 = (1 << (place_bits - 1)) - edge_q8;
+
+struct LinePlace {
+  StepPosition steps{};
+  PerAxis<std::int8_t> off_q8{};  ///< beside the middle of the step, at most `most_off_q8`
+};
+
+/// Of an axis, as the tick generator counts.
+constexpr Int128 position_of(const LinePlace& place, std::size_t a) {
+  constexpr std::uint64_t unit_q64 = std::uint64_t{1} << (64 - place_bits);
+  const Int128 middle = stepper::middle_of_step(place.steps[a]);
+  // The sum stays inside the step.
+  return {static_cast<std::uint64_t>(middle.hi()),
+          middle.lo() + static_cast<std::uint64_t>(std::int64_t{place.off_q8[a]}) * unit_q64};
+}
+
+/// The place nearest to where the machine is; it may be at an edge.
+inline LinePlace place_of(const stepper::MotionState& at) {
+  constexpr int half = 1 << (place_bits - 1);
+  LinePlace place;
+  for (std::size_t a = 0; a < max_axes; ++a) {
+    place.steps[a] = at.axis[a].step();
+    const auto top = static_cast<std::uint32_t>(at.axis[a].position_q64.lo() >> 32);
+    const int off = static_cast<int>(((top >> (31 - place_bits)) + 1) >> 1) - half;
+    place.off_q8[a] = static_cast<std::int8_t>(off < half ? off : half - 1);
+  }
+  return place;
+}
+
+/// A displacement.
+struct WayParts {
+  PerAxis<std::int64_t> parts{};  ///< magnitudes have 32 bits
+  int bits = 0;                   ///< fractional bits of a part
+};
+
+/// From one place to another. A way so long that its parts would not fit is told in whole steps, no
+/// axis that moves as 0.
+WayParts way_between(const LinePlace& from, const LinePlace& to);
+
+}  // namespace lamplock::motion

@@ -1,0 +1,159 @@
+#include "host/program/servo_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/error.hpp"
+#include "host/job/profile.hpp"
+#include "host/link/line_sender.hpp"
+#include "host/link/simulated_transport.hpp"
+#include "host/units.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+#include "sim/world/lamp_settings.hpp"
+
+namespace lamplock::program_run {
+namespace {
+
+using settings::Id;
+using sim::Picoseconds;
+
+/// How board and drives talk. The drives of the paper take CW/CCW.
+constexpr sim::PulseMode pulse_mode = sim::PulseMode::step_dir;
+constexpr double ps_per_second = 1e12;
+/// What a drive takes by pulses, whatever its motor could do.
+constexpr double most_pulses_per_s = 500'000;
+
+/// Where an axis of the tick generator is at a tick, steps; a step is shown half of it ahead.
+double planned_steps(const stepper::TickBlock& block, std::size_t axis, double ticks) {
+  const auto whole = static_cast<std::uint32_t>(ticks);
+  const Int128 at =
+      block.moving ? block.axis[axis].position_after(whole) : block.axis[axis].position_q64;
+  return static_cast<double>(at.hi()) + std::ldexp(static_cast<double>(at.lo()), -64) - 0.5;
+}
+
+/// Where the program is, at equal times from the first motion on.
+class PlanSampler final : public sim::TickListener {
+ public:
+  explicit PlanSampler(const ServoMachine& machine)
+      : every_(static_cast<Picoseconds>(machine.sample_s * ps_per_second)),
+        mm_per_step_(1 / in_units(machine.settings(), Id::steps_per_mm_x)) {}
+
+  struct Sample {
+    Picoseconds at;
+    std::array<double, servo_axes> mm;
+  };
+  const std::vector<Sample>& samples() const { return samples_; }
+  Picoseconds last_motion() const { return last_motion_; }
+
+ private:
+  void ticks_played(const sim::PlayedTicks& played) override {
+    const bool moves = played.block.moving;
+    if (moves) last_motion_ = played.end;
+    if (samples_.empty()) {
+      if (!moves) return;
+      next_ = played.start;
+    }
+    const double tick = static_cast<double>(played.end - played.start) /
+                        static_cast<double>(played.to - played.from);
+    for (; next_ < played.end; next_ += every_) {
+      const double ticks = static_cast<double>(played.from - played.block.first_tick) +
+                           static_cast<double>(next_ - played.start) / tick;
+      Sample sample{next_, {}};
+      for (std::size_t a = 0; a < servo_axes; ++a)
+        sample.mm[a] = planned_steps(played.block, a, ticks) * mm_per_step_;
+      samples_.push_back(sample);
+    }
+  }
+  void beat_begins(std::uint64_t, Picoseconds) override {}
+
+  Picoseconds every_, next_ = 0, last_motion_ = 0;
+  double mm_per_step_;
+  std::vector<Sample> samples_;
+};
+
+/// Sends it and sees it through.
+void run_program_on(sim::VirtualBoard& board, std::string_view text, const std::string& name) {
+  link::SimulatedTransport transport(board);
+  link::LinePort port(transport);
+  link::LineSender sender(port, link::program_lines(text, name));
+  while (sender.step())
+    if (sender.waits()) sender.resume();
+  const link::LineResult result = sender.result();
+  if (!result.errors.empty())
+    throw Error(Exit::bad_input, fmt::format("{}:{}", name, result.errors[0].line),
+                fmt::format("error:{} of the board", result.errors[0].error),
+                "`lamplock check` says what is wrong, and where");
+  if (result.end != link::LineEnd::done)
+    throw Error(Exit::job_failed, name, "does not come to its end on the simulated board",
+                "run it by `lamplock send` with --board virtual to see why");
+}
+
+}  // namespace
+
+settings::Values ServoMachine::settings() const {
+  job::Profile profile;
+  const std::string where = "servo drives";
+  job::state_setting(profile, Id::axes, servo_axes, where);
+  job::state_setting(profile, Id::lamp_mode, 0, where);
+  job::state_setting(profile, Id::soft_limits, 0, where);
+  const double most_mm_min = std::min(in_units(profile.settings, Id::max_rate_x),
+                                      most_pulses_per_s / pulses_per_mm() * 60);
+  for (int a = 0; a < static_cast<int>(servo_axes); ++a) {
+    job::state_setting(profile, settings::for_axis(Id::steps_per_mm_x, a), pulses_per_mm(), where);
+    job::state_setting(profile, settings::for_axis(Id::max_rate_x, a), most_mm_min, where);
+    job::state_setting(profile, settings::for_axis(Id::acceleration_x, a), accel_mm_s2, where);
+  }
+  return profile.settings;
+}
+
+ServoRun run_on_servos(std::string_view text, const ServoMachine& machine,
+                       const std::string& name) {
+  const settings::Values values = machine.settings();
+  sim::WorldConfig world{.lamp = sim::lamp_of(values)};
+  for (std::size_t a = 0; a < servo_axes; ++a) {
+    world.drives.mode[a] = pulse_mode;
+    world.servos[a] = machine.drive;
+  }
+  sim::VirtualBoard board(values, world);
+  PlanSampler sampler(machine);
+  board.listen(sampler);
+  run_program_on(board, text, name);
+  board.run_until(board.now() + static_cast<Picoseconds>(machine.settle_s * ps_per_second));
+  if (sampler.samples().empty())
+    throw Error(Exit::bad_input, name, "does not move X or Y", "give it a G1, G2 or G3");
+
+  ServoRun run;
+  const Picoseconds start = sampler.samples().front().at;
+  run.moving_s = sim::seconds(sampler.last_motion() - start);
+  run.samples.reserve(sampler.samples().size());
+  for (const PlanSampler::Sample& plan : sampler.samples()) {
+    ServoSample sample{sim::seconds(plan.at - start), {}};
+    for (std::size_t a = 0; a < servo_axes; ++a) {
+      const sim::Servo& servo = *board.world().servo(static_cast<int>(a));
+      sample.axis[a] = {plan.mm[a], servo.command_at(plan.at) * servo.mm_per_step(),
+                        servo.encoder_mm_at(plan.at)};
+    }
+    run.samples.push_back(sample);
+  }
+  for (std::size_t a = 0; a < servo_axes; ++a) run.pulses[a] = board.world().drives().position()[a];
+  return run;
+}
+
+PlanePoint centre_of(const PlanePoint& from, const PlanePoint& to, double radius) {
+  const double x = to[0] - from[0], y = to[1] - from[1], chord = std::hypot(x, y);
+  if (chord == 0 || chord > 2 * radius)
+    throw Error(Exit::bad_input, fmt::format("radius {:g}", radius), "leads to no such end",
+                "half the way between the ends is the least");
+  const double beside = std::sqrt(radius * radius - chord * chord / 4);
+  return {(from[0] + to[0]) / 2 + beside * y / chord, (from[1] + to[1]) / 2 - beside * x / chord};
+}
+
+const char* arc_code(const PlanePoint& from, const PlanePoint& to, const PlanePoint& centre) {
+  const double cross =
+      (from[0] - centre[0]) * (to[1] - centre[1]) - (from[1] - centre[1]) * (to[0] - centre[0]);
+  return cross > 0 ? "G3" : "G2";
+}
+
+}  // namespace lamplock::program_run
