@@ -162,9 +162,13 @@ TEST(ProgramStaircase, WhoeverComesNextStartsInTheMiddleOfAStep) {
     const stepper::MotionState at = rig.board.controller().runner().generator().state();
     return at.axis[0].position_q64 - stepper::middle_of_step(at.axis[0].step());
   };
+  const auto off_steps = [&] {
+    const Int128 off = off_middle();
+    return static_cast<double>(off.hi()) + std::ldexp(static_cast<double>(off.lo()), -64);
+  };
   ASSERT_TRUE(host.stream("G21 G90 G94 G1 X10.05 Y3 F2000\n"));  // 65.97 steps
   host.run_ms(20);
-  EXPECT_NE(off_middle(), Int128{});
+  EXPECT_NEAR(off_steps(), 10.05 * 6.564 - 66, 1.0 / 512 + 1e-6);
   EXPECT_EQ(rig.board.world().drives().position()[0], 66);
   ASSERT_TRUE(host.stream("M130 P0\nG0 X10.05\nM131\n"));
   host.run_ms(20);
