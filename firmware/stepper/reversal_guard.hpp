@@ -62,6 +62,10 @@ class ReversalGuard {
   void wake(std::uint32_t ticks) {
     since_step_ = static_cast<std::uint8_t>(ticks < times_.hold_ticks ? ticks : times_.hold_ticks);
   }
+  /// What tick() comes to if hold_ticks are over, and none of the next setup_ticks ticks steps: DIR
+  /// changes with the first of them, and the guard is settled again behind the last. Settled
+  /// before.
+  void turn(bool back) { back_ = heading_back_ = back; }
   /// The axis has a rate from the next tick on, and its sign.
   void head(bool back) { heading_back_ = back; }
   /// The next tick; `wanted` is -1, 0 or 1. True if it steps, the way that back() says.

@@ -79,7 +79,8 @@ void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t
   Row& row = rows_[index(axis)];
   StepPhase phase(run);
   const bool back = StepPhase::backwards(run);
-  if (!row.guard.passes(back)) ticks = put_guarded(axis, phase, back, false, ticks);
+  if (!row.guard.passes(back) && !turn_at_once(axis, phase, back, ticks))
+    ticks = put_guarded(axis, phase, back, false, ticks);
   const std::uint32_t dir = row.dir();
   std::uint32_t at = row.fill.place / ticks_per_step_word;
   if (const std::uint32_t begun = row.fill.place % ticks_per_step_word; begun != 0) {
@@ -106,6 +107,19 @@ void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t
   }
   ticks %= ticks_per_step_word;
   if (ticks != 0) row.fill.partial = expand_some(phase, row.fill.partial, ticks, dir);
+}
+
+/// As a rule an axis turns far from its steps: then the guard need not be asked in every tick.
+bool StepExpander::turn_at_once(int axis, StepPhase phase, bool back, std::uint32_t ticks) {
+  stepper::ReversalGuard& guard = rows_[index(axis)].guard;
+  const stepper::DirectionTimes& times = guard.times();
+  if (!guard.settled() || phase.rate == 0 || ticks < times.setup_ticks) return false;
+  // One tick is over in any case: DIR changes with the next one.
+  if (times.hold_ticks > 1 && quiet_ticks(axis) + 1 < times.hold_ticks) return false;
+  for (std::uint32_t i = times.setup_ticks; i != 0; --i)
+    if (phase.tick()) return false;
+  guard.turn(back);
+  return true;
 }
 
 void StepExpander::put_guarded_tick(int axis, std::int32_t wanted) {

@@ -6,9 +6,9 @@
 //      rings are filled.
 // Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked.
 // Budget: per axis and run some 200 cycles and at most 7 a tick, 2 where steps are rare; about a
-//      quarter of a cycle a tick where it stands. Behind a reversal some 150 cycles a tick until
-//      its guard (stepper/reversal_guard.hpp) lets steps pass: one tick as a rule. For power 40 a
-//      call and half a cycle a tick.
+//      quarter of a cycle a tick where it stands. Where it turns close to a step some 200 cycles a
+//      tick until its guard (stepper/reversal_guard.hpp) lets steps pass. For power 40 a call and
+//      half a cycle a tick.
 //
 // A word is made of bits of DIR and STEP and becomes what the pins want when it is complete. Power
 // has one value a cell: that of the last tick up to its middle that shines, or else of the first
@@ -91,6 +91,7 @@ class StepExpander {
     std::uint32_t finish_other(std::uint32_t word);
   };
 
+  bool turn_at_once(int axis, StepPhase phase, bool back, std::uint32_t ticks);
   std::uint32_t put_guarded(int axis, StepPhase& phase, bool back, bool stands,
                             std::uint32_t ticks);
   void put_guarded_tick(int axis, std::int32_t wanted);
