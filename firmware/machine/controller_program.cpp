@@ -37,7 +37,7 @@ void Controller::on_line_too_long() { on_line(lost_line); }
     // Behind a cancelled jog, until the machine stands where the next line begins.
     if (reader_.astray() && !program_.idle()) break;
     if (run_start_up_line()) continue;
-    if (start_up_waits()) break;
+    if (start_up_next_ < start_up_lines && start_up_waits()) break;
     if (!reader_.lines_wait()) break;
     if (link_.room() < (reader_.front() == '$' ? list_room : answer_room)) break;
     std::array<char, wire::max_line> room;
@@ -70,7 +70,7 @@ void Controller::go_or_wait() {
         return false;
       case Step::done:
         if (!own_line_) {
-          keep_new_start_up_line();
+          if (new_start_up_ != start_up_lines) keep_new_start_up_line();
           answer(GcodeError::none);
         }
         own_line_ = false;

@@ -22,9 +22,8 @@ GcodeError Controller::keep_start_up_line(std::string_view line) {
   return GcodeError::none;
 }
 
-/// If the line under way is one: it has run.
+/// The line under way is one: it has run.
 void Controller::keep_new_start_up_line() {
-  if (new_start_up_ == start_up_lines) return;
   reader_.kept().start_up[new_start_up_] = new_start_up_text_;
   new_start_up_ = start_up_lines;
   kept_due_ = true;

@@ -17,10 +17,20 @@ static_assert(most_product / per_step < most_steps);
 constexpr std::uint32_t per_step_units = 9'765'625;
 static_assert(per_step == std::int64_t{per_step_units} << 10);
 
+/// n / per_step_units by a product: exact while n times what the reciprocal is too large by, less
+/// than a divisor, stays below 2^55.
+constexpr int reciprocal_bits = 55;
+constexpr std::uint64_t reciprocal = (std::uint64_t{1} << reciprocal_bits) / per_step_units + 1;
+static_assert(reciprocal >> 32 == 0);
+constexpr std::uint32_t most_dividend = (per_step_units << motion::place_bits) + per_step_units / 2;
+static_assert(std::uint64_t{most_dividend} * per_step_units < std::uint64_t{1} << reciprocal_bits);
+
 /// How far from the middle of a step it is to what is `units` above its lower edge.
-int off_q8(std::uint32_t units) {
+[[gnu::hot]] int off_q8(std::uint32_t units) {
   using motion::most_off_q8, motion::place_bits;
-  const std::uint32_t from_edge = ((units << place_bits) + per_step_units / 2) / per_step_units;
+  const std::uint32_t dividend = (units << place_bits) + per_step_units / 2;
+  const auto from_edge = static_cast<std::uint32_t>(
+      wide_product(dividend, static_cast<std::uint32_t>(reciprocal)) >> reciprocal_bits);
   const int off = static_cast<int>(from_edge) - (1 << (place_bits - 1));
   return off > most_off_q8 ? most_off_q8 : off < -most_off_q8 ? -most_off_q8 : off;
 }

@@ -11,6 +11,7 @@
 #include "host/link/simulated_transport.hpp"
 #include "host/units.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
+#include "sim/world/drive_settings.hpp"
 #include "sim/world/lamp_settings.hpp"
 
 namespace lamplock::program_run {
@@ -19,8 +20,8 @@ namespace {
 using settings::Id;
 using sim::Picoseconds;
 
-/// How board and drives talk. The drives of the paper take CW/CCW.
-constexpr sim::PulseMode pulse_mode = sim::PulseMode::step_dir;
+/// How board and drives talk: as those of the paper.
+constexpr auto pulse_mode = settings::PulseMode::cw_ccw;
 constexpr double ps_per_second = 1e12;
 /// What a drive takes by pulses, whatever its motor could do.
 constexpr double most_pulses_per_s = 500'000;
@@ -104,6 +105,8 @@ settings::Values ServoMachine::settings() const {
     job::state_setting(profile, settings::for_axis(Id::steps_per_mm_x, a), pulses_per_mm(), where);
     job::state_setting(profile, settings::for_axis(Id::max_rate_x, a), most_mm_min, where);
     job::state_setting(profile, settings::for_axis(Id::acceleration_x, a), accel_mm_s2, where);
+    job::state_setting(profile, settings::for_axis(Id::pulse_mode_x, a),
+                       static_cast<int>(pulse_mode), where);
   }
   return profile.settings;
 }
@@ -111,11 +114,8 @@ settings::Values ServoMachine::settings() const {
 ServoRun run_on_servos(std::string_view text, const ServoMachine& machine,
                        const std::string& name) {
   const settings::Values values = machine.settings();
-  sim::WorldConfig world{.lamp = sim::lamp_of(values)};
-  for (std::size_t a = 0; a < servo_axes; ++a) {
-    world.drives.mode[a] = pulse_mode;
-    world.servos[a] = machine.drive;
-  }
+  sim::WorldConfig world{.lamp = sim::lamp_of(values), .drives = sim::drives_of(values)};
+  for (std::size_t a = 0; a < servo_axes; ++a) world.servos[a] = machine.drive;
   sim::VirtualBoard board(values, world);
   PlanSampler sampler(machine);
   board.listen(sampler);

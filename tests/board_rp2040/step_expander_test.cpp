@@ -254,7 +254,8 @@ TEST(StepExpander, GoesOnWithTheLevelsOfThePins) {
   std::mt19937_64 random(11);
   for (int run = 0; run < test::scaled(60); ++run) {
     auto rings = std::make_unique<LatticeRings>();
-    StepExpander expander(*rings);
+    auto power = std::make_unique<PowerRing>();
+    StepExpander expander(*rings, *power);
     stepper::PulseOutput output = random_output(random);
     output.axis[0].mode = settings::PulseMode::quadrature;
     output.axis[1].mode = settings::PulseMode::step_dir;

@@ -107,8 +107,8 @@ TEST(Assembler, LabelsResolveForwardsAndMoveWithTheProgram) {
 }
 
 TEST(Assembler, TheProgramsAreWhatTheirEssaysSay) {
-  // out pins,1; out x,1; wait 1 gpio 25; jmp !x 5; set pins,1; wait 0 gpio 25; set pins,0
-  const std::array<std::uint16_t, 7> axis{0x6001, 0x6021, 0x2099, 0x0025, 0xe001, 0x2019, 0xe000};
+  // wait 1 gpio 25 [1]; out pins,2; wait 0 gpio 25; set pins,0
+  const std::array<std::uint16_t, 4> axis{0x2199, 0x6002, 0x2019, 0xe000};
   ASSERT_EQ(axis_program.size, axis.size());
   for (std::size_t i = 0; i < axis.size(); ++i) EXPECT_EQ(axis_program.code[i], axis[i]) << i;
   // wait 1 gpio 25 [1]; out pins,4; wait 0 gpio 25

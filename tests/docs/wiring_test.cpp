@@ -75,8 +75,8 @@ TEST_P(WiringMap, ThePageHasEveryPinAsTheTableHasIt) {
   }
 }
 
-TEST(Wiring, ThePageHasTheTimesOfTheFirmware) {
-  const std::string page = test::read_repository_file("docs/wiring.md");
+TEST(Safety, ThePageHasTheTimesOfTheFirmware) {
+  const std::string page = test::read_repository_file("docs/safety.md");
   std::ostringstream ahead;
   ahead << "ticks are credits, " << rp2040::feed_lead_clocks / clocks_per_us
         << " us ahead and at most one span of " << rp2040::feed_span_ticks << " ticks more";

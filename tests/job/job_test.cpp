@@ -118,12 +118,12 @@ TEST(MakeJob, ChecksSettingsOnRequest) {
   EXPECT_EQ(job.header.settings_hash, settings::Values{}.hash());
 }
 
-TEST(MakeJob, EverySettingFitsTheHeader) {
+TEST(MakeJob, EverySettingOfJobsFitsTheHeader) {
   Profile profile;
   profile.stated.set();
   state_setting(profile, Id::axes, 4, "test");
   const Job job = make_job({{}}, profile, {});
-  EXPECT_EQ(job.header.override_count, settings::setting_count);
+  EXPECT_EQ(job.header.override_count, settings::job_setting_count);
 }
 
 TEST(ApplyOverrides, UnknownNumbersAndValuesOutOfRangeAreErrors) {

@@ -119,7 +119,7 @@ TEST(Interpreter, LaserModeSendsSpeedsWithTheMoves) {
 TEST(Interpreter, ToolChange) {
   expect_rows({
       {"T3 M6", "tool"},
-      {"M3 S5|T1 M6|X1", "tool; rapid to 1 0 0"},
+      {"M3 S5|T1 M6|X1", "rapid to 1 0 0"},
       {"M6 T2 M3 S5", "tool; spindle M3 S5"},
       {"T1 M6 G0 X1 M8", "tool; coolant flood; rapid to 1 0 0"},
   });

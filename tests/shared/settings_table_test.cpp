@@ -72,14 +72,14 @@ TEST(SettingsTable, FindsByNumberAndName) {
   EXPECT_EQ(find_name(""), Id::count);
 }
 
-TEST(SettingsTable, HashTellsEverySettingApart) {
+TEST(SettingsTable, HashTellsEverySettingOfJobsApart) {
   std::set<std::uint32_t> hashes{Values().hash()};
   for (std::size_t i = 0; i < setting_count; ++i) {
     Values values;
     const Row& r = table[i];
     ASSERT_TRUE(values.set_milli(static_cast<Id>(i),
                                  r.default_milli == r.min_milli ? r.max_milli : r.min_milli));
-    EXPECT_TRUE(hashes.insert(values.hash()).second) << r.name;
+    EXPECT_EQ(hashes.insert(values.hash()).second, of_jobs(static_cast<Id>(i))) << r.name;
   }
   EXPECT_EQ(Values().hash(), Values().hash());
 }

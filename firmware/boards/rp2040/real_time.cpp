@@ -253,7 +253,8 @@ void RealTime::stop_dead(machine::Controller& core) {
 }
 
 /// As far as steps had been put out then, or a millisecond ago: further back the rings do not go.
-StepPosition RealTime::steps_at_us(std::uint32_t us) {
+StepPosition RealTime::steps_at_us(machine::Controller& core, std::uint32_t us) {
+  top_up(core);  // looking back takes up to half a millisecond
   const std::uint64_t present = now();
   const std::uint64_t tick =
       feed_.tick_at(present - std::uint64_t{now_us_ - us} * clocks_per_us) + 1;
@@ -262,7 +263,8 @@ StepPosition RealTime::steps_at_us(std::uint32_t us) {
 
 void RealTime::input_changed(machine::Controller& core, machine::Input input, bool active,
                              std::uint32_t began_us) {
-  core.input_changed(input, active, core.wants_places() ? steps_at_us(began_us) : StepPosition{});
+  core.input_changed(input, active,
+                     core.wants_places() ? steps_at_us(core, began_us) : StepPosition{});
   if (machine::is_limit(input) && active && core.state() == wire::MachineState::alarm)
     stop_dead(core);
 }

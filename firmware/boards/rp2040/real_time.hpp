@@ -93,7 +93,7 @@ class RealTime {
   void stop_dead(machine::Controller& core);
   void input_changed(machine::Controller& core, machine::Input input, bool active,
                      std::uint32_t began_us);
-  StepPosition steps_at_us(std::uint32_t us);
+  StepPosition steps_at_us(machine::Controller& core, std::uint32_t us);
   void apply_outputs(const machine::Controller& core);
   [[gnu::noinline]] void apply_beam(const machine::Controller& core) {
     beam_.apply(core.outputs(), [this] { return estop_.is_cut(); });

@@ -75,22 +75,40 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
 }
 
 void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t ticks) {
-  auto& ring = rings_.steps[index(axis)];
+  Row& row = rows_[index(axis)];
+  const bool back = StepPhase::backwards(run);
+  if (!row.guard.passes(back) || row.mode != PulseMode::step_dir)
+    return put_other(axis, run, ticks);
+  StepPhase phase(run);
+  put_words<true>(axis, phase, back ? all_dir_bits : 0, ticks);
+}
+
+/// Where the axis turns, or its pins want something else than STEP and DIR.
+[[gnu::noinline]] void StepExpander::put_other(int axis, const stepper::AxisRun& run,
+                                               std::uint32_t ticks) {
   Row& row = rows_[index(axis)];
   StepPhase phase(run);
   const bool back = StepPhase::backwards(run);
   if (!row.guard.passes(back) && !turn_at_once(axis, phase, back, ticks))
     ticks = put_guarded(axis, phase, back, false, ticks);
-  const std::uint32_t dir = row.dir();
-  std::uint32_t at = row.fill.place / ticks_per_step_word;
-  if (const std::uint32_t begun = row.fill.place % ticks_per_step_word; begun != 0) {
+  put_words<false>(axis, phase, row.dir(), ticks);
+}
+
+/// Steps as they come; `plain`: the pins want STEP and DIR.
+template <bool plain>
+void StepExpander::put_words(int axis, StepPhase& phase, std::uint32_t dir, std::uint32_t ticks) {
+  auto& ring = rings_.steps[index(axis)];
+  Row& row = rows_[index(axis)];
+  Fill& fill = row.fill;
+  std::uint32_t at = fill.place / ticks_per_step_word;
+  if (const std::uint32_t begun = fill.place % ticks_per_step_word; begun != 0) {
     const std::uint32_t left = ticks_per_step_word - begun, n = ticks < left ? ticks : left;
-    row.fill.partial = expand_some(phase, row.fill.partial, n, dir);
-    row.fill.place += n;
+    fill.partial = expand_some(phase, fill.partial, n, dir);
+    fill.place += n;
     ticks -= n;
-    if (n == left) ring[at++ % step_ring_words] = row.finish(row.fill.partial);
+    if (n == left) ring[at++ % step_ring_words] = plain ? fill.partial : row.finish(fill.partial);
   }
-  row.fill.place = (row.fill.place + ticks) & place_mask;
+  fill.place = (fill.place + ticks) & place_mask;
   const bool rare = phase.steps_rarely(ticks);
   for (std::uint32_t words = ticks / ticks_per_step_word; words != 0;) {
     at %= step_ring_words;
@@ -100,13 +118,13 @@ void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t
       expand_rare_words(phase, out, out + n, dir);
     else
       expand_words(phase, out, out + n, dir);
-    if (row.mode != PulseMode::step_dir)
-      for (std::uint32_t i = 0; i < n; ++i) out[i] = row.finish_other(out[i]);
+    if constexpr (!plain)
+      for (std::uint32_t i = 0; i < n; ++i) out[i] = row.finish(out[i]);
     words -= n;
     at += n;
   }
   ticks %= ticks_per_step_word;
-  if (ticks != 0) row.fill.partial = expand_some(phase, row.fill.partial, ticks, dir);
+  if (ticks != 0) fill.partial = expand_some(phase, fill.partial, ticks, dir);
 }
 
 /// As a rule an axis turns far from its steps: then the guard need not be asked in every tick.
@@ -205,6 +223,17 @@ std::uint32_t StepExpander::quiet_ticks(int axis) const {
   return quiet;
 }
 
+/// Whole words without a step from a place on, of so many ticks: most are, and whoever asks where
+/// the machine is has not much time. Zero is always true.
+std::uint32_t StepExpander::quiet_words(int axis, std::uint32_t place, std::uint32_t ticks) const {
+  if (rows_[index(axis)].mode != PulseMode::step_dir) return 0;
+  const auto& ring = rings_.steps[index(axis)];
+  const std::uint32_t most = ticks / ticks_per_step_word;
+  std::uint32_t at = place / ticks_per_step_word, words = 0;
+  for (; words != most && (ring[at] & all_step_bits) == 0; ++words) at = (at + 1) % step_ring_words;
+  return words;
+}
+
 StepPosition StepExpander::steps_at(std::uint64_t tick) const {
   // From the end back: what is still in the rings was not put out, nor what is owed there.
   StepPosition steps{};
@@ -220,9 +249,13 @@ StepPosition StepExpander::steps_at(std::uint64_t tick) const {
       const std::uint32_t word = steps_of(a, place) << 2 * skip;
       const std::uint32_t used = ~0u << 2 * (ticks_per_step_word - n);
       const std::uint32_t stepping = word & used & all_step_bits;
+      left -= n;
+      if (stepping == 0) {
+        left -= quiet_words(a, (place + n) & place_mask, left) * ticks_per_step_word;
+        continue;
+      }
       const std::uint32_t back = stepping & (word >> 1);
       step -= std::popcount(stepping) - 2 * std::popcount(back);
-      left -= n;
     }
     steps[index(a)] = static_cast<std::int32_t>(step);
   }

@@ -91,12 +91,16 @@ class StepExpander {
     std::uint32_t finish_other(std::uint32_t word);
   };
 
+  void put_other(int axis, const stepper::AxisRun& run, std::uint32_t ticks);
+  template <bool plain>
+  void put_words(int axis, StepPhase& phase, std::uint32_t dir, std::uint32_t ticks);
   bool turn_at_once(int axis, StepPhase phase, bool back, std::uint32_t ticks);
   std::uint32_t put_guarded(int axis, StepPhase& phase, bool back, bool stands,
                             std::uint32_t ticks);
   void put_guarded_tick(int axis, std::int32_t wanted);
   std::uint32_t steps_of(int axis, std::uint32_t place) const;
   std::uint32_t quiet_ticks(int axis) const;
+  std::uint32_t quiet_words(int axis, std::uint32_t place, std::uint32_t ticks) const;
 
   LatticeRings& rings_;
   std::uint64_t end_ = 0;
