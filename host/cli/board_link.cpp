@@ -2,6 +2,7 @@
 
 #include "host/cli/run_job.hpp"
 #include "host/link/simulated_transport.hpp"
+#include "sim/world/limit_settings.hpp"
 
 namespace lamplock::cli {
 
@@ -12,6 +13,7 @@ BoardLink::BoardLink(const BoardOptions& options, const settings::Values& stored
     sim::WorldConfig world;
     world.lamp = options.faults.lamp(stored);
     world.drives = options.drives.drives(stored);
+    world.switches = sim::limits_of(stored);
     simulated_ = make_board(options.board, options.image, stored, world);
     transport_ = std::make_unique<link::SimulatedTransport>(*simulated_.board);
   }

@@ -16,6 +16,7 @@
 #include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/staged_file.hpp"
+#include "sim/world/limit_settings.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -108,6 +109,7 @@ Exit simulate(const Options& options) {
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(values);
   world.drives = options.drives.drives(values);
+  world.switches = sim::limits_of(values);
   Ports ports(options);
   const SimulatedBoard made = make_board(options.board, options.image, values, world);
   sim::Board& board = *made.board;

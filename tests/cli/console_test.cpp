@@ -43,6 +43,20 @@ TEST(ConsoleCommand, in_a_terminal) {
   EXPECT_EQ(terminal.finish().status, 0);
 }
 
+/// A simulated machine that homes has switches where its settings say.
+TEST(ConsoleCommand, homes_the_simulated_machine) {
+  const TemporaryFolder folder;
+  const std::string machine =
+      folder.write("m.toml",
+                   "homing = true\nhoming_direction = 1\nhoming_seek = 6000\nhoming_feed = 300\n"
+                   "lamp_mode = 0\n");
+  const Finished done = run({"console", "--machine", machine}, "?\n$H\n?\nG38.3 Z45 F6000\n");
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("<Alarm|"));
+  EXPECT_THAT(done.out, HasSubstr("<Idle|MPos:-49.000,49.000,49.000|"));
+  EXPECT_THAT(done.out, HasSubstr("[PRB:-49.000,49.000,45.000:0]"));
+}
+
 TEST(ConsoleCommand, without_a_board) {
   EXPECT_EQ(run({"console", "--board", "/dev/no-such-port"}, "$$\n").status, 3);
 }
