@@ -254,17 +254,23 @@ void RealTime::stop_dead(machine::Controller& core) {
 
 /// As far as steps had been put out then, or a millisecond ago: further back the rings do not go.
 StepPosition RealTime::steps_at_us(machine::Controller& core, std::uint32_t us) {
-  top_up(core);  // looking back takes up to half a millisecond
-  const std::uint64_t present = now();
-  const std::uint64_t tick =
-      feed_.tick_at(present - std::uint64_t{now_us_ - us} * clocks_per_us) + 1;
-  return expander_.steps_at(tick > expander_.oldest_tick() ? tick : expander_.oldest_tick());
+  const std::uint64_t present = now(), oldest = expander_.oldest_tick();
+  std::uint64_t tick = feed_.tick_at(present - std::uint64_t{now_us_ - us} * clocks_per_us) + 1;
+  if (tick < oldest) tick = oldest;
+  StepPosition steps{};
+  for (int a = 0; a < max_axes; ++a) {
+    top_up(core);  // the lead in time is less than looking back at all axes may take
+    steps[index(a)] = expander_.step_at(a, tick);
+  }
+  return steps;
 }
 
 void RealTime::input_changed(machine::Controller& core, machine::Input input, bool active,
-                             std::uint32_t began_us) {
-  core.input_changed(input, active,
-                     core.wants_places() ? steps_at_us(core, began_us) : StepPosition{});
+                             std::size_t i) {
+  StepPosition at{};
+  if (core.wants_places() && i < places_.size())
+    at = (placed_ >> i & 1) != 0 ? places_[i] : steps_at_us(core, timer().timerawl);
+  core.input_changed(input, active, at);
   if (machine::is_limit(input) && active && core.state() == wire::MachineState::alarm)
     stop_dead(core);
 }
@@ -290,8 +296,13 @@ void RealTime::apply_outputs(const machine::Controller& core) {
 }
 
 void RealTime::poll(machine::Controller& core) {
-  const auto changed = [this, &core](machine::Input input, bool active, std::uint32_t began_us) {
-    input_changed(core, input, active, began_us);
+  const auto begins = [this, &core](std::size_t i, std::uint32_t began_us) {
+    const bool wanted = core.wants_places();
+    if (wanted) places_[i] = steps_at_us(core, began_us);
+    placed_ = static_cast<std::uint8_t>((placed_ & ~(1u << i)) | (wanted ? 1u : 0u) << i);
+  };
+  const auto changed = [this, &core](machine::Input input, bool active, std::size_t i) {
+    input_changed(core, input, active, i);
   };
   if (estop_.seen()) {
     estop_.told();
@@ -303,7 +314,7 @@ void RealTime::poll(machine::Controller& core) {
     stop_dead(core);
   }
   inputs_.set_active_low(machine::active_low(core.stored()));
-  inputs_.poll(sio().gpio_in, timer().timerawl, changed);
+  inputs_.poll(sio().gpio_in, timer().timerawl, begins, changed);
   fire_.service(core, [this] { return now(); });
   fire_.configure(core.fire_timing());
   apply_beam(core);

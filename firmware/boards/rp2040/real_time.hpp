@@ -91,8 +91,7 @@ class RealTime {
   /// The lattice, whose first tick comes so many clocks later, and with it a period of LASER PWM.
   void go(std::uint64_t at_us, std::uint32_t first_tick_clocks);
   void stop_dead(machine::Controller& core);
-  void input_changed(machine::Controller& core, machine::Input input, bool active,
-                     std::uint32_t began_us);
+  void input_changed(machine::Controller& core, machine::Input input, bool active, std::size_t i);
   StepPosition steps_at_us(machine::Controller& core, std::uint32_t us);
   void apply_outputs(const machine::Controller& core);
   [[gnu::noinline]] void apply_beam(const machine::Controller& core) {
@@ -114,6 +113,8 @@ class RealTime {
   BeamOutput beam_;
   Estop estop_;
   Inputs inputs_;
+  std::array<StepPosition, Inputs::most> places_{};  ///< where the machine was when each began
+  std::uint8_t placed_ = 0;                          ///< a bit for each of them that is known
   std::uint64_t start_us_ = 0;
   std::uint64_t now_ = 0;       ///< present clock when it was last asked for
   std::uint32_t now_us_ = 0;    ///< and the lower half of the timer then

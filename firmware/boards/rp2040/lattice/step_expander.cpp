@@ -226,39 +226,44 @@ std::uint32_t StepExpander::quiet_ticks(int axis) const {
 /// Whole words without a step from a place on, of so many ticks: most are, and whoever asks where
 /// the machine is has not much time. Zero is always true.
 std::uint32_t StepExpander::quiet_words(int axis, std::uint32_t place, std::uint32_t ticks) const {
-  if (rows_[index(axis)].mode != PulseMode::step_dir) return 0;
+  const PulseMode mode = rows_[index(axis)].mode;
   const auto& ring = rings_.steps[index(axis)];
   const std::uint32_t most = ticks / ticks_per_step_word;
-  std::uint32_t at = place / ticks_per_step_word, words = 0;
-  for (; words != most && (ring[at] & all_step_bits) == 0; ++words) at = (at + 1) % step_ring_words;
+  // DIR means nothing by itself, levels nothing while they stay.
+  const std::uint32_t counts = mode == PulseMode::step_dir ? all_step_bits : ~0u;
+  std::uint32_t at = place / ticks_per_step_word, words = 0, quiet = 0;
+  if (mode == PulseMode::quadrature)
+    quiet = (ring[(at + step_ring_words - 1) % step_ring_words] & 3) * all_step_bits;
+  for (; words != most && (ring[at] & counts) == quiet; ++words) at = (at + 1) % step_ring_words;
   return words;
 }
 
-StepPosition StepExpander::steps_at(std::uint64_t tick) const {
+std::int32_t StepExpander::step_at(int axis, std::uint64_t tick) const {
   // From the end back: what is still in the rings was not put out, nor what is owed there.
-  StepPosition steps{};
-  const auto open = static_cast<std::uint32_t>(end_ > tick ? end_ - tick : 0);
-  for (int a = 0; a < max_axes; ++a) {
-    const Row& row = rows_[index(a)];
-    std::int64_t step = steps_[index(a)] - row.guard.owed();
-    for (std::uint32_t left = open; left != 0;) {
-      const std::uint32_t place = (row.fill.place - left) & place_mask;
-      const std::uint32_t skip = place % ticks_per_step_word;
-      const std::uint32_t n = left < ticks_per_step_word - skip ? left : ticks_per_step_word - skip;
-      // DIR belongs to the tick: a word may hold both directions.
-      const std::uint32_t word = steps_of(a, place) << 2 * skip;
-      const std::uint32_t used = ~0u << 2 * (ticks_per_step_word - n);
-      const std::uint32_t stepping = word & used & all_step_bits;
-      left -= n;
-      if (stepping == 0) {
-        left -= quiet_words(a, (place + n) & place_mask, left) * ticks_per_step_word;
-        continue;
-      }
-      const std::uint32_t back = stepping & (word >> 1);
-      step -= std::popcount(stepping) - 2 * std::popcount(back);
+  const Row& row = rows_[index(axis)];
+  std::int64_t step = steps_[index(axis)] - row.guard.owed();
+  for (auto left = static_cast<std::uint32_t>(end_ > tick ? end_ - tick : 0); left != 0;) {
+    const std::uint32_t place = (row.fill.place - left) & place_mask;
+    const std::uint32_t skip = place % ticks_per_step_word;
+    const std::uint32_t n = left < ticks_per_step_word - skip ? left : ticks_per_step_word - skip;
+    // DIR belongs to the tick: a word may hold both directions.
+    const std::uint32_t word = steps_of(axis, place) << 2 * skip;
+    const std::uint32_t used = ~0u << 2 * (ticks_per_step_word - n);
+    const std::uint32_t stepping = word & used & all_step_bits;
+    left -= n;
+    if (stepping == 0) {
+      left -= quiet_words(axis, (place + n) & place_mask, left) * ticks_per_step_word;
+      continue;
     }
-    steps[index(a)] = static_cast<std::int32_t>(step);
+    const std::uint32_t back = stepping & (word >> 1);
+    step -= std::popcount(stepping) - 2 * std::popcount(back);
   }
+  return static_cast<std::int32_t>(step);
+}
+
+StepPosition StepExpander::steps_at(std::uint64_t tick) const {
+  StepPosition steps{};
+  for (int a = 0; a < max_axes; ++a) steps[index(a)] = step_at(a, tick);
   return steps;
 }
 

@@ -70,6 +70,8 @@ class StepExpander {
   /// Where the axes stand when the ticks before `tick` have been put out; the tick must lie in
   /// the rings (main loop).
   StepPosition steps_at(std::uint64_t tick) const;
+  /// One axis of it: some 0.1 ms, twice that where every word has steps.
+  std::int32_t step_at(int axis, std::uint64_t tick) const;
 
  private:
   /// A ring as it is being filled.

@@ -9,7 +9,9 @@
 //
 // All switches are contacts to ground with the pin's pull-up. A change to active counts when it has
 // been quiet for 50 us; back, when it has been quiet for 20 ms (contacts bounce for 1 to 10 ms), of
-// the probe at once as well, for a move may wait for that. It began with its first bounce.
+// the probe at once as well, for a move may wait for that. It began with its first bounce, and
+// where the machine was then has to be asked for as soon as that is seen: some milliseconds later
+// nobody knows.
 #pragma once
 
 #include <array>
@@ -53,7 +55,9 @@ class DebouncedInput {
     return change;
   }
   bool active() const { return active_; }
-  /// When the pin left the level before the present one for the first time.
+  /// It may change: the pin has left the level that counts, and has not been back for long.
+  bool turning() const { return turning_; }
+  /// When it left that for the first time.
   std::uint32_t began_us() const { return began_us_; }
 
  private:
@@ -96,21 +100,24 @@ class Inputs {
       if ((inputs & machine::set_of(switches_[i].meaning)) != 0)
         low_pins_ |= 1u << switches_[i].gpio;
   }
-  /// `changed(input, active, began_us)` for every change.
-  template <class Changed>
-  void poll(std::uint32_t levels, std::uint32_t now_us, Changed&& changed) {
+  /// `begins(i, began_us)` where switch i may be about to change, once; `changed(input, active, i)`
+  /// when it has. `most` is no switch.
+  template <class Begins, class Changed>
+  void poll(std::uint32_t levels, std::uint32_t now_us, Begins&& begins, Changed&& changed) {
     seen_ = levels;
     look(now_us);
     for (std::size_t i = 0; i < count_; ++i) {
       Switch& s = switches_[i];
+      if (s.input.turning() && !s.told) begins(i, s.input.began_us());
+      s.told = s.input.turning();
       if (s.input.settle(now_us, s.meaning != machine::Input::probe))
-        changed(s.meaning, s.input.active(), s.input.began_us());
+        changed(s.meaning, s.input.active(), i);
     }
   }
   /// The e-stop's interrupt came: pressed, however short.
   template <class Changed>
   void estop_seen(Changed&& changed) {
-    if (switches_[0].input.force()) changed(machine::Input::estop, true, std::uint32_t{0});
+    if (switches_[0].input.force()) changed(machine::Input::estop, true, most);
   }
   bool estop() const { return switches_[0].input.active(); }
   /// All of them want a pull-up.
@@ -126,6 +133,7 @@ class Inputs {
     std::uint8_t gpio = 0;
     machine::Input meaning = machine::Input::estop;
     DebouncedInput input;
+    bool told = false;  ///< that it turns
   };
   void add(boards::PinMap map, boards::Role role, machine::Input meaning) {
     const auto gpio = boards::find_gpio(map, role);
