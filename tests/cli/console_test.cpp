@@ -45,7 +45,7 @@ TEST(ConsoleCommand, in_a_terminal) {
 
 /// A simulated machine that homes has switches where its settings say.
 TEST(ConsoleCommand, homes_the_simulated_machine) {
-  const TemporaryFolder folder;
+  const Folder folder;
   const std::string machine =
       folder.write("m.toml",
                    "homing = true\nhoming_direction = 1\nhoming_seek = 6000\nhoming_feed = 300\n"
