@@ -159,7 +159,7 @@ TEST(Probe, IsExactAtAnyFeed) {
                                    60);
     SCOPED_TRACE(fmt::format("z {} feed {}", z, feed));
     ASSERT_THAT(said, Contains(StartsWith("[PRB:0.000,0.000,")));
-    const std::string report = said[said.size() - 2];
+    const std::string& report = said[said.size() - 2];
     const double told = std::stod(report.substr(report.rfind(',') + 1));
     EXPECT_NEAR(told, z / 200.0, 0.0051);
   }

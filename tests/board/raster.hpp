@@ -87,7 +87,7 @@ class Raster {
     std::size_t from = 0;
     for (std::size_t row = 0; row < rows_.size(); ++row) {
       const Way way = way_of(row, x, from);
-      if (way.times.size() != static_cast<std::size_t>(columns_ * steps_per_pixel + 1)) {
+      if (way.times.size() != static_cast<std::size_t>(columns_) * steps_per_pixel + 1) {
         ADD_FAILURE() << "row " << row << " was not passed";
         return result;
       }
@@ -203,7 +203,8 @@ class Raster {
       const int wanted = light_of(pixels[static_cast<std::size_t>(i)]);
       bool good = true;
       for (int s = 2; s + 1 < steps_per_pixel; ++s) {
-        const auto step = static_cast<std::size_t>(i * steps_per_pixel + s);
+        const std::size_t step =
+            static_cast<std::size_t>(i) * steps_per_pixel + static_cast<std::size_t>(s);
         good = good && std::abs(light_at(told(way.times[step])) - wanted) <= rounding;
       }
       if (good) ++result.lit_as_wanted;
