@@ -143,7 +143,7 @@ TEST_F(LaserPwm, EnergyIsTheTimeThatThePinIsHigh) {
   const double high = static_cast<double>(pin_.up_to(rig_.now()));
   ASSERT_GT(high, 0.2 * static_cast<double>(rig_.now() - begin));
   // A duty is rounded to 1/65535 of a period.
-  const double periods = static_cast<double>((rig_.now() - begin) / period);
+  const double periods = static_cast<double>(rig_.now() - begin) / static_cast<double>(period);
   std::cout << high / 1e6 << " us high, power " << log_.energy_ps(rig_.now()) / 1e6 << " us\n";
   EXPECT_NEAR(log_.energy_ps(rig_.now()), high, periods * static_cast<double>(period) / 65'535);
 }
