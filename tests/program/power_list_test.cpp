@@ -36,6 +36,7 @@ struct Laser {
 
 std::vector<std::string> texts(const std::vector<Action>& actions) {
   std::vector<std::string> all;
+  all.reserve(actions.size());
   for (const Action& action : actions) all.push_back(text_of(action));
   return all;
 }
