@@ -16,10 +16,10 @@
 //   commit              main loop             after prepare     motion handed out
 //   part_waits          main loop             after commit      stage and commit again at once
 //   tell                main loop             1 ms              lines, answers
-//   input_changed       main loop             on change         switches and the probe
-//   (inputs.hpp),
-//                                                               and where the machine was then; at
-//                                                               power-up for each active one
+//   input_changed       main loop             on change         switches (inputs.hpp), and where
+//                                                               the machine was then, which guarded
+//                                                               moves want; at power-up for each
+//                                                               active one
 //   lattice_stopped,    main loop             on an e-stop, or  where the axes stand
 //   stopped_at                                when ticks end
 //   take_settings,      main loop             before prepare    what is to be stored

@@ -125,6 +125,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   if (door_open_) return Result::door_open;
   if (!runner_.at_rest() || state_ == MachineState::run || check_ || asleep_) return Result::busy;
   if (program_unfinished() || reader_.lines_wait() || start_up_waits()) return Result::busy;
+  if (homing_.active()) return Result::busy;  // between two of its moves nothing else is under way
   if (shots_.undecided()) return Result::busy;  // a shot of the last job may still come
   settings::Values values;
   if (const Result r = job_settings(header, values); r != Result::ok) return r;

@@ -133,6 +133,23 @@ TEST(Homing, BrakesBehindTheSwitch) {
   EXPECT_LT(highest, plan.switches[0] + 500 + 100 + 10);
 }
 
+/// A job of points is refused at every moment of it, also while the machine stands and waits.
+TEST(Homing, NoJobComesInBetween) {
+  const job::Profile profile = homing_profile();
+  const job::Job job = job_for({{0, 0, 0}}, profile, JoinMode::free);
+  MachineWithSwitches m(profile, {});
+  m.host.send("$H\n");
+  m.host.run_ms(1);
+  int asked = 0;
+  for (; m.host.answers().empty() && asked < 100'000; ++asked) {
+    ASSERT_EQ(m.rig.board.controller().on_begin(job::header_from(job, 0)), Result::busy);
+    m.host.run_ms(1);
+  }
+  EXPECT_GT(asked, 100);
+  EXPECT_THAT(m.host.answers(), ElementsAre("ok"));
+  expect_homed(m, {}, 7);
+}
+
 TEST(HomingFaults, NoSwitchWithinReach) {
   SwitchPlan plan;
   plan.switches[0] = 200'000;

@@ -51,6 +51,16 @@ void expect_homed(ChipRig& rig, const settings::Values& values, const StepPositi
         << "axis " << axis;
 }
 
+/// From power-up to "ok", with switches there.
+void expect_homes(const job::Profile& profile, const StepPosition& places) {
+  ChipRig rig(profile.settings, world_with(profile, places));
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  EXPECT_THAT(rig.status(), StartsWith("<Alarm|"));
+  EXPECT_THAT(rig.answer("$H", 6000 * ps_per_ms), testing::EndsWith("ok\r\n"));
+  expect_homed(rig, profile.settings, places);
+  EXPECT_THAT(rig.status(), StartsWith("<Idle|MPos:49.700,49.700,49.700|"));
+}
+
 class ChipHomingPulses : public testing::TestWithParam<int> {};
 
 /// Whatever the pulses: the place is looked up in what has been put out.
@@ -58,36 +68,19 @@ TEST_P(ChipHomingPulses, OneSwitchForEachAxis) {
   job::Profile profile = homing_profile(true);
   for (int axis = 0; axis < 3; ++axis)
     profile.settings.set_milli(settings::for_axis(Id::pulse_mode_x, axis), GetParam() * 1000);
-  const StepPosition places{700, 400, 500, 0};
-  ChipRig rig(profile.settings, world_with(profile, places));
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  EXPECT_THAT(rig.status(), StartsWith("<Alarm|"));
-  EXPECT_THAT(rig.answer("$H", 4000 * ps_per_ms), testing::EndsWith("ok\r\n"));
-  expect_homed(rig, profile.settings, places);
-  EXPECT_THAT(rig.status(), StartsWith("<Idle|MPos:49.700,49.700,49.700|"));
+  expect_homes(profile, {700, 400, 500, 0});
 }
 
 INSTANTIATE_TEST_SUITE_P(ChipHoming, ChipHomingPulses, testing::Values(0, 1, 2));
 
-TEST(ChipHoming, OneCircuitForAll) {
-  const job::Profile profile = homing_profile(false);
-  const StepPosition places{300, 600, 400, 0};
-  ChipRig rig(profile.settings, world_with(profile, places));
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  EXPECT_THAT(rig.answer("$H", 6000 * ps_per_ms), testing::EndsWith("ok\r\n"));
-  expect_homed(rig, profile.settings, places);
-}
+TEST(ChipHoming, OneCircuitForAll) { expect_homes(homing_profile(false), {300, 600, 400, 0}); }
 
 /// At 400 mm/s on two axes at once nearly every word in the rings has steps: looking back takes
 /// long, and ticks must not run out meanwhile.
 TEST(ChipHoming, FindsASwitchAtFullSpeed) {
   job::Profile profile = homing_profile(true);
   profile.settings.set_milli(Id::homing_seek, 24'000'000);
-  const StepPosition places{8000, 8100, 4000, 0};
-  ChipRig rig(profile.settings, world_with(profile, places));
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  EXPECT_THAT(rig.answer("$H", 6000 * ps_per_ms), testing::EndsWith("ok\r\n"));
-  expect_homed(rig, profile.settings, places);
+  expect_homes(profile, {8000, 8100, 4000, 0});
 }
 
 TEST(ChipHoming, ABrokenWireNeverLetsGo) {
