@@ -17,6 +17,7 @@ namespace lamplock::settings {
 /// Index of a setting in the table; per-axis settings stand in four consecutive rows X Y Z A.
 enum class Id : std::uint8_t {
   step_pulse,
+  idle_delay,
   step_invert,
   direction_invert,
   enable_invert,
@@ -36,6 +37,7 @@ enum class Id : std::uint8_t {
   homing_pull_off,
   highest_speed,
   laser_mode,
+  idle_release,
   parking,
   homing_passes,
   homing_phase_1,
@@ -85,6 +87,8 @@ enum class Id : std::uint8_t {
   sensor_time,
   attenuator_settle,
   laser_lead,
+  pulses_per_mm,
+  pulse_length,
   min_corner_x,
   min_corner_y,
   min_corner_z,
@@ -94,6 +98,8 @@ enum class Id : std::uint8_t {
   speed_jump_y,
   speed_jump_z,
   speed_jump_a,
+  kinematics,
+  ganged_axis,
   dead_man,
   stop_at_error,
   pin_map,
@@ -140,6 +146,8 @@ enum class PulseMode : std::uint8_t {
 
 inline constexpr std::array<Row, setting_count> table{{
     {0, "step_pulse", "us", 400, 900, 500, false, "width of a step pulse, within a tick of 1 us"},
+    {1, "idle_delay", "ms", 0, 255'000, 255'000, true,
+     "how long after the last motion the drives of $37 are released; 255 = never"},
     {2, "step_invert", "0..15", 0, 15'000, 0, true,
      "axes whose STEP (CW, A) is active low, added up: 1 X, 2 Y, 4 Z, 8 A; from the next start on"},
     {3, "direction_invert", "0..15", 0, 15'000, 0, true,
@@ -178,6 +186,9 @@ inline constexpr std::array<Row, setting_count> table{{
      "S word that is full speed of the spindle or full power of the laser"},
     {32, "laser_mode", "on/off", 0, 1'000, 0, true,
      "the spindle is a laser: its power changes with the motion, off in rapids and at rest"},
+    {37, "idle_release", "0..15", 0, 15'000, 15'000, true,
+     "axes whose drives are released at rest ($1), added up: 1 X, 2 Y, 4 Z, 8 A; those of one wire "
+     "together"},
     {41, "parking", "on/off", 0, 1'000, 0, true,
      "behind an open door Z goes up, and comes back before the program goes on"},
     {43, "homing_passes", "count", 1'000, 20'000, 1'000, true,
@@ -255,6 +266,10 @@ inline constexpr std::array<Row, setting_count> table{{
      "time the attenuator takes to reach another value"},
     {931, "laser_lead", "us", -1'000'000, 1'000'000, 0, false,
      "how much sooner a continuous laser is switched than the machine is there; below 0: later"},
+    {932, "pulses_per_mm", "1/mm", 0, 1'000'000, 0, false,
+     "pulses of a continuous laser per millimetre of its way; 0 = it shines all the time (M127)"},
+    {933, "pulse_length", "us", 1'000, 1'000'000'000, 1'500'000, false,
+     "how long each of these pulses is (M128)"},
     {940, "min_corner_x", "mm", -1'000'000, 1'000'000, -50'000, false,
      "lowest X of the work space"},
     {941, "min_corner_y", "mm", -1'000'000, 1'000'000, -50'000, false,
@@ -272,14 +287,18 @@ inline constexpr std::array<Row, setting_count> table{{
      "how far the speed of Z may jump at a corner of a path"},
     {964, "speed_jump_a", "mm/s", 0, 1'000'000, 0, false,
      "how far the speed of A may jump at a corner of a path"},
+    {965, "kinematics", "0..1", 0, 1'000, 0, true,
+     "0 Cartesian, 1 CoreXY (motor X makes X + Y, motor Y makes X - Y); from the next start on"},
+    {966, "ganged_axis", "0..3", 0, 3'000, 0, true,
+     "axis whose second motor is that of A: 0 none, 1 X, 2 Y, 3 Z; from the next start on"},
     {980, "dead_man", "ms", 0, 60'000'000, 2'000'000, false,
      "silence of the host in a job before a controlled stop; 0 = never"},
     {981, "stop_at_error", "on/off", 0, 1'000, 0, true,
      "after an error in a line of a program take no further ones until $X or a reset"},
-    {990, "pin_map", "0..1", 0, 1'000, 0, true,
+    {990, "pin_map", "0..2", 0, 2'000, 0, true,
      "what the pins of the board are for, from its next start on: 0 glass, 1 cut (fourth axis, "
-     "UART, "
-     "a limit switch for each axis)"},
+     "UART, a limit switch for each axis), 2 cut with outputs and an input of programs instead of "
+     "the UART"},
     {1051, "pulse_mode_x", "0..2", 0, 2'000, 0, true,
      "pulses of X: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
     {1052, "pulse_mode_y", "0..2", 0, 2'000, 0, true,
@@ -340,6 +359,10 @@ constexpr bool of_jobs(Id id) {
     case Id::highest_speed:
     case Id::laser_mode:
     case Id::stop_at_error:
+    case Id::idle_delay:
+    case Id::idle_release:
+    case Id::pulses_per_mm:
+    case Id::pulse_length:
       return false;
     default:
       return (id < Id::homing || id > Id::homing_pull_off) &&
