@@ -88,7 +88,7 @@ class BeatClock {
   void set_motion_end(std::uint64_t tick) { motion_end_tick_ = tick; }
   /// Motion from this tick on has limits made for ticks no shorter than that (shortest_tick_q16()
   /// as it was); up to there holds what was said before. `from_tick` begins a beat.
-  [[gnu::cold]] void set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16);
+  void set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16);
   /// Steps leave up to so many ticks before the ticks that they are planned for; at rest only.
   void set_lead(std::uint32_t ticks) { lead_ticks_ = ticks; }
   /// Ticks as they are now that take about as long as these clocks (main loop: divides).
@@ -97,7 +97,7 @@ class BeatClock {
   /// As master: ticks from this one on, which begins a beat, have this length over the nominal one;
   /// what was said for that tick and later ones is forgotten. At most longest_tick_q16(), at least
   /// as much below nominal as that is above. Other modes: nothing happens.
-  [[gnu::cold]] void set_tick_length(std::uint64_t from_tick, std::uint32_t tick_q16);
+  void set_tick_length(std::uint64_t from_tick, std::uint32_t tick_q16);
   /// Motion goes on over that tick: no change of the length there or later.
   void keep_tick_length(std::uint64_t from_tick) { length_.keep(from_tick); }
   /// The longest tick that the tolerance of the period (setting 910) and the delay allow.
@@ -117,7 +117,7 @@ class BeatClock {
   /// Locked, and the lattice has caught up with the lamp: motion may begin.
   bool settled() const;
   /// Shortest tick to expect over the nominal one, Q16, slew included (main loop: divides).
-  std::uint32_t shortest_tick_q16() const;
+  [[gnu::cold]] std::uint32_t shortest_tick_q16() const;
 
   settings::LampMode mode() const { return mode_; }
   std::uint32_t edges() const { return edges_; }        ///< since power-up, runts not counted
@@ -136,7 +136,7 @@ class BeatClock {
   // Small rather than quick (cold): what the main loop calls now and then.
   [[gnu::cold]] void set_gains(const settings::Values& values);
   [[gnu::cold]] void set_gates(const settings::Values& values);
-  void set_longest_tick(const settings::Values& values);
+  [[gnu::cold]] void set_longest_tick(const settings::Values& values);
   void set_line(std::uint32_t edges);
   void next_gains();
   void choose_gains();

@@ -96,7 +96,7 @@ class ShotScheduler {
   /// Other rules in the middle of a job, at rest and with nothing undecided: another beat.
   void change_rules(const ShotRules& rules) { rules_ = rules, has_shot_ = false; }
   /// Forgets everything planned and counted; no shot of an earlier job can follow.
-  void begin_job(const ShotRules& rules = {});
+  [[gnu::cold]] void begin_job(const ShotRules& rules = {});
   /// A segment was committed that covers beats first..last (the last one may carry its shot).
   bool commit(const stepper::Segment& segment, std::uint64_t first_beat, std::uint64_t last_beat);
   std::uint32_t free() const { return capacity - (end_ - begin_); }

@@ -120,8 +120,9 @@ inline constexpr std::uint32_t fire_decision_clocks = 269;
 /// The core.
 class Controller {
  public:
-  explicit Controller(const settings::Values& stored = settings::Values{},
-                      const InterruptMask& mask = {}, const BoardFeatures& board = {});
+  [[gnu::cold]] explicit Controller(const settings::Values& stored = settings::Values{},
+                                    const InterruptMask& mask = {},
+                                    const BoardFeatures& board = {});
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
@@ -158,7 +159,7 @@ class Controller {
   }
   /// `at`: where the axes were, as far as steps had been put out, when the pin changed; needed
   /// while wants_places().
-  void input_changed(Input input, bool active, const StepPosition& at = {});
+  [[gnu::cold]] void input_changed(Input input, bool active, const StepPosition& at = {});
   /// A guarded move is under way.
   bool wants_places() const { return guard_.watches(); }
   /// What moves may be broken off by a switch or a key: the less is filled ahead the better.
@@ -171,7 +172,7 @@ class Controller {
     if (!runner_.at_rest()) raise_alarm(alarm_position_lost);
   }
   /// The board has thrown away what it was given ahead (e-stop): where the axes really stand.
-  void stopped_at(const StepPosition& steps);
+  [[gnu::cold]] void stopped_at(const StepPosition& steps);
 
   /// The user has changed settings: true once, with what has to be stored before the answer is
   /// transmitted. Until the next prepare() the machine is at rest, even if a job has just begun.
@@ -189,7 +190,7 @@ class Controller {
   /// rest, follows the new beat and goes on with the first point not fired; the frequency is
   /// forgotten at the end of the job. Errors: no_job; locked; bad_value, with the number of the
   /// setting that does not go with it in refused_value(): nothing is changed then.
-  Result change_beat(std::uint32_t milli_hz);
+  [[gnu::cold]] Result change_beat(std::uint32_t milli_hz);
 
   /// The user wants the boot loader of the board; the machine is at rest and stays so.
   bool loader_requested() const { return loader_requested_; }
@@ -270,8 +271,8 @@ class Controller {
   void on_line_too_long();
   Result on_begin(const wire::JobHeader& header);
   Result on_data(std::span<const std::uint8_t> records);
-  Result on_end(std::uint32_t total);
-  Result on_command(const wire::CommandRequest& request);
+  [[gnu::cold]] Result on_end(std::uint32_t total);
+  [[gnu::cold]] Result on_command(const wire::CommandRequest& request);
   std::uint32_t refused_value() const { return refused_value_; }
   /// What interrupts change of it, the lamp's lock, is read at once: not masked.
   wire::Standing standing() const {
@@ -299,15 +300,15 @@ class Controller {
   void hold_after_failed_shots();
   Result check_settings(const settings::Values& values, std::uint16_t& setting) const;
   Result job_settings(const wire::JobHeader& header, settings::Values& values);
-  void use_settings(const settings::Values& values);
+  [[gnu::cold]] void use_settings(const settings::Values& values);
   void end_overrides();
-  void set_trigger();
+  [[gnu::cold]] void set_trigger();
   void follow_new_beat();
-  void hold(wire::HoldReason reason);
-  void resume();
-  void stop();
-  void raise_alarm(std::uint8_t number);
-  void unlock();
+  [[gnu::cold]] void hold(wire::HoldReason reason);
+  [[gnu::cold]] void resume();
+  [[gnu::cold]] void stop();
+  [[gnu::cold]] void raise_alarm(std::uint8_t number);
+  [[gnu::cold]] void unlock();
   bool ready_to_move() const;
   BeatReason idle_reason() const;
   void check_dead_man();
@@ -347,7 +348,7 @@ class Controller {
   void begin_points(program::BeatLock lock);
   bool change_over(program::BeatLock lock);
   void configure_reader();
-  void refuse_way();
+  [[gnu::cold]] void refuse_way();
   void end_program();
   void settle_program();
   void settle_points();

@@ -81,20 +81,21 @@ enum class Committed : std::uint8_t { nothing, part, no_way };
 /// Runs one job at a time.
 class JobRunner {
  public:
-  JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, MotionOutput& output,
-            Planning& planning, Parts parts);
+  [[gnu::cold]] JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, MotionOutput& output,
+                          Planning& planning, Parts parts);
   JobRunner(const JobRunner&) = delete;
   JobRunner& operator=(const JobRunner&) = delete;
 
   /// Starts a job whose first point has index `first`, at full job speed; the machine must be at
   /// rest, no plan handed out.
-  void begin(const RunOptions& options, const settings::Values& values, std::uint32_t first);
+  [[gnu::cold]] void begin(const RunOptions& options, const settings::Values& values,
+                           std::uint32_t first);
   /// 1..highest_job_speed percent from the next plan on.
   void set_job_speed(std::uint32_t percent) { job_speed_ = percent; }
   std::uint32_t job_speed() const { return job_speed_; }
   /// Goes on under another beat, which the clock has already; the machine is at rest, no plan is
   /// handed out and the board holds no token. What was planned and not fired is planned anew.
-  void change_beat(const settings::Values& values, std::int32_t least_beats);
+  [[gnu::cold]] void change_beat(const settings::Values& values, std::int32_t least_beats);
   // Points of a program (RunOptions::of_program): how many will come nobody knows.
   static constexpr std::uint32_t open_end = ~0u;
   /// False if there is no room.
@@ -134,9 +135,9 @@ class JobRunner {
   /// What the hardware has done so far, nothing else.
   void read_outcomes();
   /// Brakes every axis at its limit, from the next tick to be filled.
-  void brake();
+  [[gnu::cold]] void brake();
   /// Stops dead (e-stop): the position in steps is kept, whether the motors kept it is unknown.
-  void halt();
+  [[gnu::cold]] void halt();
 
   /// True if nothing moves and nothing is committed.
   bool at_rest() const { return output_.at_rest(); }
@@ -160,7 +161,7 @@ class JobRunner {
   const stepper::TickGenerator& generator() const { return generator_; }
 
  private:
-  void clear();
+  [[gnu::cold]] void clear();
   /// Counting outcomes for first_unfired() begins anew.
   void recount() { count_ = {0, queue_.begin(), 0}; }
   /// Handed out at once: some 40 us with interrupts masked, a small part of the quickest beat.
@@ -180,7 +181,7 @@ class JobRunner {
     std::uint32_t point = 0;
     std::uint32_t fired = 0;
   };
-  void go_back();
+  [[gnu::cold]] void go_back();
   PlanStands plan_stands() const;
   std::uint32_t part() const;
   void begin_plan();

@@ -39,8 +39,8 @@ class LineWork {
 
   // The main loop's; at home, but for the inbox.
   /// A program begins: forgets everything. `at`: where the machine stands. Errors as make_limits().
-  Result begin(const settings::Values& values, std::uint32_t beat_ticks, std::uint32_t tick_q16,
-               const stepper::MotionState& at);
+  [[gnu::cold]] Result begin(const settings::Values& values, std::uint32_t beat_ticks,
+                             std::uint32_t tick_q16, const stepper::MotionState& at);
   LineInbox& inbox() { return inbox_; }
   const LineInbox& inbox() const { return inbox_; }
   /// A new batch, with these orders.

@@ -33,7 +33,7 @@ class MotionOutput {
 
   /// Lags of the drives and the lead of the laser, from the settings; in force with the next
   /// set_leads().
-  void set_lags(const settings::Values& values);
+  [[gnu::cold]] void set_lags(const settings::Values& values);
   /// How far each axis and the laser are ahead of the lattice, in ticks as they are now; at rest
   /// only. Masked.
   void set_leads(lamp::BeatClock& clock);

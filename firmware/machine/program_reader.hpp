@@ -44,7 +44,8 @@ class ProgramReader {
     ended     ///< M2, M30; then done
   };
 
-  ProgramReader(ProgramRunner& runner, JobRunner& points) : runner_(runner), points_(points) {}
+  [[gnu::cold]] ProgramReader(ProgramRunner& runner, JobRunner& points)
+      : runner_(runner), points_(points) {}
   ProgramReader(const ProgramReader&) = delete;
   ProgramReader& operator=(const ProgramReader&) = delete;
 

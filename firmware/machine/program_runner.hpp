@@ -48,7 +48,7 @@ class ProgramRunner {
 
   /// Lines may come from now on; the machine is at rest, nothing is planned. Errors as
   /// motion::make_limits(). Not masked: some milliseconds.
-  Result begin(const settings::Values& values, std::uint32_t tick_q16);
+  [[gnu::cold]] Result begin(const settings::Values& values, std::uint32_t tick_q16);
   bool begun() const { return begun_; }
   /// Nothing is planned any more, at once; what was handed out goes on to its end, which is a rest.
   /// At rest the machine is in the middle of its steps then, which is no motion.
@@ -67,14 +67,14 @@ class ProgramRunner {
   void cancel();
   /// Comes to rest at once, each axis as it can, beside the path if need be: what was taken is
   /// gone, and nothing is taken until the next begin(), which is due when idle(). Masked.
-  void break_off();
+  [[gnu::cold]] void break_off();
   bool broken_off() const { return broken_off_; }
 
   /// A motion beside the program, held and at rest: begins as soon as can be. Before resume()
   /// others have to bring the machine back. Masked.
-  void run_aside(const stepper::Segment& motion);
+  [[gnu::cold]] void run_aside(const stepper::Segment& motion);
   /// Brakes it.
-  void break_off_aside();
+  [[gnu::cold]] void break_off_aside();
   /// The machine stands, its last step is out, and nothing of the program is on its way.
   bool stands_aside() const;
   const motion::BrakeLimits& brake_limits() const { return brake_limits_; }
@@ -90,7 +90,7 @@ class ProgramRunner {
   /// True if something was handed out. Masked.
   bool commit();
   /// Stops dead: what was taken is gone. Masked.
-  void halt();
+  [[gnu::cold]] void halt();
 
   /// Every line was run to its end, and the machine stands: its last step is out. As of the last
   /// prepare().

@@ -66,7 +66,7 @@ class LinePlanner {
  public:
   /// The limits stay where they are; `axes` are those that `limits` was made of. The ring is
   /// emptied.
-  LinePlanner(LineRing& ring, const LineLimits& limits, const Limits& axes);
+  [[gnu::cold]] LinePlanner(LineRing& ring, const LineLimits& limits, const Limits& axes);
 
   /// Starts anew from a state at rest, in the middle of its steps. `limits` may have changed.
   void start(const stepper::MotionState& at);

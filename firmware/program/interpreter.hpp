@@ -48,7 +48,7 @@ namespace lamplock::program {
 class Interpreter {
  public:
   /// Both must outlive the interpreter. Options may change while it is not busy.
-  Interpreter(Parameters& parameters, const Options& options)
+  [[gnu::cold]] Interpreter(Parameters& parameters, const Options& options)
       : parameters_(parameters), options_(options) {}
   Interpreter(const Interpreter&) = delete;
   Interpreter& operator=(const Interpreter&) = delete;

@@ -80,9 +80,9 @@ class TickGenerator {
   /// Ticks that the axis with the longest lead is ahead.
   std::uint32_t lead() const { return lead_; }
   /// State of all axes at the head (main loop: runs ahead of what was filled).
-  [[gnu::cold]] MotionState state() const;
+  MotionState state() const;
   /// Accelerations there.
-  [[gnu::cold]] PerAxis<std::int64_t> accelerations_q62() const;
+  PerAxis<std::int64_t> accelerations_q62() const;
   /// True if a segment is being run at the head.
   bool running() const { return running_; }
   /// Motion has ended with speed, or a segment came after its time: a fault, until halt().
@@ -98,7 +98,7 @@ class TickGenerator {
   /// Stops dead where the machine is (e-stop): speed is lost, position kept, the queue emptied.
   [[gnu::cold]] void halt();
   /// Sets the position of every axis; at rest only (power-up, after a dead stop).
-  void set_position(const StepPosition& steps);
+  [[gnu::cold]] void set_position(const StepPosition& steps);
   /// At rest: every axis goes to the middle of the step where it stands, which is no motion.
   [[gnu::cold]] void settle();
 
@@ -154,8 +154,8 @@ class TickGenerator {
   static void next_piece(Run& run, const AxisProfile& profile);
   void next_piece(Run& run, int axis) const;
   void go_on(Run& run, int axis, std::uint32_t ticks) const;
-  [[gnu::cold]] void run_to_head(Run& run, int axis) const;
-  [[gnu::cold]] bool shorten(Reader& reader, std::uint32_t ticks) const;
+  void run_to_head(Run& run, int axis) const;
+  bool shorten(Reader& reader, std::uint32_t ticks) const;
   static void stand(Run& run);
   void enter_lattice();
   void open_window();

@@ -35,7 +35,7 @@ using Ports = BasicPorts<UsbSerial, UartSerial>;
 
 class Board {
  public:
-  explicit Board(const Rings& rings);
+  [[gnu::cold]] explicit Board(const Rings& rings);
   Board(const Board&) = delete;
   Board& operator=(const Board&) = delete;
 
@@ -90,11 +90,11 @@ class Board {
   static constexpr std::uint32_t estop_edge =
       io_interrupt::edge_high(boards::gpio(boards::Role::estop));
 
-  void start();
-  void start_ports();
-  void say_rejected(std::string_view what, std::uint32_t records);
+  [[gnu::cold]] void start();
+  [[gnu::cold]] void start_ports();
+  [[gnu::cold]] void say_rejected(std::string_view what, std::uint32_t records);
   /// Hands over what was kept when the power went.
-  void start_kept();
+  [[gnu::cold]] void start_kept();
   /// One round of the main loop; true if there is more to do at once.
   bool pass();
   void receive();
@@ -113,7 +113,7 @@ class Board {
     const machine::JobMark mark = core_.job_mark();
     note_progress(mark.session, mark.first_unfired, mark.shot_out);
   }
-  [[noreturn]] void enter_loader();
+  [[noreturn, gnu::cold]] void enter_loader();
 
   Storage storage_;
   const boards::PinMap map_;

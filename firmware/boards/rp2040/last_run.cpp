@@ -32,7 +32,7 @@ Restart reason_of_restart(std::uint32_t mark) {
   return Restart::power_on;
 }
 
-void add_hex(machine::TextLine& line, std::uint32_t value) {
+[[gnu::cold]] void add_hex(machine::TextLine& line, std::uint32_t value) {
   line.add(" 0x");
   for (int shift = 28; shift >= 0; shift -= 4) {
     const char digit = "0123456789abcdef"[value >> shift & 0xf];

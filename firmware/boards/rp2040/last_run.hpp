@@ -49,7 +49,7 @@ struct LastRun {
 };
 
 /// Reads the record and begins a new one. Once, before the watchdog starts.
-LastRun take_last_run();
+[[gnu::cold]] LastRun take_last_run();
 
 /// The boot loader is wanted: the next run shall not take this one for crashed.
 void forget_run();
@@ -61,6 +61,6 @@ void note_progress(std::uint32_t session, std::uint32_t first_unfired, bool shot
 [[noreturn]] void restart_after(const FaultRecord& fault);
 
 /// The last run in words, without brackets and line end.
-void describe(const LastRun& run, machine::TextLine& line);
+[[gnu::cold]] void describe(const LastRun& run, machine::TextLine& line);
 
 }  // namespace lamplock::rp2040

@@ -61,7 +61,7 @@ class RealTime {
 
   /// Pins, state machines, DMA, in the order that keeps every energy output low; then the lattice
   /// runs. The NVIC's enables and priorities are the board's, before or after.
-  void start(machine::Controller& core);
+  [[gnu::cold]] void start(machine::Controller& core);
 
   void estop_interrupt() { estop_.interrupt(); }
   void edge_interrupt(machine::Controller& core);
@@ -81,18 +81,20 @@ class RealTime {
   }
 
  private:
-  void start_pads() const;
+  [[gnu::cold]] void start_pads() const;
   void set_drives(bool enabled) const;
   /// False if `most` spans were not enough.
   bool feed_spans(machine::Controller& core, std::uint32_t most);
-  void begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled);
+  [[gnu::cold]] void begin(machine::Controller& core, const StepPosition& steps,
+                           std::uint64_t filled);
   /// The next ticks into the rings.
   [[gnu::noinline]] std::uint32_t fill(machine::Controller& core, std::uint32_t ticks);
   /// The lattice, whose first tick comes so many clocks later, and with it a period of LASER PWM.
   void go(std::uint64_t at_us, std::uint32_t first_tick_clocks);
-  void stop_dead(machine::Controller& core);
-  void input_changed(machine::Controller& core, machine::Input input, bool active, std::size_t i);
-  StepPosition steps_at_us(machine::Controller& core, std::uint32_t us);
+  [[gnu::cold]] void stop_dead(machine::Controller& core);
+  [[gnu::cold]] void input_changed(machine::Controller& core, machine::Input input, bool active,
+                                   std::size_t i);
+  [[gnu::cold]] StepPosition steps_at_us(machine::Controller& core, std::uint32_t us);
   void apply_outputs(const machine::Controller& core);
   [[gnu::noinline]] void apply_beam(const machine::Controller& core) {
     beam_.apply(core.outputs(), [this] { return estop_.is_cut(); });

@@ -27,6 +27,6 @@ namespace lamplock::rp2040 {
 
 /// Starts core 1 at `entry` with its stack empty; false if it does not answer, after two
 /// milliseconds. Core 0 with interrupts on, once.
-bool start_second_core(void (*entry)());
+[[gnu::cold]] bool start_second_core(void (*entry)());
 
 }  // namespace lamplock::rp2040

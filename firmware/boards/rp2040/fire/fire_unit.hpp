@@ -44,7 +44,7 @@ class FireUnit {
       : lattice_(lattice), feed_(feed), stamps_(stamps) {}
 
   /// Q-switch low, program loaded; ARM and Q-switch held low. Nothing runs.
-  void start();
+  [[gnu::cold]] void start();
   /// Q-switch off at the pad, FIRE stands still: two stores (e-stop, priority 0).
   [[gnu::always_inline]] void cut_off() const {
     // In this order: a pulse has begun exactly if the state machine says so.
@@ -52,7 +52,7 @@ class FireUnit {
     force_low(boards::gpio(boards::Role::q_switch));
   }
   /// After cut_off(): tells the core what became of its token. `cut` is the clock of the cut.
-  void stopped(machine::Controller& core, std::uint64_t cut);
+  [[gnu::cold]] void stopped(machine::Controller& core, std::uint64_t cut);
   /// FIRE from its beginning, last of all state machines; the Q-switch pad stays as it is.
   void restart() const;
 

@@ -42,8 +42,8 @@ class StepExpander {
   /// Starts anew: the first word begins with tick `first`; up to the tick `filled`, from where on
   /// runs are told, everything stands. `levels` are those of the pins of each axis (bit 0: STEP, CW
   /// or A; bit 1: DIR, CCW or B) without inversions: they stay what they are.
-  void begin(std::uint64_t first, std::uint64_t filled, const StepPosition& steps,
-             const PerAxis<std::uint8_t>& levels = {});
+  [[gnu::cold]] void begin(std::uint64_t first, std::uint64_t filled, const StepPosition& steps,
+                           const PerAxis<std::uint8_t>& levels = {});
 
   // What fill_axes() tells; the caller has made sure that there is room.
   void put_still(int axis, std::uint32_t ticks);
@@ -69,9 +69,9 @@ class StepExpander {
   }
   /// Where the axes stand when the ticks before `tick` have been put out; the tick must lie in
   /// the rings (main loop).
-  StepPosition steps_at(std::uint64_t tick) const;
+  [[gnu::cold]] StepPosition steps_at(std::uint64_t tick) const;
   /// One axis of it: some 0.1 ms, twice that where every word has steps.
-  std::int32_t step_at(int axis, std::uint64_t tick) const;
+  [[gnu::cold]] std::int32_t step_at(int axis, std::uint64_t tick) const;
 
  private:
   /// A ring as it is being filled.

@@ -44,8 +44,8 @@ class TickFeed {
   explicit TickFeed(TickRing& ring) : ring_(ring) {}
 
   /// Starts anew: tick `tick` begins at `clock`; the first word makes its rise after `low_count`.
-  void begin(std::uint64_t tick, std::uint64_t clock, std::uint32_t low_count,
-             std::uint32_t high_clocks);
+  [[gnu::cold]] void begin(std::uint64_t tick, std::uint64_t clock, std::uint32_t low_count,
+                           std::uint32_t high_clocks);
 
   /// Takes spans until `now` + lead is reached or the rings are not filled further.
   /// `next_span(max_ticks)` is the core's. False if `most_spans` were not enough.

@@ -73,7 +73,7 @@ class Inputs {
  public:
   static constexpr std::size_t most = 6;  ///< e-stop, door, probe, three limits
 
-  explicit Inputs(boards::PinMap map) {
+  [[gnu::cold]] explicit Inputs(boards::PinMap map) {
     using boards::Role;
     using machine::Input;
     add(map, Role::estop, Input::estop);
