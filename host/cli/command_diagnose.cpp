@@ -1,4 +1,5 @@
 // `lamplock diagnose`: how well servo drives follow a program, by their encoders.
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -106,6 +107,11 @@ Exit diagnose(const Options& options) {
   console.say("errors are programmed less measured, mm; a pulse is {:.4f} mm, a count {:.4f} mm",
               1 / pulses_per_mm,
               options.machine.drive.mm_per_rev / options.machine.drive.counts_per_rev);
+  const double taken_for = runs.front().run.steps_per_mm;
+  if (std::abs(taken_for / pulses_per_mm - 1) > 1e-9)
+    console.say(
+        "the setting $100 has three decimals: {:.3f} for {:.5f} pulses/mm, {:.4f} mm in 100 mm",
+        taken_for, pulses_per_mm, 100 * (taken_for / pulses_per_mm - 1));
   console.text(report::servo_table(rows));
   if (!options.picture.empty()) {
     write_whole(options.picture, [&](const std::filesystem::path& path) {

@@ -125,6 +125,7 @@ ServoRun run_on_servos(std::string_view text, const ServoMachine& machine,
     throw Error(Exit::bad_input, name, "does not move X or Y", "give it a G1, G2 or G3");
 
   ServoRun run;
+  run.steps_per_mm = in_units(values, Id::steps_per_mm_x);
   const Picoseconds start = sampler.samples().front().at;
   run.moving_s = sim::seconds(sampler.last_motion() - start);
   run.samples.reserve(sampler.samples().size());

@@ -49,6 +49,8 @@ struct ServoRun {
   std::vector<ServoSample> samples;       ///< from the first motion on; the last one at rest
   std::array<long, servo_axes> pulses{};  ///< where the drives were sent, of either direction
   double moving_s = 0;
+  double steps_per_mm =
+      0;  ///< what the controller counts with: the setting, with its three decimals
 };
 
 /// Runs it from zero to its end. Throws Error if it comes to none, or does not move: `name` says of

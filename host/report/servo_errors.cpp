@@ -57,8 +57,8 @@ ServoErrors servo_errors(const ServoRun& run, double pulses_per_mm, const std::s
       axis.most_mm = std::max(axis.most_mm, error);
       axis.least_mm = std::min(axis.least_mm, error);
       squares += error * error;
-      axis.most_pulses =
-          std::max(axis.most_pulses, std::abs(place.programmed - place.commanded) * pulses_per_mm);
+      axis.most_pulses = std::max(axis.most_pulses, std::abs(place.programmed * run.steps_per_mm -
+                                                             place.commanded * pulses_per_mm));
     }
     axis.rms_mm = std::sqrt(squares / static_cast<double>(run.samples.size()));
     axis.programmed_end_mm = run.samples.back().axis[a].programmed;

@@ -20,7 +20,7 @@ namespace lamplock::report {
 struct ServoAxisErrors {
   double most_mm = 0, least_mm = 0;  ///< largest positive and negative error
   double rms_mm = 0;
-  double most_pulses = 0;  ///< of the pulses from the program, either sign
+  double most_pulses = 0;  ///< between the program, as the controller counts it, and the pulses
   double programmed_end_mm = 0, measured_end_mm = 0;
   long end_pulses = 0;
 };
@@ -33,7 +33,8 @@ struct ServoErrors {
   std::size_t samples = 0;
 };
 
-/// `pulses_per_mm`: of the machine. The run has samples.
+/// `pulses_per_mm`: of the drives; run.steps_per_mm is what the controller takes it for. The run
+/// has samples.
 ServoErrors servo_errors(const program_run::ServoRun& run, double pulses_per_mm,
                          const std::string& name);
 

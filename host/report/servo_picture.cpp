@@ -147,7 +147,7 @@ std::string error_panel(const NamedServoRun& named, double top, double pulse_mm)
   std::string out = frame(x, y);
   for (const double mm : {-pulse_mm, 0.0, pulse_mm})
     out += svg::line(x.at_low, y(mm), x.at_high, y(mm), frame_colour, mm == 0 ? "" : "4 3");
-  out += svg::text_at(x.at_high - 4, y(pulse_mm) - 4, "end", "one pulse");
+  out += svg::text_at(x.at_high - 4, y(pulse_mm) + 14, "end", "one pulse");
   for (std::size_t a = 0; a < servo_axes; ++a) {
     DenseCurve curve;
     for (const ServoSample& sample : named.run.samples)

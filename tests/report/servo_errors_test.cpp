@@ -30,6 +30,7 @@ TEST(ServoErrors, AreTheLargestOfEitherSign) {
   ServoRun run;
   run.moving_s = 0.003;
   run.pulses = {4, -3};
+  run.steps_per_mm = 2;
   run.samples = {{0, {{{0, 0, 0}, {0, 0, 0}}}},
                  {0.001, {{{0.5, 0.4, 0.25}, {-0.5, -0.75, -0.625}}}},
                  {0.002, {{{0.5, 0.6, 0.625}, {-0.5, -0.5, -0.5}}}}};
@@ -54,6 +55,7 @@ TEST(ServoErrors, LateOnThePathIsNotBesideIt) {
     const double vx = 20 * any(random), vy = 20 * any(random), beside = 0.1 * any(random);
     const double speed = std::hypot(vx, vy), late_s = 0.02;
     ServoRun run;
+    run.steps_per_mm = 1;
     for (int n = 0; n <= 500; ++n) {
       ServoSample sample{n * 0.001, {}};
       const double t = sample.at_s, behind = std::max(0.0, t - late_s);
@@ -87,8 +89,8 @@ TEST(ServoRun, PulsesStayWithinHalfAPulseAndEndOnTheNearest) {
     EXPECT_EQ(run.pulses, row.end);
     const ServoErrors errors = servo_errors(run, machine.pulses_per_mm(), "test");
     for (const ServoAxisErrors& axis : errors.axis) {
-      // Half a pulse, 1/32 that places keep from edges, and 6.564 pulses/mm for 6.56410...
-      EXPECT_LE(axis.most_pulses, 0.5 + 1.0 / 32 + 150 * 0.00011);
+      // A tick of 1 us at 10 mm/s is the rest.
+      EXPECT_LE(axis.most_pulses, 0.5 + 10 * 6.6e-6);
       EXPECT_GT(axis.most_pulses, 0.45);
       EXPECT_NEAR(axis.measured_end_mm, static_cast<double>(axis.end_pulses) * pulse_mm,
                   count_mm / 2 + 1e-9);
