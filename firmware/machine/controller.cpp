@@ -233,10 +233,7 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
       break;
     case Input::door:
       door_open_ = active;
-      if (active && comes_back_) {
-        comes_back_ = false;
-        program_.break_off_aside();
-      }
+      if (active && parking_.stay_away()) program_.break_off_aside();
       if (active && state_ == MachineState::home) {
         break_off_homing(alarm_homing_door);
       } else if (active && jogging_) {
@@ -294,7 +291,6 @@ void Controller::raise_alarm(std::uint8_t number) {
   link_.send_text(line.view());
   guard_.drop();
   parking_.end();
-  comes_back_ = false;
   drop_homing();
   drop_open_line();
 }

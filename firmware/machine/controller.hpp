@@ -416,7 +416,6 @@ class Controller {
   StatusReporter reporter_;
   InputSet inputs_ = 0;  ///< active
   Parking parking_;
-  bool comes_back_ = false;  ///< the program is to go on, once the tool is back
   Guard guard_;
   Homing homing_;
   std::uint8_t homing_alarm_ = 0;  ///< to be raised when it stands

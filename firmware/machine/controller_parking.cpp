@@ -11,23 +11,16 @@ void Controller::begin_parking() {
 }
 
 /// The program is to go on. True if the tool has to come back first.
-bool Controller::come_back() {
-  if (state_ != MachineState::door || parking_.stage() == Parking::Stage::off) return false;
-  comes_back_ = true;
-  return true;
-}
+bool Controller::come_back() { return state_ == MachineState::door && parking_.call_back(); }
 
 /// Goes on where the machine stands.
 void Controller::work_parking() {
   if (!program_.stands_aside() || program_.batch_waits()) return;
-  const bool back = comes_back_ && !door_open_;
   stepper::Segment move;
-  const bool moves =
-      parking_.next(motion_.generator().state(), back, program_.brake_limits(), move);
+  const bool moves = parking_.next(motion_.generator().state(), program_.brake_limits(), move);
   const Masked masked(mask_);
   if (moves) return program_.run_aside(move);
   if (parking_.stage() != Parking::Stage::off) return;
-  comes_back_ = false;
   resume();
 }
 

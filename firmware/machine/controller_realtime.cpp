@@ -49,7 +49,6 @@ void Controller::reset() {
   if (wire_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
   link_.drop_line();
   parking_.end();
-  comes_back_ = false;
   const bool moves = !motion_.at_rest();
   reader_.clear();
   lines_at_cancel_ = 0;

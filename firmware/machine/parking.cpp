@@ -28,6 +28,7 @@ std::int64_t speed_of(Id feed, const settings::Values& values) {
 void Parking::begin(const settings::Values& values) {
   const bool wanted = values.whole(Id::parking) != 0 && values.whole(Id::axes) > axis;
   stage_ = wanted ? Stage::stopping : Stage::off;
+  called_back_ = false;
   const std::int32_t steps_per_mm = values.milli(Id::steps_per_mm_z);
   pull_out_steps_ = steps_from_milli(values.milli(Id::parking_pull_out), steps_per_mm);
   target_q64_ =
@@ -36,7 +37,7 @@ void Parking::begin(const settings::Values& values) {
   fast_q62_ = speed_of(Id::parking_fast, values);
 }
 
-bool Parking::next(const stepper::MotionState& at, bool go_on, const motion::BrakeLimits& limits,
+bool Parking::next(const stepper::MotionState& at, const motion::BrakeLimits& limits,
                    stepper::Segment& move) {
   const Int128 z = at.axis[axis].position_q64;
   switch (stage_) {
@@ -57,7 +58,7 @@ bool Parking::next(const stepper::MotionState& at, bool go_on, const motion::Bra
     case Stage::parked:
     case Stage::returning:
     case Stage::lowering:
-      return come_back(at, go_on, limits, move);
+      return come_back(at, limits, move);
     case Stage::off:
       break;
   }
@@ -65,9 +66,9 @@ bool Parking::next(const stepper::MotionState& at, bool go_on, const motion::Bra
 }
 
 /// From wherever it stands: what came before may have been broken off.
-bool Parking::come_back(const stepper::MotionState& at, bool go_on,
-                        const motion::BrakeLimits& limits, stepper::Segment& move) {
-  if (!go_on) {
+bool Parking::come_back(const stepper::MotionState& at, const motion::BrakeLimits& limits,
+                        stepper::Segment& move) {
+  if (!called_back_) {
     if (stage_ != Stage::parked) stage_ = Stage::pulling_out;
     return false;
   }
@@ -77,7 +78,7 @@ bool Parking::come_back(const stepper::MotionState& at, bool go_on,
   }
   stage_ = Stage::lowering;
   if (go(at, place_q64_, slow_q62_, limits, move)) return true;
-  stage_ = Stage::off;
+  end();
   return false;
 }
 

@@ -33,23 +33,35 @@ class Parking {
 
   /// A door has opened; `values`: whether and how it parks.
   void begin(const settings::Values& values);
-  void end() { stage_ = Stage::off; }
+  void end() {
+    stage_ = Stage::off;
+    called_back_ = false;
+  }
+  /// The program is to go on: false if nothing of parking stands in its way.
+  bool call_back() { return called_back_ = stage_ != Stage::off; }
+  /// A door has opened once more: true if the tool had been called back, and stays away now.
+  bool stay_away() {
+    const bool was = called_back_;
+    called_back_ = false;
+    return was;
+  }
   Stage stage() const { return stage_; }
   /// On its way back, or about to be.
   bool comes_back() const { return stage_ == Stage::returning || stage_ == Stage::lowering; }
 
   /// The machine stands at `at`. True if it is to do `move`; else it is parked, or back at its
-  /// place (off). `go_on`: the door is closed, and the program wanted.
-  bool next(const stepper::MotionState& at, bool go_on, const motion::BrakeLimits& limits,
+  /// place (off).
+  bool next(const stepper::MotionState& at, const motion::BrakeLimits& limits,
             stepper::Segment& move);
 
  private:
-  bool come_back(const stepper::MotionState& at, bool go_on, const motion::BrakeLimits& limits,
+  bool come_back(const stepper::MotionState& at, const motion::BrakeLimits& limits,
                  stepper::Segment& move);
   bool go(const stepper::MotionState& at, Int128 to_q64, std::int64_t speed_q62,
           const motion::BrakeLimits& limits, stepper::Segment& move) const;
 
   Stage stage_ = Stage::off;
+  bool called_back_ = false;
   Int128 place_q64_, up_q64_, target_q64_;  ///< of Z: where the program goes on, above it, parked
   std::int32_t pull_out_steps_ = 0;
   std::int64_t slow_q62_ = 0, fast_q62_ = 0;  ///< steps a tick
