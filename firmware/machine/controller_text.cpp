@@ -205,9 +205,9 @@ void Controller::restore_everything() {
 }
 
 const KeptProgram* Controller::changed_kept() {
-  constexpr auto rows = static_cast<std::uint16_t>((1u << KeptProgramRecord::pieces) - 1);
+  constexpr unsigned shift = 1u << static_cast<int>(program::ParameterRow::shift);
   program::Parameters& parameters = reader_.kept().parameters;
-  if ((parameters.changed & rows) != 0) kept_due_ = true;
+  if ((parameters.changed & ~shift) != 0) kept_due_ = true;  // all but the shift are kept
   parameters.changed = 0;
   // Nothing may move while the flash is written.
   if (!kept_due_ || !may_be_changed()) return nullptr;
@@ -215,7 +215,7 @@ const KeptProgram* Controller::changed_kept() {
   return &reader_.kept();
 }
 
-void Controller::set_kept(const KeptProgram& kept) { reader_.kept() = kept; }
+void Controller::set_kept(const KeptProgram& kept) { reader_.restore(kept); }
 
 void Controller::list_settings() {
   for (std::size_t i = 0; i < settings::setting_count; ++i) {

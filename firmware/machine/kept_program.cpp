@@ -11,6 +11,8 @@ constexpr std::uint8_t version = 1;
 /// Kinds of pieces; those of places are the numbers of their rows (program::ParameterRow).
 constexpr std::uint8_t kind_g28 = static_cast<std::uint8_t>(program::ParameterRow::home_g28),
                        kind_g30 = static_cast<std::uint8_t>(program::ParameterRow::home_g30),
+                       kind_tool_length =
+                           static_cast<std::uint8_t>(program::ParameterRow::tool_length),
                        kind_start_up = 32, kind_build_text = 48;
 static_assert(kind_g30 + 1 == KeptProgramRecord::pieces);
 
@@ -53,6 +55,23 @@ bool take_place(wire::ByteReader& in, std::size_t size, std::uint8_t kind, Place
   return true;
 }
 
+void put_tool_length(wire::ByteWriter& out, std::int64_t length_e7) {
+  if (length_e7 == 0) return;
+  out.put(kind_tool_length);
+  out.put(static_cast<std::uint8_t>(sizeof length_e7));
+  out.put(length_e7);
+}
+
+bool take_tool_length(std::span<const std::uint8_t> bytes, std::int64_t& length_e7) {
+  wire::ByteReader in(bytes);
+  const auto read = in.take<std::int64_t>();
+  if (bytes.size() != sizeof read || read > program::most_position_e7 ||
+      read < -program::most_position_e7)
+    return false;
+  length_e7 = read;
+  return true;
+}
+
 void put_text(wire::ByteWriter& out, std::uint8_t kind, const KeptText& text) {
   const std::string_view view = text.view();
   if (view.empty()) return;
@@ -74,6 +93,7 @@ bool take_piece(KeptProgram& kept, std::uint8_t kind, std::span<const std::uint8
     wire::ByteReader in(bytes);
     return take_place(in, bytes.size(), kind, *place);
   }
+  if (kind == kind_tool_length) return take_tool_length(bytes, kept.parameters.tool_length_e7);
   KeptText* text = text_of(kept, kind);
   return text != nullptr && take_text(bytes, *text);
 }
@@ -106,6 +126,7 @@ bool KeptProgram::same(const KeptProgram& other) const {
     if (!program::same_place(*place_of(*this, kind), *place_of(other, kind))) return false;
   for (std::size_t i = 0; i < start_up_lines; ++i)
     if (!(start_up[i] == other.start_up[i])) return false;
+  if (parameters.tool_length_e7 != other.parameters.tool_length_e7) return false;
   return build_text == other.build_text;
 }
 
@@ -113,6 +134,7 @@ std::uint32_t KeptProgramRecord::put(const KeptProgram& kept, std::span<std::uin
   wire::ByteWriter out(items);
   out.put(version);
   for (std::uint8_t kind = 0; kind < pieces; ++kind) put_place(out, kind, *place_of(kept, kind));
+  put_tool_length(out, kept.parameters.tool_length_e7);
   for (std::uint8_t i = 0; i < start_up_lines; ++i)
     put_text(out, static_cast<std::uint8_t>(kind_start_up + i), kept.start_up[i]);
   put_text(out, kind_build_text, kept.build_text);

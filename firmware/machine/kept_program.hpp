@@ -5,9 +5,10 @@
 // Who: the controller owns one, the interpreter works on its parameters; the board stores it, from
 //      the main loop and at rest, whenever the controller says that something has changed.
 //
-// Kept is what grbl keeps: G54 to G59.3, G28, G30, start-up lines and the text of `$I`. The shift
-// of G92 and the tool length of G43.1 are not, as in grbl: they hold until the power goes.
-// (LinuxCNC keeps G92 unless told otherwise.)
+// Kept is what grbl keeps: G54 to G59.3, G28, G30, start-up lines and the text of `$I`; and, other
+// than in grbl, the tool length of G43.1: the tool is still there when the power comes back, and
+// Z would be off by it. It is in force then, until G49. The shift of G92 is not, as in grbl: it
+// holds until the power goes. (LinuxCNC keeps G92 unless told otherwise.)
 //
 // In a record only what is not at its default takes room, and each piece says what it is, so that a
 // later version may add some: pieces of an unknown kind or size are passed over, a value that no
@@ -18,6 +19,7 @@
 //   1             pieces: kind, size, so many bytes
 //                 kind 0..8    origin of G54 .. G59.3    X Y Z A, 8 bytes each, 10^-7 mm
 //                 kind 9, 10   place of G28, G30         the same
+//                 kind 12      tool length            8 bytes, 10^-7 mm
 //                 kind 32, 33  start-up line 0, 1        text
 //                 kind 48      text of $I                text
 //   little-endian
@@ -56,12 +58,12 @@ class KeptText {
 inline constexpr std::size_t start_up_lines = 2;
 
 struct KeptProgram {
-  /// Shift and tool length stand here for the interpreter; they are not kept.
+  /// The shift stands here for the interpreter; it is not kept.
   program::Parameters parameters;
   std::array<KeptText, start_up_lines> start_up;
   KeptText build_text;  ///< $I=
 
-  /// `$RST=#`: origins and places of G28 and G30 back to zero; texts stay.
+  /// `$RST=#`: origins and places of G28 and G30 back to zero; texts and the tool stay.
   void clear_places();
   /// Whether the same would be kept.
   friend bool operator==(const KeptProgram& a, const KeptProgram& b) { return a.same(b); }
@@ -76,8 +78,9 @@ struct KeptProgramRecord {
   static constexpr std::uint32_t pieces = program::coordinate_systems + 2;
   static constexpr std::uint32_t place_size = max_axes * sizeof(std::int64_t);
   /// The longest that this version writes.
-  static constexpr std::uint32_t most_bytes =
-      1 + pieces * (2 + place_size) + (start_up_lines + 1) * (2 + KeptText::capacity);
+  static constexpr std::uint32_t most_bytes = 1 + pieces * (2 + place_size) + 2 +
+                                              sizeof(std::int64_t) +
+                                              (start_up_lines + 1) * (2 + KeptText::capacity);
   /// "LPTK"; as many bytes as fit into four pages.
   static constexpr settings::RecordFormat format{
       0x4b54504c, 1,

@@ -111,6 +111,11 @@ class ProgramReader {
   /// What programs leave behind; parameters are changed only while no line is under way.
   KeptProgram& kept() { return kept_; }
   const KeptProgram& kept() const { return kept_; }
+  /// After power-up, first of all: what programs left behind is in force.
+  void restore(const KeptProgram& kept) {
+    kept_ = kept;
+    interpreter_.reset();
+  }
 
  private:
   bool next_action();

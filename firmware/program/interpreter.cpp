@@ -258,6 +258,7 @@ void Interpreter::restore_saved() {
 
 void Interpreter::reset() {
   state_->modal = {};
+  state_->modal.tool_length = parameters_.tool_length_e7 != 0;
   saved_ = {};
   set_position(state_->machine_e7);
 }

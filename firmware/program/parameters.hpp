@@ -19,7 +19,7 @@ struct Parameters {
   std::array<Place, coordinate_systems> systems_e7{};  ///< origins of G54 .. G59.3
   Place home_g28_e7{}, home_g30_e7{};
   Place shift_e7{};                 ///< G92; in force where Modal::shifted says so
-  std::int64_t tool_length_e7 = 0;  ///< G43.1, along Z; in force where Modal::tool_length says so
+  std::int64_t tool_length_e7 = 0;  ///< G43.1, along Z; 0 after G49
   std::uint16_t changed = 0;  ///< a bit for each row that a line has changed; the owner clears
 };
 

@@ -285,6 +285,10 @@ bool Statement::move_is_asked() const {
   const std::uint16_t column = block_.column(Group::tool_length);
   constexpr std::uint32_t z = 1u << 2;
   if (block_.code(Group::tool_length) == 490) {
+    if (parameters_.tool_length_e7 != 0) {
+      changes_.tool_length_e7 = 0;
+      changes_.add(static_cast<int>(ParameterRow::tool_length));
+    }
     after_.modal.tool_length = false;
     return block_.axes() == 0 || fail_axes(GcodeError::axis_words_unused, block_.axes());
   }

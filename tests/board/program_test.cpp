@@ -270,6 +270,27 @@ TEST_F(Program, TellsItsState) {
   EXPECT_EQ(next.controller().reader().kept().parameters.systems_e7[0][1], 20'000'000);
 }
 
+/// The tool is still there when the power comes back.
+TEST_F(Program, TheToolLengthOutlivesResetAndPowerCut) {
+  host_.ask("G21 G90 G43.1 Z2.5\nG0 Z1\n");
+  host_.run_ms(200);
+  EXPECT_EQ(host_.position(), at_mm(0, 0, 3.5));
+  host_.send("\x18");
+  host_.run_ms(20);
+  EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr(" G43.1 ")));
+  EXPECT_THAT(host_.ask("$#\n"), Contains("[TLO:2.500]"));
+  const auto tool_length_after = [&] {
+    sim::VirtualBoard next(rig_.board.stored_settings(), world_for(profile_),
+                           rig_.board.kept_program());
+    next.run_until(5 * ps_per_ms);
+    return next.controller().reader().interpreter().work_offset_e7()[2];
+  };
+  EXPECT_EQ(tool_length_after(), 25'000'000);
+  host_.ask("G49\n");
+  host_.run_ms(20);
+  EXPECT_EQ(tool_length_after(), 0);
+}
+
 /// One after the other, each from where the other has left the machine.
 TEST_F(Program, AndJobsTakeTurns) {
   const job::Job job = job::make_job({{1, 0, 0}, {1, 2, 0}, {3, 2, 0}}, profile_, {});

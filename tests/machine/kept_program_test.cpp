@@ -91,7 +91,7 @@ TEST(KeptProgram, ComesBackAsItWas) {
     ASSERT_EQ(back.kept, kept);
     ASSERT_EQ(back.unknown, 0u);
     ASSERT_EQ(back.kept.parameters.shift_e7, program::Place{});
-    ASSERT_EQ(back.kept.parameters.tool_length_e7, 0);
+    ASSERT_EQ(back.kept.parameters.tool_length_e7, kept.parameters.tool_length_e7);
     ASSERT_EQ(back.kept.parameters.changed, 0);
   }
   EXPECT_GT(longest, 2 * settings::flash_page);
@@ -101,6 +101,7 @@ TEST(KeptProgram, TheLongestFits) {
   KeptProgram kept;
   kept.parameters.systems_e7.fill({1, 1, 1, 1});
   kept.parameters.home_g28_e7 = kept.parameters.home_g30_e7 = {1, 1, 1, 1};
+  kept.parameters.tool_length_e7 = 1;
   for (KeptText* text : {&kept.start_up[0], &kept.start_up[1], &kept.build_text})
     ASSERT_TRUE(text->set(std::string(80, '~')));
   EXPECT_EQ(packed(kept).size(), KeptProgramRecord::most_bytes);
@@ -112,6 +113,7 @@ TEST(KeptProgram, EachPieceMakesADifference) {
       [](KeptProgram& k) { k.parameters.systems_e7[8][3] = 1; },
       [](KeptProgram& k) { k.parameters.home_g28_e7[0] = 1; },
       [](KeptProgram& k) { k.parameters.home_g30_e7[2] = 1; },
+      [](KeptProgram& k) { k.parameters.tool_length_e7 = -1; },
       [](KeptProgram& k) { k.start_up[0].set("x"); },
       [](KeptProgram& k) { k.start_up[1].set("x"); },
       [](KeptProgram& k) { k.build_text.set("x"); }};
@@ -122,7 +124,7 @@ TEST(KeptProgram, EachPieceMakesADifference) {
     EXPECT_EQ(unpacked(packed(kept)).kept, kept);
   }
   KeptProgram same;
-  same.parameters.shift_e7[0] = same.parameters.tool_length_e7 = same.parameters.changed = 1;
+  same.parameters.shift_e7[0] = same.parameters.changed = 1;
   EXPECT_EQ(same, KeptProgram{});
 }
 

@@ -35,9 +35,9 @@ inline machine::KeptProgram random_kept_program(std::mt19937_64& random) {
   for (machine::KeptText& text : kept.start_up)
     if (some()) text.set(random_text(random, machine::KeptText::capacity));
   if (some()) kept.build_text.set(random_text(random, machine::KeptText::capacity));
+  if (some()) kept.parameters.tool_length_e7 = random_place(random, most)[2];
   // Not kept.
   kept.parameters.shift_e7 = random_place(random, most);
-  kept.parameters.tool_length_e7 = 12;
   return kept;
 }
 

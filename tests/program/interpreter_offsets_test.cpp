@@ -127,7 +127,13 @@ TEST(Offsets, WhatIsStoredIsToldOnce) {
   rig.run("G56");
   EXPECT_EQ(rig.interpreter.work_offset_e7(), at(8, 0, 4));
   rig.parameters.changed = 0;
-  rig.run("G92.2 G49");
+  rig.run("G92.2");
+  EXPECT_EQ(rig.parameters.changed, 0);
+  rig.run("G49");
+  EXPECT_EQ(rig.parameters.changed, 1u << 12);
+  EXPECT_EQ(rig.parameters.tool_length_e7, 0);
+  rig.parameters.changed = 0;
+  rig.run("G49");
   EXPECT_EQ(rig.parameters.changed, 0);
   EXPECT_EQ(rig.interpreter.work_offset_e7(), at(7, 0));
 }
