@@ -28,10 +28,12 @@ Controller::Controller(const settings::Values& stored, const InterruptMask& mask
       values_(stored),
       runner_(clock_, shots_, motion_, planning_, board.parts) {
   clock_.configure(stored);
+  const bool ganged = use_kinematics();
   use_settings(stored);
   configure_reader();
   shots_.permit(false, BeatReason::no_point_due);
   send_banner();
+  if (!ganged) say("No second motor: $966 needs a board with outputs for A");
   if (stored.whole(Id::homing) == 0) return;
   // Where the machine is nobody knows until it is homed.
   state_ = MachineState::alarm;
@@ -39,10 +41,21 @@ Controller::Controller(const settings::Values& stored, const InterruptMask& mask
   say("'$H'|'$X' to unlock");
 }
 
+/// From the start on. False if a second motor is wanted for which there is no output.
+bool Controller::use_kinematics() {
+  settings::Values values = stored_;
+  const Kinematics wanted(values);
+  if (const bool lacks_motor = board_.axes < max_axes; lacks_motor)
+    values.set_milli(Id::ganged_axis, 0);
+  motion_.generator().set_kinematics(Kinematics(values));
+  return motion_.generator().kinematics() == wanted;
+}
+
 void Controller::use_settings(const settings::Values& values) {
   // The clock starts anew, and has to lock again, only if it has to.
   const bool other_beat = !same_beat(values, values_);
   values_ = values;
+  put_in_force(motion_.generator().kinematics(), values_);
   work_space_ = work_space(values);
   if (other_beat) clock_.configure(values);
   shots_.beam().configure(values);
@@ -222,7 +235,8 @@ void Controller::check_dead_man() {
 void Controller::input_changed(Input input, bool active, const StepPosition& at) {
   const InputSet bit = set_of(input);
   inputs_ = static_cast<InputSet>(active ? inputs_ | bit : inputs_ & ~unsigned{bit});
-  if (guard_.see(input, active, at)) program_.break_off();
+  const StepPosition loads = motion_.generator().kinematics().loads_of(at);
+  if (guard_.see(input, active, loads)) program_.break_off();
   switch (input) {
     case Input::estop:
       estop_ = active;
@@ -261,13 +275,13 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
   }
 }
 
-void Controller::stopped_at(const StepPosition& steps) {
+void Controller::stopped_at(const StepPosition& motors) {
   shots_.end_check();
   runner_.read_outcomes();  // of a shot that the board has found when it stopped
   runner_.halt();
   program_.halt();
   reader_.lose_position();
-  runner_.generator().set_position(steps);
+  runner_.generator().set_motors(motors);
 }
 
 void Controller::raise_alarm(std::uint8_t number) {

@@ -157,7 +157,7 @@ class Controller {
     if (lines_due()) work_lines();
     link_.poll(*this);
   }
-  /// `at`: where the axes were, as far as steps had been put out, when the pin changed; needed
+  /// `at`: where the motors were, as far as steps had been put out, when the pin changed; needed
   /// while wants_places().
   [[gnu::cold]] void input_changed(Input input, bool active, const StepPosition& at = {});
   /// A guarded move is under way.
@@ -171,8 +171,8 @@ class Controller {
   void lattice_stopped() {
     if (!runner_.at_rest()) raise_alarm(alarm_position_lost);
   }
-  /// The board has thrown away what it was given ahead (e-stop): where the axes really stand.
-  [[gnu::cold]] void stopped_at(const StepPosition& steps);
+  /// The board has thrown away what it was given ahead (e-stop): where the motors really stand.
+  [[gnu::cold]] void stopped_at(const StepPosition& motors);
 
   /// The user has changed settings: true once, with what has to be stored before the answer is
   /// transmitted. Until the next prepare() the machine is at rest, even if a job has just begun.
@@ -293,6 +293,7 @@ class Controller {
   static constexpr std::uint8_t alarm_homing_not_found = 9;  ///< a switch
   static constexpr std::uint8_t alarm_estop = 10;
   static constexpr std::uint8_t alarm_homing_wanted = 11;
+  static constexpr std::uint8_t alarm_homing_not_squared = 15;  ///< as grblHAL has it
   /// Room that is left for answers: without it lines wait, and reports are left out.
   static constexpr std::size_t answer_room = 128;
 
@@ -300,6 +301,7 @@ class Controller {
   void hold_after_failed_shots();
   Result check_settings(const settings::Values& values, std::uint16_t& setting) const;
   Result job_settings(const wire::JobHeader& header, settings::Values& values);
+  [[gnu::cold]] bool use_kinematics();
   [[gnu::cold]] void use_settings(const settings::Values& values);
   void end_overrides();
   [[gnu::cold]] void set_trigger();
@@ -344,7 +346,7 @@ class Controller {
   bool run_start_up_line();
   bool start_up_waits() const;
   bool start_program();
-  bool begin_lines();
+  bool begin_lines(const settings::Values& values);
   void begin_points(program::BeatLock lock);
   bool change_over(program::BeatLock lock);
   void configure_reader();

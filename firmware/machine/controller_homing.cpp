@@ -11,6 +11,16 @@ constexpr std::string_view axis_letters = "XYZA";
 constexpr AxisSet every_axis = (1u << max_axes) - 1;
 constexpr std::uint64_t clocks_per_ms = 1000 * clocks_per_us;
 
+/// The settings of a machine whose axis A is what the sides of a gantry are apart.
+settings::Values with_racking(const settings::Values& own, int ganged_axis) {
+  settings::Values values = own;
+  values.set_milli(Id::axes, max_axes * 1000);
+  for (const Id id : {Id::steps_per_mm_x, Id::max_rate_x, Id::acceleration_x, Id::travel_x,
+                      Id::min_corner_x, Id::speed_jump_x, Id::jerk_x})
+    values.set_milli(settings::for_axis(id, Kinematics::gang_motor), own.milli(id, ganged_axis));
+  return values;
+}
+
 }  // namespace
 
 /// "$H", "$HX". Answered when it has ended.
@@ -26,7 +36,10 @@ GcodeError Controller::begin_homing(std::string_view axes) {
   if (state_ == MachineState::estop) return GcodeError::emergency_stop;
   if (door_open_) return GcodeError::door_open;
   if (!may_be_changed() || check_ || loader_requested_) return GcodeError::not_idle;
-  if (!homing_.begin(stored_, board_.inputs, wanted)) return GcodeError::homing_disabled;
+  const int ganged = motion_.generator().kinematics().ganged_axis();
+  if (!homing_.begin(stored_, board_.inputs, wanted, ganged)) return GcodeError::homing_disabled;
+  if (ganged >= 0 && (wanted >> ganged & 1u) != 0 && homing_.squared_axis() < 0)
+    say("Not squared: there is no limit switch of A");
   reader_.end_lock();
   const Masked masked(mask_);
   if (state_ == MachineState::alarm) unlock();
@@ -66,11 +79,15 @@ void Controller::work_homing() {
       return break_off_homing(alarm_homing_engaged);
     case Homing::Next::switch_not_found:
       return break_off_homing(alarm_homing_not_found);
+    case Homing::Next::gantry_not_squared:
+      return break_off_homing(alarm_homing_not_squared);
   }
 }
 
 void Controller::go_homing() {
-  if (!begin_lines()) return break_off_homing(alarm_homing_not_found);
+  const int squared = homing_.squared_axis();
+  if (!begin_lines(squared < 0 ? values_ : with_racking(values_, squared)))
+    return break_off_homing(alarm_homing_not_found);
   motion::LineTarget line;
   line.steps = homing_.move().target;
   line.feed_um_min = homing_.move().feed_um_min;

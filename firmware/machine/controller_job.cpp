@@ -28,6 +28,8 @@ bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
     case Id::steps_per_mm_z:
     case Id::steps_per_mm_a:
     case Id::axes:
+    case Id::kinematics:
+    case Id::ganged_axis:
     case Id::pin_map:
       return asked != own;
     case Id::soft_limits:
@@ -67,6 +69,22 @@ bool inside_work_space(const settings::Values& job, const settings::Values& own,
   return low(job) >= low(own) && high(job) <= high(own);
 }
 
+/// What two axes that share motors may go together, in hundredths of a step a tick: half of it
+/// each. A tick that follows the lamp ($905, $910, $906) is up to a sixth longer than it should be,
+/// and a motor cannot have more than a step in it.
+constexpr std::int64_t most_together_percent = 80;
+
+/// Number of the setting that motors shared by axes cannot have, as they are or are to be; 0 =
+/// none.
+std::uint16_t broken_motors(const settings::Values& values, const motion::Limits& limits,
+                            const Kinematics& in_force) {
+  if (const std::uint16_t setting = broken_kinematics(values); setting != 0) return setting;
+  if (!in_force.core_xy() && !Kinematics(values).core_xy()) return 0;
+  const std::int64_t together_q62 = limits.axis[0].speed_q62 + limits.axis[1].speed_q62;
+  const bool too_fast = together_q62 > one_q62 / 100 * most_together_percent;
+  return too_fast ? settings::range(Id::max_rate_y).number : 0;
+}
+
 }  // namespace
 
 Result Controller::job_settings(const wire::JobHeader& header, settings::Values& values) {
@@ -99,7 +117,8 @@ Result Controller::check_settings(const settings::Values& values, std::uint16_t&
   motion::Limits limits;
   const Result r = motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting);
   if (r != Result::ok) return r;
-  setting = lamp::broken_protection(values);
+  setting = broken_motors(values, limits, motion_.generator().kinematics());
+  if (setting == 0) setting = lamp::broken_protection(values);
   return setting == 0 ? Result::ok : Result::bad_value;
 }
 

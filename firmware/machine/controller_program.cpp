@@ -158,13 +158,13 @@ void Controller::stop_after(GcodeError error) {
   if (beat_locked()) return true;
   if (state_ != MachineState::idle || !motion_.at_rest() || loader_requested_) return false;
   if (shots_.undecided() || overridden_) return false;
-  if (!begin_lines()) return false;
+  if (!begin_lines(values_)) return false;
   reader_.find_position(motion_.generator().state(), values_);
   return true;
 }
 
 /// At rest, no shot undecided: interrupts change nothing then of what this looks at.
-bool Controller::begin_lines() {
+bool Controller::begin_lines(const settings::Values& values) {
   planning_.recall();
   job_ = false;
   std::uint32_t tick_q16 = 0;
@@ -173,7 +173,7 @@ bool Controller::begin_lines() {
     runner_.read_outcomes();  // what is left of a job shall not send the machine back
     tick_q16 = runner_.shortest_tick_q16();
   }
-  return program_.begin(values_, tick_q16) == Result::ok;
+  return program_.begin(values, tick_q16) == Result::ok;
 }
 
 /// The same with points on the beat: as a job, but for their number. The host of an earlier job has
@@ -210,7 +210,7 @@ bool Controller::change_over(program::BeatLock lock) {
     const Masked masked(mask_);
     end_program();
   }
-  if (lock == program::BeatLock::off) return begin_lines();
+  if (lock == program::BeatLock::off) return begin_lines(values_);
   begin_points(lock);
   reader_.set_lock(lock);
   return true;

@@ -15,6 +15,13 @@
 //             changed, however far it ran on while it braked
 //   pull off  by $27 from that place; $43 times from locate to here
 //
+// A ganged axis (shared/kinematics.hpp) with a switch of its own for the second motor, that of A,
+// is squared: each side of the gantry is homed as if it were an axis, and stands where its switch
+// says. Once one side has met its switch the other goes on alone, before anything else, and no
+// further than a gantry can be bent: 5 % of the travel, 2.5 to 25 mm, as in grbl 1.1. If just one
+// side is engaged at the beginning both pull off first, so that a broken wire bends nothing. In
+// here A is that side; move() and position() have the racking there, as all of the core does.
+//
 // The switch of an axis stands at the end of its work space: the upper one, with its bit in $23 the
 // lower one. So the machine stands $27 inside of it in the end.
 #pragma once
@@ -23,6 +30,7 @@
 #include <cstdint>
 
 #include "firmware/machine/guard.hpp"
+#include "shared/kinematics.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 
@@ -35,12 +43,13 @@ class Homing {
  public:
   /// What is to be done next.
   enum class Next : std::uint8_t {
-    move,             ///< as move() says
-    wait,             ///< for wait_ms(), standing
-    set_position,     ///< the machine stands at position(), then ask again
-    done,             ///< all axes; end() is due, as behind what follows
-    still_engaged,    ///< a switch does not let go
-    switch_not_found  ///< an axis has met no switch
+    move,               ///< as move() says
+    wait,               ///< for wait_ms(), standing
+    set_position,       ///< the machine stands at position(), then ask again
+    done,               ///< all axes; end() is due, as behind what follows
+    still_engaged,      ///< a switch does not let go
+    switch_not_found,   ///< an axis has met no switch
+    gantry_not_squared  ///< one side of it has, the other one not
   };
   struct Move {
     StepPosition target{};
@@ -56,10 +65,13 @@ class Homing {
 
   /// Axes of `wanted` that the machine has a switch for, in the phases of the settings; a single
   /// axis is homed whether it has a phase or not. False if there is none. `inputs`: of the board.
-  bool begin(const settings::Values& values, InputSet inputs, AxisSet wanted);
+  /// `ganged_axis`: -1 = none.
+  bool begin(const settings::Values& values, InputSet inputs, AxisSet wanted, int ganged_axis);
   void end() { active_ = false; }
   /// From begin() to end().
   bool active() const { return active_; }
+  /// The axis that is squared, or -1.
+  int squared_axis() const { return squared_axis_; }
 
   /// To be asked when the machine stands and a wait is over.
   Next next(const Rest& rest);
@@ -72,10 +84,18 @@ class Homing {
   static constexpr int phases = 4;
 
   bool next_phase();
+  void square(int ganged_axis);
+  Next next_of_sides(const Rest& rest);
+  Next begin_phase(const Rest& rest);
   Next approach(const Rest& rest);
   Next approached(const Rest& rest);
-  Next pull_off(const Rest& rest);
+  Next pull_off(const Rest& rest, AxisSet axes);
   Next check(const Rest& rest);
+  /// Of the two sides of a gantry just one has found its switch.
+  bool side_left() const {
+    return (found_ & sides_) != 0 && (found_ & sides_) != (phase_axes_ & sides_);
+  }
+  std::int64_t way_milli_mm() const;
   void find_place(const StepPosition& at);
   bool downwards(int axis) const { return (downwards_ >> axis & 1u) != 0; }
   bool in_phase(int axis) const { return (phase_axes_ >> axis & 1u) != 0; }
@@ -91,6 +111,9 @@ class Homing {
   std::int32_t passes_ = 1;
   PerAxis<std::int32_t> steps_per_mm_milli_{}, low_milli_mm_{}, high_milli_mm_{};
 
+  std::int8_t squared_axis_ = -1;
+  AxisSet sides_ = 0;  ///< that axis and A
+
   bool active_ = false;
   Stage stage_ = Stage::phase;
   int phase_ = 0;
@@ -98,7 +121,7 @@ class Homing {
   AxisSet phase_axes_ = 0;  ///< homed together, now
   AxisSet found_ = 0;       ///< of those, in this approach
   AxisSet placed_ = 0;      ///< of those, whose switch has a place
-  std::int32_t pass_ = 0;   ///< 0: seek
+  std::int32_t pass_ = 0;   ///< 0: seek; before that the sides of a gantry pull off
   StepPosition places_{};   ///< of the switches
   Move move_;
   StepPosition position_{};

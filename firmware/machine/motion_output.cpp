@@ -15,6 +15,11 @@ void MotionOutput::set_lags(const settings::Values& values) {
         a < values.whole(settings::Id::axes) ? values.milli(settings::Id::drive_lag_x, a) : 0;
     lag_clocks_[index(a)] = clocks_of(static_cast<std::uint32_t>(lag_ns));
   }
+  // Two axes that share motors: the slower drive decides.
+  for (const AxisPair& pair : generator_.kinematics().pairs()) {
+    std::uint32_t &u = lag_clocks_[pair.first], &v = lag_clocks_[pair.second];
+    u = v = u > v ? u : v;
+  }
   const std::int32_t lead_ns = values.milli(settings::Id::laser_lead);
   const auto lead = static_cast<std::int32_t>(
       clocks_of(static_cast<std::uint32_t>(lead_ns < 0 ? -lead_ns : lead_ns)));

@@ -61,6 +61,7 @@ motion::LinePower laser_of(const program::Action& move) {
     place.steps[index(a)] = product < 0 ? -step : step;
     place.off_q8[index(a)] = static_cast<std::int8_t>(product < 0 ? -off : off);
   }
+  if (values.milli(Id::kinematics) != 0) motion::keep_in_motor_steps(place);
   return place;
 }
 

@@ -27,13 +27,17 @@ enum LatticeBit : std::uint8_t {
 /// than a step at 60 thousand steps a second. Its gate keeps every tick.
 inline constexpr std::uint32_t power_cell_ticks = 16;
 
-/// One axis in a block. Rate is added before the step is taken: tick j adds rate + j * accel.
+/// One axis, or motor, in a block. Rate is added before the step is taken: tick j adds rate + j *
+/// accel.
 struct AxisRun {
   Int128 position_q64;         ///< at the start of the block; the upper half is the step
   std::int64_t rate_q62 = 0;   ///< added by the first tick; never changes sign inside a block
   std::int64_t accel_q62 = 0;  ///< added to the rate after every tick
 
   constexpr bool stands() const { return rate_q62 == 0 && accel_q62 == 0; }
+  /// The way that it goes.
+  constexpr bool backwards() const { return rate_q62 < 0 || (rate_q62 == 0 && accel_q62 < 0); }
+  constexpr std::int32_t step() const { return static_cast<std::int32_t>(position_q64.hi()); }
   /// Position after n ticks, exact: n times the mean of first and last rate, whose sum is below two
   /// steps a tick.
   constexpr Int128 position_after(std::uint32_t n) const {
@@ -67,7 +71,7 @@ struct TickBlock {
   bool moving = false;                ///< some axis has a rate
   std::uint32_t power_q16 = 0;        ///< at the first tick, with gate_bit; 65535 = full
   std::uint32_t power_slope_q16 = 0;  ///< per tick, modulo 2^32
-  PerAxis<AxisRun> axis{};
+  PerAxis<AxisRun> axis{};            ///< of motors
 
   /// Power of its tick n, 65535 = full.
   constexpr std::uint16_t power(std::uint32_t n) const {

@@ -21,9 +21,29 @@ void TickGenerator::set_position(const StepPosition& steps) {
     runs_[index(a)].run.position_q64 = middle_of_step(steps[index(a)]);
 }
 
+void TickGenerator::set_motors(const StepPosition& motors) {
+  set_position(motors);
+  for (const AxisPair& pair : kinematics_.pairs()) {
+    AxisRun &u = runs_[pair.first].run, &v = runs_[pair.second].run;
+    const AxisRuns axes = axis_runs(pair, u, v);
+    u.position_q64 = axes.first.position_q64;
+    v.position_q64 = axes.second.position_q64;
+  }
+}
+
 void TickGenerator::settle() {
-  for (Run& r : runs_)
-    r.run.position_q64 = middle_of_step(static_cast<std::int32_t>(r.run.position_q64.hi()));
+  const PerAxis<Run> before = runs_;
+  for (Run& r : runs_) r.run.position_q64 = middle_of_step(r.run.step());
+  for (const AxisPair& pair : kinematics_.pairs()) {
+    Run &u = runs_[pair.first], &v = runs_[pair.second];
+    const AxisRun &old_u = before[pair.first].run, &old_v = before[pair.second].run;
+    const auto stays = [&](bool second) {
+      return motor_run(pair, old_u, old_v, second).step() == run_of_motor(pair, second).step();
+    };
+    if (stays(false) && stays(true)) continue;
+    u.run.position_q64 = old_u.position_q64;
+    v.run.position_q64 = old_v.position_q64;
+  }
 }
 
 void TickGenerator::set_leads(const PerAxis<std::uint32_t>& ticks, std::int32_t laser_ticks) {
@@ -60,12 +80,14 @@ PerAxis<std::int64_t> TickGenerator::accelerations_q62() const {
   return accelerations;
 }
 
+[[gnu::noinline]] void TickGenerator::run_on(AxisRun& run, std::uint32_t ticks) {
+  run.position_q64 = run.position_after(ticks);
+  run.rate_q62 = run.rate_after(ticks);
+}
+
 void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
   if (r.at.left == 0) return;
-  if (!r.run.stands()) {
-    r.run.position_q64 = r.run.position_after(ticks);
-    r.run.rate_q62 = r.run.rate_after(ticks);
-  }
+  if (!r.run.stands()) run_on(r.run, ticks);
   r.at.left -= ticks;
   r.left -= ticks;
   if (r.left != 0) return;
@@ -154,6 +176,20 @@ std::uint32_t TickGenerator::run_ticks(Run& r, int a, std::uint64_t tick,
   if (r.at.left == 0 && r.at.segment == queue_.begun()) return ticks;
   const std::uint32_t n = wait(r, a, tick, ticks);
   return r.left < n ? r.left : n;
+}
+
+[[gnu::noinline]] AxisRun TickGenerator::run_of_motor(const AxisPair& pair, bool second) const {
+  return motor_run(pair, runs_[pair.first].run, runs_[pair.second].run, second);
+}
+
+/// As run_ticks(), of two axes that share motors.
+std::uint32_t TickGenerator::pair_ticks(const AxisPair& pair, std::uint64_t tick,
+                                        std::uint32_t ticks) {
+  for (const bool second : {false, true}) {
+    const int axis = pair.motor(second);
+    ticks = run_ticks(runs_[index(axis)], axis, tick, ticks);
+  }
+  return ticks;
 }
 
 void TickGenerator::enter_lattice() {
@@ -360,6 +396,10 @@ std::uint32_t TickGenerator::limit_by_motion(std::uint32_t ticks) {
   if (!running_ && !queue_.empty()) ticks = limit_to(queue_.front().start_tick, head(), ticks);
   for (int a = 0; a < max_axes; ++a)
     ticks = run_ticks(runs_[index(a)], a, tick_ + runs_[index(a)].at.lead, ticks);
+  for (const AxisPair& pair : kinematics_.pairs()) {
+    for (const bool second : {false, true})
+      ticks = ticks_one_way(run_of_motor(pair, second), ticks);
+  }
   if (lattice_.left == 0 && enter(lattice_, tick_)) enter_lattice();
   return limit_by_laser(tick_, limit_by(lattice_, tick_, ticks));
 }
@@ -399,6 +439,10 @@ void TickGenerator::fill(TickBlock& block, std::uint32_t max_ticks) {
   block.power_q16 = power.power_q16;
   block.power_slope_q16 = power.slope_q16;
   for (int a = 0; a < max_axes; ++a) block.axis[index(a)] = runs_[index(a)].run;
+  for (const AxisPair& pair : kinematics_.pairs()) {
+    for (const bool second : {false, true})
+      block.axis[index(pair.motor(second))] = run_of_motor(pair, second);
+  }
   advance(ticks);
 }
 

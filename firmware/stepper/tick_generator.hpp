@@ -19,6 +19,10 @@
 // releases them; in between they stay in the queue. Planning and braking deal with the head, the
 // tick up to which the longest lead has read: where that axis is, all will be.
 //
+// Where two axes share two motors (CoreXY, a ganged axis: shared/kinematics.hpp), what goes out are
+// the runs of the motors, made here and nowhere else; such axes have the same lead. Everything
+// else, and whoever asks, deals with axes.
+//
 // A continuous laser is a reader, too: one that answers late has a lead, one that is sooner than
 // the beam is where the axes are has a lag, and then it releases the segments. It is dark where the
 // lattice stands, whatever it reads.
@@ -29,6 +33,7 @@
 
 #include <cstdint>
 
+#include "firmware/stepper/motor_runs.hpp"
 #include "firmware/stepper/segment_power.hpp"
 #include "firmware/stepper/segment_queue.hpp"
 #include "firmware/stepper/tick_block.hpp"
@@ -47,8 +52,12 @@ class TickGenerator {
  public:
   [[gnu::cold]] explicit TickGenerator(SegmentQueue& queue);
 
-  /// How many ticks each axis is ahead of the lattice, and the laser, or behind it; only while
-  /// nothing moves at all.
+  /// Which motors move which axes; before anything has moved.
+  [[gnu::cold]] void set_kinematics(const Kinematics& kinematics) { kinematics_ = kinematics; }
+  const Kinematics& kinematics() const { return kinematics_; }
+
+  /// How many ticks each axis is ahead of the lattice, the same for those of a pair, and the laser,
+  /// or behind it; only while nothing moves at all.
   [[gnu::cold]] void set_leads(const PerAxis<std::uint32_t>& ticks, std::int32_t laser_ticks = 0);
 
   /// How the arm window is shifted: the shot is decided `ticks` before it is fired.
@@ -63,10 +72,10 @@ class TickGenerator {
 
   /// Next block, at most `max_ticks` long.
   void fill(TickBlock& block, std::uint32_t max_ticks);
-  /// The next `ticks` ticks, fewer than 2^16, of every axis by itself and of the lattice bits. The
+  /// The next `ticks` ticks, fewer than 2^16, of every motor by itself and of the lattice bits. The
   /// board is told, for each of them from the first tick to the last:
-  ///   put_still(axis, ticks)        and then set_step(axis, step) where the axis is behind
-  ///   put_axis(axis, run, ticks)    the last one
+  ///   put_still(motor, ticks)       and then set_step(motor, step) where the motor is behind
+  ///   put_axis(motor, run, ticks)   the last one
   ///   put_bits(bits, ticks)
   ///   put_power(power, ticks)       of a continuous laser; where it changes evenly no more than a
   ///                                 power cell: that in the middle of these ticks
@@ -99,7 +108,10 @@ class TickGenerator {
   [[gnu::cold]] void halt();
   /// Sets the position of every axis; at rest only (power-up, after a dead stop).
   [[gnu::cold]] void set_position(const StepPosition& steps);
-  /// At rest: every axis goes to the middle of the step where it stands, which is no motion.
+  /// The same by the places of the motors.
+  [[gnu::cold]] void set_motors(const StepPosition& motors);
+  /// At rest: every axis goes to the middle of the step where it stands, which is no motion; where
+  /// it would be one for a motor of a pair, both axes stay.
   [[gnu::cold]] void settle();
 
  private:
@@ -135,6 +147,14 @@ class TickGenerator {
   template <class Board>
   void fill_axis(int axis, std::uint32_t ticks, Board& board);
   template <class Board>
+  [[gnu::noinline]] void fill_motors(std::uint32_t ticks, Board& board);
+  template <class Board>
+  void fill_pair(const AxisPair& pair, std::uint32_t ticks, Board& board);
+  template <class Board>
+  static void put_motor(int motor, AxisRun run, std::uint32_t ticks, Board& board);
+  AxisRun run_of_motor(const AxisPair& pair, bool second) const;
+  std::uint32_t pair_ticks(const AxisPair& pair, std::uint64_t tick, std::uint32_t ticks);
+  template <class Board>
   void fill_bits(std::uint32_t ticks, Board& board);
   template <class Board>
   [[gnu::noinline]] void fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const;
@@ -153,6 +173,7 @@ class TickGenerator {
   static bool next_stair(Run& run, const PhaseView& phase);
   static void next_piece(Run& run, const AxisProfile& profile);
   void next_piece(Run& run, int axis) const;
+  static void run_on(AxisRun& run, std::uint32_t ticks);
   void go_on(Run& run, int axis, std::uint32_t ticks) const;
   void run_to_head(Run& run, int axis) const;
   bool shorten(Reader& reader, std::uint32_t ticks) const;
@@ -182,6 +203,7 @@ class TickGenerator {
   std::int8_t power_axis_ = -1;  ///< of the one that the laser is in
   std::uint32_t left_ = 0;       ///< ticks left in the segment at the head
   PerAxis<Run> runs_{};
+  Kinematics kinematics_;
   Reader lattice_;  ///< bits have no lead
   Reader laser_;
   std::uint32_t laser_lag_ticks_ = 0;  ///< or a lead
@@ -196,7 +218,10 @@ class TickGenerator {
 template <class Board>
 void TickGenerator::fill_axes(std::uint32_t ticks, Board& board) {
   begin_segments(ticks);
-  for (int a = 0; a < max_axes; ++a) fill_axis(a, ticks, board);
+  if (kinematics_.coupled())
+    fill_motors(ticks, board);
+  else
+    for (int a = 0; a < max_axes; ++a) fill_axis(a, ticks, board);
   fill_bits(ticks, board);
   tick_ += ticks;
   release();
@@ -221,7 +246,40 @@ void TickGenerator::fill_axis(int a, std::uint32_t ticks, Board& board) {
     ticks -= n;
   }
   if (still != 0) board.put_still(a, still);
-  board.set_step(a, static_cast<std::int32_t>(r.run.position_q64.hi()));
+  board.set_step(a, r.run.step());
+}
+
+template <class Board>
+void TickGenerator::fill_motors(std::uint32_t ticks, Board& board) {
+  for (int a = 0; a < max_axes; ++a)
+    if (!kinematics_.in_pair(a)) fill_axis(a, ticks, board);
+  for (const AxisPair& pair : kinematics_.pairs()) fill_pair(pair, ticks, board);
+}
+
+template <class Board>
+void TickGenerator::fill_pair(const AxisPair& pair, std::uint32_t ticks, Board& board) {
+  std::uint64_t tick = tick_ + runs_[pair.first].at.lead;
+  while (ticks != 0) {
+    const std::uint32_t n = pair_ticks(pair, tick, ticks);
+    for (const bool second : {false, true})
+      put_motor(pair.motor(second), run_of_motor(pair, second), n, board);
+    go_on(runs_[pair.first], pair.first, n);
+    go_on(runs_[pair.second], pair.second, n);
+    tick += n;
+    ticks -= n;
+  }
+  for (const bool second : {false, true})
+    board.set_step(pair.motor(second), run_of_motor(pair, second).step());
+}
+
+template <class Board>
+void TickGenerator::put_motor(int motor, AxisRun run, std::uint32_t ticks, Board& board) {
+  if (run.stands()) return board.put_still(motor, ticks);
+  const std::uint32_t n = ticks_one_way(run, ticks);
+  board.put_axis(motor, run, n);
+  if (n == ticks) return;
+  run_on(run, n);
+  board.put_axis(motor, run, ticks - n);
 }
 
 template <class Board>

@@ -49,17 +49,14 @@ class AxisOutput {
  private:
   bool passes(const stepper::TickBlock& block, const stepper::AxisRun& run) const {
     if (!block.moving || run.stands()) return guard_.settled();
-    return guard_.passes(runs_back(run));
-  }
-  static bool runs_back(const stepper::AxisRun& run) {
-    return run.rate_q62 < 0 || (run.rate_q62 == 0 && run.accel_q62 < 0);
+    return guard_.passes(run.backwards());
   }
 
   template <class TimeOfTick>
   void play_guarded(const stepper::TickBlock& block, StepCursor& cursor, std::uint64_t from,
                     std::uint64_t to, Picoseconds pulse, TimeOfTick&& time_of) {
     const stepper::AxisRun& run = block.axis[index(axis_)];
-    const bool back = runs_back(run);
+    const bool back = run.backwards();
     if (guard_.settled()) {
       const std::uint64_t since = from - last_step_;
       guard_.wake(since < guard_.times().hold_ticks ? static_cast<std::uint32_t>(since)

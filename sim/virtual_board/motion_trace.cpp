@@ -10,7 +10,8 @@ constexpr std::uint64_t longest_piece = std::uint64_t{1} << 30;
 /// What is wanted of the beat behind the window too.
 constexpr std::int64_t beats_behind = 2;
 
-MotionPiece piece_of(const PlayedTicks& played, wire::MachineState state) {
+MotionPiece piece_of(const PlayedTicks& played, wire::MachineState state,
+                     const Kinematics& kinematics) {
   MotionPiece piece;
   piece.first_tick = played.from;
   piece.ticks = static_cast<std::uint32_t>(played.to - played.from);
@@ -22,6 +23,12 @@ MotionPiece piece_of(const PlayedTicks& played, wire::MachineState state) {
     if (!played.block.moving) continue;
     piece.axis[a].rate_q62 = run.rate_q62 + run.accel_q62 * static_cast<std::int64_t>(n);
     piece.axis[a].accel_q62 = run.accel_q62;
+  }
+  for (const AxisPair& pair : kinematics.pairs()) {
+    stepper::AxisRun &u = piece.axis[pair.first], &v = piece.axis[pair.second];
+    const stepper::AxisRuns axes = stepper::axis_runs(pair, u, v);
+    u = axes.first;
+    v = axes.second;
   }
   return piece;
 }
@@ -66,7 +73,8 @@ std::size_t MotionTrace::nearest_beat(Picoseconds at) const {
 
 void MotionTrace::ticks_played(const PlayedTicks& played) {
   if (complete_) return;
-  const MotionPiece piece = piece_of(played, board_.controller().state());
+  const MotionPiece piece = piece_of(played, board_.controller().state(),
+                                     board_.controller().runner().generator().kinematics());
   if (!zero_ && pieces_.empty() && !piece.moves()) return;
   if (!zero_ && zero_kind_ == Zero::first_motion && !beats_.empty())
     zero_ = nearest_beat(played.start);

@@ -132,7 +132,7 @@ void VirtualBoard::tell_input(Pin pin) {
     stop_dead();
 }
 
-/// As far as steps have been put out.
+/// Of the motors, as far as steps have been put out.
 StepPosition VirtualBoard::present_position() const {
   StepPosition steps{};
   if (!blocks_.empty()) steps = position_at_tick(std::max(played_, blocks_.front().first_tick));
@@ -338,6 +338,7 @@ void VirtualBoard::put_power(Picoseconds at) {
   bus_.set_power(laser_enabled_ ? power_ : controller_->outputs().attenuator, at);
 }
 
+/// Of the motors.
 StepPosition VirtualBoard::position_at_tick(std::uint64_t tick) const {
   StepPosition steps{};
   for (const auto* blocks : {&recent_blocks_, &blocks_}) {
@@ -360,7 +361,7 @@ StepPosition VirtualBoard::load_at_tick(std::uint64_t tick) const {
     if (lag == 0) continue;
     steps[index(axis)] = position_at_tick(tick_before(ticks_, tick, lag))[index(axis)];
   }
-  return steps;
+  return controller_->runner().generator().kinematics().loads_of(steps);
 }
 
 void VirtualBoard::decide() {

@@ -1,7 +1,8 @@
 // The drives that a machine's settings are made for.
 //
 // In:  the settings. Out: drives that read the two wires of each axis as the machine drives them,
-//      want the set-up and hold time that it keeps, and nothing more than that. Who: simulated
+//      want the set-up and hold time that it keeps, and nothing more than that, and move what its
+//      motors are coupled to. Who: simulated
 //      boards of the command line and of tests.
 #pragma once
 
@@ -19,6 +20,7 @@ inline DriveConfig drives_of(const settings::Values& values) {
     drives.first_active_low[index(axis)] = (values.whole(Id::step_invert) >> axis & 1) != 0;
     drives.second_active_low[index(axis)] = (values.whole(Id::direction_invert) >> axis & 1) != 0;
   }
+  drives.kinematics = Kinematics(values);
   drives.dir_setup_ns = values.milli(Id::direction_setup);
   drives.dir_hold_ns = values.milli(Id::direction_hold);
   return drives;

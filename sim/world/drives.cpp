@@ -17,7 +17,9 @@ Drives::Drives(const DriveConfig& config, PinBus& bus)
       min_period_(from_ns(config.min_period_ns)),
       dir_setup_(from_ns(config.dir_setup_ns)),
       dir_hold_(from_ns(config.dir_hold_ns)),
-      quadrature_gap_(from_ns(config.quadrature_gap_ns)) {
+      quadrature_gap_(from_ns(config.quadrature_gap_ns)),
+      kinematics_(config.kinematics) {
+  const StepPosition start = kinematics_.motors_of_loads(config.start);
   for (int number = 0; number < max_axes; ++number) {
     bus.listen(step_pin(number), *this);
     bus.listen(dir_pin(number), *this);
@@ -30,7 +32,7 @@ Drives::Drives(const DriveConfig& config, PinBus& bus)
     axis.active = {bus.level(step_pin(number)) != axis.inverted[0],
                    bus.level(dir_pin(number)) != axis.inverted[1]};
     axis.direction = axis.active[1] ? -1 : 1;
-    axis.position = config.start[index(number)];
+    axis.position = start[index(number)];
     axis.lag = from_ns(1000 * config.lag_us[index(number)]);
   }
 }
@@ -52,9 +54,18 @@ void Drives::special_changed(Axis& axis, std::size_t wire, bool level, Picosecon
   axis.last_change[wire] = at;
 }
 
-void Drives::tell(const Axis& axis, Picoseconds at) {
-  for (LoadListener* listener : axis.listeners)
-    listener->load_moves(axis.number, axis.position, at + axis.lag);
+/// A motor has gone one step that way.
+void Drives::tell(const Axis& axis, std::int32_t way, Picoseconds at) const {
+  const StepPosition now = motors();
+  StepPosition before = now;
+  before[index(axis.number)] -= way;
+  const StepPosition loads = kinematics_.loads_of(now), old = kinematics_.loads_of(before);
+  for (const Axis& load : axes_) {
+    const std::size_t i = index(load.number);
+    if (loads[i] == old[i]) continue;
+    for (LoadListener* listener : load.listeners)
+      listener->load_moves(load.number, loads[i], at + axis.lag);
+  }
 }
 
 /// CW is the first wire. The last change of a wire that is low is the end of its last pulse.
@@ -81,7 +92,9 @@ void Drives::quadrature_changed(Axis& axis, std::size_t wire, bool active, Picos
   move(axis, differ == (wire == 0) ? 1 : -1, at);
 }
 
-StepPosition Drives::position() const {
+StepPosition Drives::position() const { return kinematics_.loads_of(motors()); }
+
+StepPosition Drives::motors() const {
   StepPosition result{};
   std::transform(axes_.begin(), axes_.end(), result.begin(),
                  [](const Axis& axis) { return axis.position; });
@@ -100,7 +113,7 @@ StepPosition Drives::position_at(Picoseconds at) const {
   };
   StepPosition result{};
   std::transform(axes_.begin(), axes_.end(), result.begin(), undo);
-  return result;
+  return kinematics_.loads_of(result);
 }
 
 std::uint64_t Drives::total_faults() const {

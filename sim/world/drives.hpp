@@ -4,10 +4,14 @@
 //      moves one step, DIR high is negative), CW and CCW (a rising edge of CW is a step up, of CCW
 //      a step down), or A and B in quadrature (every edge is a step; up while A leads).
 //      The changes of one axis come in order of time; axes may come one after the other.
-// Out: the place of the load, now or at a time not long ago; each step, told to who wants to know;
-//      and counts of pulses that a real drive would have lost: too short, too fast, DIR changed
-//      too close to STEP, both CW and CCW high, quadrature that jumps by two.
+// Out: the place of the loads that the motors move (shared/kinematics.hpp: X and Y of a CoreXY,
+// each
+//      side of a gantry with two motors by itself), now or at a time not long ago; each step, told
+//      to who wants to know; and counts of pulses that a real drive would have lost: too short, too
+//      fast, DIR changed too close to STEP, both CW and CCW high, quadrature that jumps by two.
 // The load follows the steps late, by a pure delay of its axis: servo, filter or closed loop.
+// A drive is a motor; loads are X, Y, Z and A, which is the second side of a gantry. One that is
+// not square at power-up has a start of A that differs from that of its axis.
 // Places: steps from the machine's own zero, which switches refer to. At power-up the load stands
 // where the configuration says; a controller that has not homed counts from there.
 // Who: the bus calls pin_changed() for every edge; no allocation, a few nanoseconds.
@@ -19,6 +23,7 @@
 #include <limits>
 #include <vector>
 
+#include "shared/kinematics.hpp"
 #include "shared/units.hpp"
 #include "sim/world/pins.hpp"
 
@@ -43,6 +48,7 @@ struct DriveConfig {
   PerAxis<PulseMode> mode{};          ///< what the wires mean
   PerAxis<bool> first_active_low{};   ///< STEP, CW or A is inverted
   PerAxis<bool> second_active_low{};  ///< DIR, CCW or B is inverted
+  Kinematics kinematics{};            ///< which motors move which loads
   StepPosition start{};               ///< where the loads stand at power-up
 };
 
@@ -66,7 +72,8 @@ class LoadListener {
  public:
   virtual ~LoadListener() = default;
   /// Called for each step when its pulse comes; the load will be, or was, at `place` from `at` on.
-  /// In order of time for each axis; with a lag `at` lies ahead of the pulse.
+  /// In order of time for each motor, and so for each axis that has one of its own; with a lag `at`
+  /// lies ahead of the pulse.
   virtual void load_moves(int axis, std::int32_t place, Picoseconds at) = 0;
 };
 
@@ -84,6 +91,9 @@ class Drives final : public PinListener {
   /// `remembered_steps` steps per axis; further back it gives the oldest position it knows.
   StepPosition position_at(Picoseconds at) const;
 
+  /// Where all pulses so far take the motors, in steps.
+  StepPosition motors() const;
+
   const DriveFaults& faults(int axis) const { return axes_[index(axis)].faults; }
   std::uint64_t total_faults() const;
   /// How late the load of an axis follows.
@@ -95,6 +105,8 @@ class Drives final : public PinListener {
   void listen(int axis, LoadListener& listener) {
     axes_[index(axis)].listeners.push_back(&listener);
     axes_[index(axis)].heard = true;
+    // Either of two motors moves either of their loads.
+    if (kinematics_.core_xy() && axis < 2) axes_[0].heard = axes_[1].heard = true;
   }
 
   void pin_changed(Pin pin, bool level, Picoseconds at) override {
@@ -152,9 +164,9 @@ class Drives final : public PinListener {
     axis.last_step = at;
     axis.recent[axis.steps++ % remembered_steps] = {at, axis.position};
     axis.position += way;
-    if (axis.heard) tell(axis, at);
+    if (axis.heard) tell(axis, way, at);
   }
-  static void tell(const Axis& axis, Picoseconds at);
+  void tell(const Axis& axis, std::int32_t way, Picoseconds at) const;
   void special_changed(Axis& axis, std::size_t wire, bool level, Picoseconds at);
   void pulse_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
   void quadrature_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
@@ -164,6 +176,7 @@ class Drives final : public PinListener {
   Picoseconds dir_setup_;
   Picoseconds dir_hold_;
   Picoseconds quadrature_gap_;
+  Kinematics kinematics_;
   PerAxis<Axis> axes_{};
 };
 

@@ -1,13 +1,15 @@
 // The limit switches that a machine's settings are made for.
 //
 // In:  the settings. Out: for a machine that homes ($22), a switch for each axis at the end of its
-//      work space that $23 says, as $5 wants it; the machine starts at its zero. None else: looking
+//      work space that $23 says, as $5 wants it, and one for the second side of a gantry; the
+//      machine starts at its zero. None else: looking
 //      for switches costs a simulated board some of its speed.
 // Who: simulated boards of the command line that people talk to.
 #pragma once
 
 #include <vector>
 
+#include "shared/kinematics.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/work_space.hpp"
 #include "sim/world/switches.hpp"
@@ -18,18 +20,21 @@ inline std::vector<WireConfig> limits_of(const settings::Values& values) {
   using settings::Id;
   std::vector<WireConfig> wires;
   if (values.whole(Id::homing) == 0) return wires;
-  for (int axis = 0; axis < values.whole(Id::axes); ++axis) {
+  const auto add = [&](int axis, int side) {
     const std::int32_t low_milli = values.milli(Id::min_corner_x, axis);
     const std::int32_t high_milli = low_milli + values.milli(Id::travel_x, axis);
     const std::int32_t steps_per_mm = values.milli(Id::steps_per_mm_x, axis);
     const bool below = (values.whole(Id::homing_direction) >> axis & 1) != 0;
     const ContactConfig contact =
-        below ? ContactConfig::below(axis, steps_from_milli(low_milli, steps_per_mm))
-              : ContactConfig::above(axis, steps_from_milli(high_milli, steps_per_mm));
-    wires.push_back({.pin = limit_pin(axis),
+        below ? ContactConfig::below(side, steps_from_milli(low_milli, steps_per_mm))
+              : ContactConfig::above(side, steps_from_milli(high_milli, steps_per_mm));
+    wires.push_back({.pin = limit_pin(side),
                      .contacts = {contact},
-                     .normally_closed = (values.whole(Id::limit_invert) >> axis & 1) == 0});
-  }
+                     .normally_closed = (values.whole(Id::limit_invert) >> side & 1) == 0});
+  };
+  for (int axis = 0; axis < values.whole(Id::axes); ++axis) add(axis, axis);
+  const int ganged = Kinematics(values).ganged_axis();
+  if (ganged >= 0) add(ganged, Kinematics::gang_motor);
   return wires;
 }
 

@@ -1,7 +1,7 @@
 // The steps of a machine as its drives read them, in any pulse mode.
 //
-// In:  the two wires of each axis, the settings that say what they mean. Out: every step with its
-//      time, in order for each axis.
+// In:  the two wires of each motor, the settings that say what they mean. Out: every step with its
+//      time, in order for each motor.
 // Who: tests that compare modes, and boards with each other.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace lamplock::test {
 /// Drives of its own on the bus, from construction on, without a lag; must outlive the bus's use.
 class StepLog final : private sim::LoadListener {
  public:
-  StepLog(const settings::Values& values, sim::PinBus& bus) : drives_(sim::drives_of(values), bus) {
+  StepLog(const settings::Values& values, sim::PinBus& bus) : drives_(motors_of(values), bus) {
     for (int axis = 0; axis < max_axes; ++axis) drives_.listen(axis, *this);
   }
   StepLog(const StepLog&) = delete;
@@ -37,6 +37,12 @@ class StepLog final : private sim::LoadListener {
   }
 
  private:
+  /// Whatever they move.
+  static sim::DriveConfig motors_of(const settings::Values& values) {
+    sim::DriveConfig drives = sim::drives_of(values);
+    drives.kinematics = {};
+    return drives;
+  }
   void load_moves(int axis, std::int32_t place, sim::Picoseconds at) override {
     steps_[index(axis)].push_back({at, place});
   }

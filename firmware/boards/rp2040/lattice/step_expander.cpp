@@ -76,7 +76,7 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
 
 void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t ticks) {
   Row& row = rows_[index(axis)];
-  const bool back = StepPhase::backwards(run);
+  const bool back = run.backwards();
   if (!row.guard.passes(back) || row.mode != PulseMode::step_dir)
     return put_other(axis, run, ticks);
   StepPhase phase(run);
@@ -88,7 +88,7 @@ void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t
                                                std::uint32_t ticks) {
   Row& row = rows_[index(axis)];
   StepPhase phase(run);
-  const bool back = StepPhase::backwards(run);
+  const bool back = run.backwards();
   if (!row.guard.passes(back) && !turn_at_once(axis, phase, back, ticks))
     ticks = put_guarded(axis, phase, back, false, ticks);
   put_words<false>(axis, phase, row.dir(), ticks);

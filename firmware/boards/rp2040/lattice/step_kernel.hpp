@@ -30,16 +30,13 @@ struct StepPhase {
 
   StepPhase() = default;
   explicit StepPhase(const stepper::AxisRun& run) {
-    const bool back = backwards(run);
+    const bool back = run.backwards();
     // From Q62 to a fraction of 64 bits; the rate stays below one step a tick.
     const std::uint64_t r = static_cast<std::uint64_t>(run.rate_q62) << 2;
     const std::uint64_t a = static_cast<std::uint64_t>(run.accel_q62) << 2;
     phase = back ? ~run.position_q64.lo() : run.position_q64.lo();
     rate = back ? 0 - r : r;
     accel = back ? 0 - a : a;
-  }
-  static bool backwards(const stepper::AxisRun& run) {
-    return run.rate_q62 < 0 || (run.rate_q62 == 0 && run.accel_q62 < 0);
   }
 
   /// The next tick: does it step?

@@ -1,0 +1,56 @@
+#include "firmware/stepper/motor_runs.hpp"
+
+namespace lamplock::stepper {
+namespace {
+
+constexpr Int128 half_step = middle_of_step(0);
+
+/// Of two numbers that are both even or both odd; their sum may not fit.
+constexpr std::int64_t mean(std::int64_t a, std::int64_t b) {
+  return (a >> 1) + (b >> 1) + (a & 1);
+}
+
+/// u + v, or u - v; both from the middle of a step of v on.
+AxisRun sum_of(const AxisRun& u, AxisRun v, bool difference) {
+  v.position_q64 = v.position_q64 - half_step;
+  if (difference) v = {-v.position_q64, -v.rate_q62, -v.accel_q62};
+  return {u.position_q64 + v.position_q64, u.rate_q62 + v.rate_q62, u.accel_q62 + v.accel_q62};
+}
+
+}  // namespace
+
+AxisRun motor_run(const AxisPair& pair, const AxisRun& u, const AxisRun& v, bool second) {
+  const bool core = pair.kind == AxisPair::Kind::core;
+  return core || second ? sum_of(u, v, core && second) : u;
+}
+
+[[gnu::cold]] AxisRuns axis_runs(const AxisPair& pair, const AxisRun& first,
+                                 const AxisRun& second) {
+  if (pair.kind == AxisPair::Kind::ganged)
+    return {first,
+            {second.position_q64 - first.position_q64 + half_step, second.rate_q62 - first.rate_q62,
+             second.accel_q62 - first.accel_q62}};
+  const Int128 sum = first.position_q64 + second.position_q64;
+  const Int128 difference = first.position_q64 - second.position_q64;
+  return {
+      {sum >> 1, mean(first.rate_q62, second.rate_q62), mean(first.accel_q62, second.accel_q62)},
+      {(difference >> 1) + half_step, mean(first.rate_q62, -second.rate_q62),
+       mean(first.accel_q62, -second.accel_q62)}};
+}
+
+std::uint32_t ticks_one_way(const AxisRun& run, std::uint32_t n) {
+  const bool back = run.backwards();
+  const auto turned = [&run, back](std::uint32_t tick) {
+    const std::int64_t rate = run.rate_q62 + short_product(run.accel_q62, tick);
+    return back ? rate > 0 : rate < 0;
+  };
+  if (!turned(n - 1)) return n;
+  std::uint32_t low = 0, high = n - 1;  // not turned, turned
+  while (high - low > 1) {
+    const std::uint32_t middle = (low + high) / 2;
+    (turned(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+}  // namespace lamplock::stepper

@@ -1,0 +1,32 @@
+// Runs of motors out of runs of axes, where two axes share two motors (shared/kinematics.hpp).
+//
+// In:  the runs of both axes, over ticks in which neither changes its acceleration.
+// Out: those of both motors: sums and differences, which have constant acceleration as well.
+// Who: the tick generator, in the fill interrupt. Budget: some 100 cycles a pair and piece; where a
+//      motor turns inside of a piece, which axes do not, some 600 more.
+//
+// Axes turn between pieces, motors anywhere in them. A run must not, so the piece is cut there; the
+// tick is found by halves, for there is no division at this level.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/stepper/segment.hpp"
+#include "firmware/stepper/tick_block.hpp"
+#include "shared/kinematics.hpp"
+
+namespace lamplock::stepper {
+
+/// Of the first or the second motor of a pair. It rests in the middle of a step where both axes do.
+AxisRun motor_run(const AxisPair& pair, const AxisRun& u, const AxisRun& v, bool second);
+
+/// The runs of axes that gave those of motors.
+struct AxisRuns {
+  AxisRun first, second;
+};
+AxisRuns axis_runs(const AxisPair& pair, const AxisRun& first, const AxisRun& second);
+
+/// How many of n ticks, at least one and fewer than 2^16, a run goes the way that it begins.
+std::uint32_t ticks_one_way(const AxisRun& run, std::uint32_t n);
+
+}  // namespace lamplock::stepper
