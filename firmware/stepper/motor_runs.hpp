@@ -25,6 +25,16 @@ struct AxisRuns {
   AxisRun first, second;
 };
 AxisRuns axis_runs(const AxisPair& pair, const AxisRun& first, const AxisRun& second);
+/// The same of all that a block puts out.
+inline PerAxis<AxisRun> axis_runs(const Kinematics& kinematics, const PerAxis<AxisRun>& motors) {
+  PerAxis<AxisRun> axes = motors;
+  for (const AxisPair& pair : kinematics.pairs()) {
+    const AxisRuns runs = axis_runs(pair, motors[pair.first], motors[pair.second]);
+    axes[pair.first] = runs.first;
+    axes[pair.second] = runs.second;
+  }
+  return axes;
+}
 
 /// How many of n ticks, at least one and fewer than 2^16, a run goes the way that it begins.
 std::uint32_t ticks_one_way(const AxisRun& run, std::uint32_t n);

@@ -26,8 +26,8 @@ void TickGenerator::set_motors(const StepPosition& motors) {
   for (const AxisPair& pair : kinematics_.pairs()) {
     AxisRun &u = runs_[pair.first].run, &v = runs_[pair.second].run;
     const AxisRuns axes = axis_runs(pair, u, v);
-    u.position_q64 = axes.first.position_q64;
-    v.position_q64 = axes.second.position_q64;
+    u = axes.first;
+    v = axes.second;
   }
 }
 

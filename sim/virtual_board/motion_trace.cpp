@@ -24,12 +24,7 @@ MotionPiece piece_of(const PlayedTicks& played, wire::MachineState state,
     piece.axis[a].rate_q62 = run.rate_q62 + run.accel_q62 * static_cast<std::int64_t>(n);
     piece.axis[a].accel_q62 = run.accel_q62;
   }
-  for (const AxisPair& pair : kinematics.pairs()) {
-    stepper::AxisRun &u = piece.axis[pair.first], &v = piece.axis[pair.second];
-    const stepper::AxisRuns axes = stepper::axis_runs(pair, u, v);
-    u = axes.first;
-    v = axes.second;
-  }
+  piece.axis = stepper::axis_runs(kinematics, piece.axis);
   return piece;
 }
 

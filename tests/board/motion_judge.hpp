@@ -1,5 +1,5 @@
 // What a virtual board makes of every tick, judged by the settings: speed and acceleration of each
-// axis, steps that join, the work space.
+// axis, whichever motors move it, steps that join, the work space.
 //
 // In:  the board's ticks (tick_listener.hpp). Out: the first rule that was broken, when motion
 // began
@@ -27,7 +27,9 @@ namespace lamplock::test {
 class MotionJudge final : public sim::TickListener {
  public:
   MotionJudge(sim::VirtualBoard& board, const settings::Values& values, bool corners)
-      : space_(work_space(values)), axes_(values.whole(settings::Id::axes)) {
+      : space_(work_space(values)),
+        axes_(values.whole(settings::Id::axes)),
+        kinematics_(board.controller().runner().generator().kinematics()) {
     using settings::Id;
     const double deviation_mm = values.milli(Id::junction_deviation) / 1e3;
     for (int a = 0; a < axes_; ++a) {
@@ -60,8 +62,9 @@ class MotionJudge final : public sim::TickListener {
     const auto ticks = static_cast<std::uint32_t>(played.to - played.from);
     if (ticks == 0) return;
     bool moves = false;
+    const PerAxis<stepper::AxisRun> runs = stepper::axis_runs(kinematics_, played.block.axis);
     for (int a = 0; a < axes_; ++a) {
-      const stepper::AxisRun& run = played.block.axis[index(a)];
+      const stepper::AxisRun& run = runs[index(a)];
       Axis& axis = at_[index(a)];
       const Int128 place = run.position_after(skipped);
       // At rest it may settle in the middle of its step.
@@ -142,6 +145,7 @@ class MotionJudge final : public sim::TickListener {
 
   StepLimits space_;
   int axes_;
+  Kinematics kinematics_;
   PerAxis<Rules> rules_{};
   PerAxis<Axis> at_{};
   bool known_ = false;

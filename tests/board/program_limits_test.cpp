@@ -99,8 +99,9 @@ class Writer {
   RandomProgram program_;
 };
 
-job::Profile machine_of(std::mt19937_64& random, bool jerk) {
+job::Profile machine_of(std::mt19937_64& random, bool jerk, bool core_xy = false) {
   job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
+  profile.settings.set_milli(Id::kinematics, core_xy ? 1000 : 0);
   for (int a = 0; a < 3; ++a) {
     const auto pick = [&](double low, double high) {
       return std::uniform_real_distribution<double>(low, high)(random);
@@ -129,12 +130,18 @@ StepPosition steps_at(const std::array<double, 3>& mm) {
 constexpr std::array kinds{Kind::lines, Kind::arcs,  Kind::dense,
                            Kind::stops, Kind::timed, Kind::mixed};
 
-TEST(ProgramLimits, UndisturbedInTheTimeThatCheckSays) {
+/// Axes and their limits are the same, whatever the motors make of them.
+class ProgramLimits : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Kinematics, ProgramLimits, testing::Bool(), [](const auto& test) {
+  return std::string(test.param ? "CoreXy" : "Cartesian");
+});
+
+TEST_P(ProgramLimits, UndisturbedInTheTimeThatCheckSays) {
   std::mt19937_64 random(1);
   for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "program " << i);
     const Kind kind = kinds[static_cast<std::size_t>(i) % kinds.size()];
-    const job::Profile profile = machine_of(random, i / 6 % 3 == 1 && !has_times(kind));
+    const job::Profile profile = machine_of(random, i / 6 % 3 == 1 && !has_times(kind), GetParam());
     const RandomProgram program = Writer(random()).make(kind, kind == Kind::dense ? 6 : 12);
     const auto plan = program_run::run_program(program.text, profile.settings, 1);
     ASSERT_TRUE(plan.problems.empty()) << plan.problems[0].text << "\n" << program.text;
@@ -146,6 +153,8 @@ TEST(ProgramLimits, UndisturbedInTheTimeThatCheckSays) {
     host.run_ms(5);
     EXPECT_EQ(judge.fault(), "") << program.text;
     EXPECT_EQ(host.position(), steps_at(program.end)) << program.text;
+    EXPECT_EQ(rig.board.world().drives().position(), steps_at(program.end)) << program.text;
+    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
     // The board plans the same segments, so it is a matter of ticks.
     EXPECT_NEAR(judge.moved_s(), plan.seconds(), 2e-6) << program.text;
     EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
@@ -154,7 +163,7 @@ TEST(ProgramLimits, UndisturbedInTheTimeThatCheckSays) {
 }
 
 /// Along circles the acceleration across the path counts too; over 20 ms corners do not.
-TEST(ProgramLimits, CirclesKeepTheAccelerationOfTheirAxes) {
+TEST(ProgramLimitsOfAxes, CirclesKeepTheAccelerationOfTheirAxes) {
   std::mt19937_64 random(2);
   for (int i = 0; i < scaled(6); ++i) {
     const job::Profile profile = machine_of(random, i % 3 == 2);
@@ -172,14 +181,14 @@ TEST(ProgramLimits, CirclesKeepTheAccelerationOfTheirAxes) {
   }
 }
 
-TEST(ProgramLimits, DisturbedAtAnyMoment) {
+TEST_P(ProgramLimits, DisturbedAtAnyMoment) {
   std::mt19937_64 random(3);
   constexpr std::array<unsigned, 12> bytes{0x90, 0x91, 0x92, 0x93, 0x94, 0x95,
                                            0x96, 0x97, '!',  '!',  '~',  '~'};
   for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "program " << i);
     const Kind kind = kinds[static_cast<std::size_t>(i) % kinds.size()];
-    const job::Profile profile = machine_of(random, i / 6 % 3 == 1 && !has_times(kind));
+    const job::Profile profile = machine_of(random, i / 6 % 3 == 1 && !has_times(kind), GetParam());
     const RandomProgram program = Writer(random()).make(kind, kind == Kind::dense ? 6 : 12);
     ASSERT_LT(program.text.size(), 8000u);
     Rig rig(profile);
@@ -212,13 +221,15 @@ TEST(ProgramLimits, DisturbedAtAnyMoment) {
     host.run_ms(5);
     EXPECT_EQ(judge.fault(), "") << script << "\n" << program.text;
     EXPECT_EQ(host.position(), steps_at(program.end)) << script << "\n" << program.text;
+    EXPECT_EQ(rig.board.world().drives().position(), steps_at(program.end)) << script;
+    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
     EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
     EXPECT_FALSE(rig.board.controller().runner().generator().underrun());
   }
 }
 
 /// A dwell begins when the machine stands and takes as long as was written.
-TEST(ProgramLimits, DwellsAsLongAsProgrammed) {
+TEST(ProgramLimitsOfAxes, DwellsAsLongAsProgrammed) {
   std::mt19937_64 random(4);
   for (int i = 0; i < scaled(8); ++i) {
     const job::Profile profile = machine_of(random, i % 2 == 1);

@@ -21,13 +21,14 @@ namespace lamplock::test {
 
 struct PassedPlace {
   sim::Picoseconds at = 0;
-  std::array<std::int32_t, 3> steps{};
+  std::array<double, 3> steps{};  ///< halves of them where two motors move an axis
 };
 
 /// Records from now on; the board must not run after it has gone.
 class StepRecord final : private sim::PinListener {
  public:
-  explicit StepRecord(sim::VirtualBoard& board) {
+  explicit StepRecord(sim::VirtualBoard& board)
+      : core_xy_(board.controller().runner().generator().kinematics().core_xy()) {
     for (int axis = 0; axis < 3; ++axis) {
       board.bus().listen(sim::step_pin(axis), *this);
       board.bus().listen(sim::dir_pin(axis), *this);
@@ -46,7 +47,7 @@ class StepRecord final : private sim::PinListener {
       // Edges of one moment are one place.
       if (places.size() == 1 || places.back().at != edge.at) places.push_back(places.back());
       places.back().at = edge.at;
-      places.back().steps[edge.axis] += edge.direction;
+      move(places.back(), edge);
     }
     return places;
   }
@@ -64,6 +65,17 @@ class StepRecord final : private sim::PinListener {
     else if (level)
       edges_.push_back({at, line / 2, direction_[line / 2]});
   }
+  /// Both motors of a CoreXY turn for either axis.
+  void move(PassedPlace& place, const Edge& edge) const {
+    if (!core_xy_ || edge.axis > 1) {
+      place.steps[edge.axis] += edge.direction;
+      return;
+    }
+    place.steps[0] += edge.direction * 0.5;
+    place.steps[1] += edge.axis == 0 ? edge.direction * 0.5 : edge.direction * -0.5;
+  }
+
+  bool core_xy_;
   std::vector<Edge> edges_;
   std::array<int, 3> direction_{1, 1, 1};
 };
@@ -97,7 +109,7 @@ class WayFollower {
 
   std::string text_of(std::size_t i) const {
     std::string text = fmt::format("place {} of {}:", i, places_.size());
-    for (const std::int32_t s : places_[i].steps) text += fmt::format(" {}", s / steps_per_mm);
+    for (const double s : places_[i].steps) text += fmt::format(" {}", s / steps_per_mm);
     return text;
   }
 
@@ -110,7 +122,7 @@ class WayFollower {
   }
   bool is_at(std::size_t i, const MmPoint& p) const {
     for (std::size_t a = 0; a < 3; ++a)
-      if (places_[i].steps[a] != std::lround(p[a])) return false;
+      if (places_[i].steps[a] != static_cast<double>(std::lround(p[a]))) return false;
     return true;
   }
 

@@ -1,0 +1,323 @@
+// A CoreXY on the virtual board: whatever the motors do together, tool, switches and reports are in
+// X and Y. Its programs are judged in program_golden_test.cpp and program_limits_test.cpp, too.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "tests/board/exact_programs.hpp"
+#include "tests/board/machine_with_switches.hpp"
+#include "tests/board/step_log.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::Contains;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr std::int32_t end_steps = 50 * 200, pull_off_steps = 200;
+
+job::Profile core_xy(job::Profile profile) {
+  profile.settings.set_milli(Id::kinematics, 1000);
+  return profile;
+}
+job::Profile plain_core_xy() { return core_xy(lamp_profile(100, settings::LampMode::free_beat)); }
+
+/// Wherever axes stand, in the middle of their steps or not, motors are on the steps of their sums.
+void expect_motors_at_axes(const Rig& rig) {
+  const stepper::TickGenerator& generator = rig.board.controller().runner().generator();
+  const stepper::MotionState at = generator.state();
+  PerAxis<stepper::AxisRun> axes{};
+  for (std::size_t a = 0; a < axes.size(); ++a) axes[a].position_q64 = at.axis[a].position_q64;
+  StepPosition motors{};
+  for (std::size_t a = 0; a < axes.size(); ++a) motors[a] = axes[a].step();
+  for (const AxisPair& pair : generator.kinematics().pairs())
+    for (const bool second : {false, true})
+      motors[index(pair.motor(second))] =
+          motor_run(pair, axes[pair.first], axes[pair.second], second).step();
+  EXPECT_EQ(rig.board.world().drives().motors(), motors);
+}
+
+std::string random_move(std::mt19937_64& random) {
+  const auto mm = [&random] { return std::uniform_real_distribution<double>(-20, 20)(random); };
+  return fmt::format("{} X{:.3f} Y{:.3f} Z{:.3f} F6000\n", random() % 4 == 0 ? "G0" : "G1", mm(),
+                     mm(), mm());
+}
+
+/// Along X both motors go the same way, along Y they go opposite ones.
+TEST(CoreXy, MotorsMakeTheSumAndTheDifference) {
+  const job::Profile profile = plain_core_xy();
+  Rig rig(profile);
+  ProgramHost host(rig);
+  const auto expect_motors = [&](const char* line, const StepPosition& motors) {
+    ASSERT_TRUE(host.stream(line));
+    host.run_ms(5);
+    EXPECT_EQ(rig.board.world().drives().motors(), motors) << line;
+  };
+  expect_motors("G0 X10\n", {2000, 2000, 0, 0});
+  expect_motors("G0 Y1\n", {2200, 1800, 0, 0});
+  expect_motors("G1 X-1 Y-2 Z3 F1000\n", {-600, 200, 600, 0});
+}
+
+/// The same program on both machines: motors' steps come at the ticks of a sum and a difference.
+TEST(CoreXy, StandsWhereACartesianMachineDoes) {
+  std::mt19937_64 random(1);
+  for (int program = 0; program < scaled(20); ++program) {
+    const job::Profile profile = plain_core_xy();
+    Rig rig(profile);
+    ProgramHost host(rig);
+    ExactProgram exact(static_cast<unsigned>(program + 5000));
+    Rig cartesian(lamp_profile(100, settings::LampMode::free_beat));
+    ProgramHost cartesian_host(cartesian);
+    for (int part = 0; part < 3; ++part) {
+      std::string text;
+      for (int i = 0; i < 8; ++i) text += exact.lines();
+      ASSERT_EQ(host.stream(text), cartesian_host.stream(text)) << text;
+      host.run_ms(5);
+      cartesian_host.run_ms(5);
+      ASSERT_EQ(host.answers(), cartesian_host.answers()) << text;
+      ASSERT_EQ(rig.board.world().drives().position(), cartesian.board.world().drives().position())
+          << text;
+      ASSERT_EQ(host.position(), rig.board.world().drives().position());
+    }
+    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+  }
+}
+
+/// Points on the beat, in every way that they can be joined.
+TEST(CoreXy, ShootsEveryPointAtItsPlace) {
+  for (const JoinMode mode : {JoinMode::free, JoinMode::start_stop, JoinMode::path}) {
+    const job::Profile profile = core_xy(lamp_profile());
+    const job::Job job =
+        job_for(wild_points(static_cast<std::size_t>(scaled(60)), 3), profile, mode);
+    Rig rig(profile);
+    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+  }
+}
+
+/// The slower drive of the two decides: loads are at their places all the same.
+TEST(CoreXy, LagsOfBothDrivesAreThoseOfTheSlower) {
+  job::Profile profile = core_xy(lamp_profile());
+  set_lag(profile, {700, 400, 100});
+  sim::WorldConfig world = world_for(profile);
+  world.drives.lag_us[1] = world.drives.lag_us[0];
+  Rig rig(profile.settings, world);
+  const job::Job job = job_for(wild_points(30, 5), profile, JoinMode::free);
+  ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+}
+
+/// Stopped dead anywhere: motors keep their steps, and the next program ends at its place.
+TEST(CoreXy, KnowsWhereItIsAfterADeadStop) {
+  std::mt19937_64 random(2);
+  int odd = 0;
+  for (int round = 0; round < scaled(30); ++round) {
+    SCOPED_TRACE(fmt::format("round {}", round));
+    Rig rig(plain_core_xy());
+    ProgramHost host(rig);
+    std::string text;
+    for (int i = 0; i < 5; ++i) text += random_move(random);
+    host.send(text);
+    host.run_ms(static_cast<double>(random() % 1500) + 0.137 * static_cast<double>(random() % 7));
+    rig.board.world().schedule(sim::Pin::estop, true, rig.board.now());
+    host.run_ms(20);
+    const sim::Drives& drives = rig.board.world().drives();
+    const StepPosition stood = drives.motors();
+    odd += (stood[0] + stood[1]) & 1;
+    EXPECT_EQ(host.position(), drives.position());
+    rig.board.world().schedule(sim::Pin::estop, false, rig.board.now());
+    host.run_ms(100);
+    EXPECT_THAT(host.ask("$X\n"), Contains("ok"));
+    host.run_ms(20);
+    EXPECT_EQ(drives.motors(), stood);
+    ASSERT_TRUE(host.stream("G90 G1 X1 Y2 Z3 F3000\n"));
+    host.run_ms(5);
+    EXPECT_EQ(drives.position(), (StepPosition{200, 400, 600, 0}));
+    EXPECT_EQ(drives.total_faults(), 0u);
+  }
+  EXPECT_GT(odd, 0);
+}
+
+/// And so does a job of points that begins there.
+TEST(CoreXy, JobsBeginBetweenSteps) {
+  std::mt19937_64 random(3);
+  int odd = 0;
+  for (int round = 0; round < scaled(12); ++round) {
+    const job::Profile profile = core_xy(lamp_profile());
+    Rig rig(profile);
+    ProgramHost host(rig);
+    host.send(random_move(random));
+    host.run_ms(static_cast<double>(20 + random() % 200));
+    rig.board.world().schedule(sim::Pin::estop, true, rig.board.now());
+    host.run_ms(20);
+    const StepPosition stood = rig.board.world().drives().motors();
+    odd += (stood[0] + stood[1]) & 1;
+    rig.board.world().schedule(sim::Pin::estop, false, rig.board.now());
+    host.run_ms(100);
+    ASSERT_THAT(host.ask("$X\n"), Contains("ok"));
+    const job::Job job = job_for(wild_points(8, random()), profile, JoinMode::free);
+    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+  }
+  EXPECT_GT(odd, 0);
+}
+
+/// Held and reset on the way, as often as you like: never a step lost.
+TEST(CoreXy, HoldsAndResetsLoseNothing) {
+  std::mt19937_64 random(4);
+  for (int round = 0; round < scaled(12); ++round) {
+    SCOPED_TRACE(fmt::format("round {}", round));
+    Rig rig(plain_core_xy());
+    ProgramHost host(rig);
+    for (int i = 0; i < 5; ++i) {
+      host.send(random_move(random) + random_move(random));
+      host.run_ms(static_cast<double>(random() % 400));
+      host.send("!");
+      host.run_ms(static_cast<double>(random() % 300));
+      host.send(random() % 2 == 0 ? "~" : "\x18");
+      host.run_ms(2000);
+      host.ask("$X\n");  // after a reset in motion
+      ASSERT_TRUE(host.stand());
+      host.run_ms(5);
+      expect_motors_at_axes(rig);
+    }
+    ASSERT_TRUE(host.stream("G90 G1 X-1 Y2 Z3 F3000\n"));
+    host.run_ms(5);
+    EXPECT_EQ(rig.board.world().drives().position(), (StepPosition{-200, 400, 600, 0}));
+    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+  }
+}
+
+TEST(CoreXy, JogsAreCancelled) {
+  std::mt19937_64 random(5);
+  Rig rig(plain_core_xy());
+  ProgramHost host(rig);
+  for (int round = 0; round < scaled(10); ++round) {
+    const double angle = static_cast<double>(random() % 360) / 57.3;
+    host.send(
+        fmt::format("$J=G91 X{:.3f} Y{:.3f} F6000\n", 8 * std::cos(angle), 8 * std::sin(angle)));
+    host.run_ms(static_cast<double>(random() % 80));
+    host.send(std::uint8_t{0x85});
+    ASSERT_TRUE(host.stand());
+    host.run_ms(5);
+    expect_motors_at_axes(rig);
+    host.ask("$J=G90 X0 Y0 F6000\n", 3);
+    ASSERT_TRUE(host.stand());
+  }
+  host.run_ms(5);
+  EXPECT_EQ(rig.board.world().drives().motors(), StepPosition{});
+}
+
+/// Machine coordinates less those of the load, from where the switch of an axis is.
+std::int32_t offset_of(const SwitchPlan& plan, int axis) {
+  const bool below = (plan.lower_ends >> axis & 1u) != 0;
+  return (below ? -end_steps : end_steps) - plan.switches[index(axis)];
+}
+
+/// Either axis alone turns both motors; switches are those of X and Y.
+TEST(CoreXy, HomesByAxes) {
+  std::mt19937_64 random(6);
+  const auto pick = [&random](int from, int to) {
+    return std::uniform_int_distribution<>(from, to)(random);
+  };
+  for (int round = 0; round < scaled(12); ++round) {
+    SCOPED_TRACE(fmt::format("round {}", round));
+    SwitchPlan plan;
+    plan.lower_ends = static_cast<unsigned>(pick(0, 7));
+    plan.bounce = {
+        .make_us = pick(0, 8000) * 1.0, .break_us = pick(0, 8000) * 1.0, .seed = random()};
+    job::Profile profile = core_xy(homing_profile());
+    profile.settings.set_milli(Id::homing_direction, static_cast<int>(plan.lower_ends) * 1000);
+    for (int a = 0; a < 3; ++a) {
+      const bool below = (plan.lower_ends >> a & 1u) != 0;
+      plan.switches[index(a)] = below ? pick(-19'000, -3000) : pick(3000, 19'000);
+      plan.start[index(a)] = plan.switches[index(a)] + (below ? 1 : -1) * pick(-100, 10'000);
+    }
+    MachineWithSwitches m(profile, plan);
+    ASSERT_THAT(m.home(), Contains("ok"));
+    const StepPosition at = m.host.position(), loads = m.loads();
+    for (int a = 0; a < 3; ++a) {
+      const bool below = (plan.lower_ends >> a & 1u) != 0;
+      EXPECT_LE(std::abs(at[index(a)] - loads[index(a)] - offset_of(plan, a)), 1) << "axis " << a;
+      EXPECT_EQ(at[index(a)], below ? -end_steps + pull_off_steps : end_steps - pull_off_steps);
+    }
+    ASSERT_THAT(m.host.ask("G0 X0 Y0\nG4 P0\n", 10), ElementsAre("ok", "ok"));
+    EXPECT_EQ(m.loads()[0] - loads[0], -at[0]);
+    EXPECT_EQ(m.loads()[1] - loads[1], -at[1]);
+    EXPECT_EQ(m.rig.board.world().drives().total_faults(), 0u);
+  }
+}
+
+TEST(CoreXy, OneAxisHomesAlone) {
+  const SwitchPlan plan{.start = {500, 700, 0, 0}};
+  MachineWithSwitches m(core_xy(homing_profile()), plan);
+  EXPECT_THAT(m.home("$HY\n"), ElementsAre("ok"));
+  EXPECT_EQ(m.loads()[0], 500);
+  EXPECT_NEAR(m.loads()[1], plan.switches[1] - pull_off_steps, 1);
+}
+
+TEST(CoreXy, AHardLimitStopsBothMotors) {
+  MachineWithSwitches m(core_xy(homing_profile()), {});
+  ASSERT_THAT(m.home(), ElementsAre("ok"));
+  EXPECT_THAT(m.host.ask("$20=0\nG1 X20 Y60 F6000\n", 3), Contains("ok").Times(2));
+  ASSERT_TRUE(m.wait_for([&] { return m.host.has_said("ALARM:1"); }));
+  EXPECT_NEAR(m.loads()[1], 12'000, 2);
+  const StepPosition stood = m.loads();
+  m.host.run_ms(100);
+  EXPECT_EQ(m.loads(), stood);
+  for (int a = 0; a < 3; ++a)
+    EXPECT_NEAR(m.host.position()[index(a)], stood[index(a)] + offset_of({}, a), 1);
+}
+
+/// What is told is where the tool was when it touched, on a slanting way.
+TEST(CoreXy, ProbesAtItsPlace) {
+  sim::WireConfig probe{.pin = sim::Pin::probe,
+                        .contacts = {sim::ContactConfig::above(0, 1234)},
+                        .normally_closed = false};
+  MachineWithSwitches m(plain_core_xy(), {}, {probe});
+  const auto said = m.host.ask("G38.2 X10 Y5 F600\n", 5);
+  EXPECT_THAT(said, Contains("ok"));
+  EXPECT_THAT(said, Contains(StartsWith("[PRB:6.17")));
+  EXPECT_THAT(said, Contains(HasSubstr(",3.0")));
+  ASSERT_TRUE(m.host.stand());
+  m.host.run_ms(5);
+  expect_motors_at_axes(m.rig);
+  ASSERT_THAT(m.host.ask("G0 X0 Y0\nG4 P0\n", 3), ElementsAre("ok", "ok"));
+  EXPECT_EQ(m.loads(), StepPosition{});
+}
+
+/// Steps of one direction keep their distance from those of the other.
+TEST(CoreXy, DrivesHaveTheirTimesWhereMotorsTurn) {
+  job::Profile profile = core_xy(lamp_profile());
+  PerAxis<settings::PulseMode> modes{};
+  set_pulses(profile.settings, modes, 0, 0, 9000, 7000);
+  Rig rig(profile);
+  StepLog log(profile.settings, rig.board.bus());
+  const job::Job job =
+      job_for(wild_points(static_cast<std::size_t>(scaled(100)), 9), profile, JoinMode::free);
+  ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+  EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+  EXPECT_GT(log.reversals(0).size(), 10u);
+}
+
+/// From the next start on; what cannot be is refused.
+TEST(CoreXy, SettingsThatDoNotGoTogetherAreRefused) {
+  Rig rig(plain_core_xy());
+  ProgramHost host(rig);
+  EXPECT_THAT(host.ask("$101=150\n$966=1\n$966=2\n$111=240000\n"), Each(StartsWith("error:")));
+  EXPECT_THAT(host.ask("$966=3\n$111=60000\n$965=0\n"), Each("ok"));
+  // Until then it is what it was.
+  ASSERT_TRUE(host.stream("G0 X1\n"));
+  host.run_ms(5);
+  EXPECT_EQ(rig.board.world().drives().motors(), (StepPosition{200, 200, 0, 0}));
+  EXPECT_THAT(host.ask("$111=240000\n"), Each(StartsWith("error:")));
+}
+
+}  // namespace
+}  // namespace lamplock::test

@@ -1,0 +1,276 @@
+// A gantry with a motor on either side, on the virtual board: both follow, and homing squares it,
+// however skewed it stands, whichever switch comes first, however contacts bounce; what it does
+// where a wire is broken or bridged.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "tests/board/machine_with_switches.hpp"
+#include "tests/board/step_log.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr int side = Kinematics::gang_motor;
+constexpr std::int32_t end_steps = 50 * 200, pull_off_steps = 200;
+/// One side alone goes 5 % of 100 mm.
+constexpr std::int32_t bend_steps = 5 * 200;
+
+job::Profile ganged(job::Profile profile, int axis) {
+  profile.settings.set_milli(Id::ganged_axis, (axis + 1) * 1000);
+  return profile;
+}
+
+/// A gantry that homes: its switches, and how far they are from each other where it is square.
+struct Gantry {
+  int axis = 1;
+  std::int32_t skew_steps = 0;  ///< of the second side, at power-up
+  SwitchPlan plan{};
+
+  sim::WireConfig second_switch() const {
+    SwitchPlan of_side = plan;
+    if ((plan.lower_ends >> axis & 1u) != 0) of_side.lower_ends |= 1u << side;
+    of_side.switches[index(side)] = plan.switches[index(axis)];
+    of_side.bounce.seed += 1;
+    return limit_switch(side, of_side);
+  }
+  SwitchPlan skewed() const {
+    SwitchPlan start = plan;
+    start.start[index(side)] = plan.start[index(axis)] + skew_steps;
+    return start;
+  }
+  job::Profile profile() const {
+    job::Profile homing = ganged(homing_profile(), axis);
+    homing.settings.set_milli(Id::homing_direction, static_cast<int>(plan.lower_ends) * 1000);
+    return homing;
+  }
+};
+
+MachineWithSwitches machine_of(const Gantry& gantry) {
+  return MachineWithSwitches(gantry.profile(), gantry.skewed(), {gantry.second_switch()});
+}
+
+/// Both sides stand where their switches say, and the machine knows it.
+void expect_squared(const MachineWithSwitches& m, const Gantry& gantry) {
+  const bool below = (gantry.plan.lower_ends >> gantry.axis & 1u) != 0;
+  const std::int32_t wanted =
+      gantry.plan.switches[index(gantry.axis)] + (below ? pull_off_steps : -pull_off_steps);
+  EXPECT_LE(std::abs(m.loads()[index(gantry.axis)] - wanted), 1);
+  EXPECT_LE(std::abs(m.loads()[index(side)] - wanted), 1);
+  const StepPosition at = m.host.position();
+  EXPECT_EQ(at[index(gantry.axis)],
+            below ? -end_steps + pull_off_steps : end_steps - pull_off_steps);
+  EXPECT_EQ(at[index(side)], 0);
+}
+
+/// In every program the second motor makes the steps of the first, at the same time.
+TEST(Gantry, BothMotorsStepTogether) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const job::Profile profile = ganged(lamp_profile(100, settings::LampMode::free_beat), axis);
+    Rig rig(profile);
+    StepLog log(profile.settings, rig.board.bus());
+    ProgramHost host(rig);
+    ASSERT_TRUE(host.stream("G1 X5 Y3 Z-2 F3000\nG3 X0 Y0 I-2 J-2 Z1\nG0 X-3 Y7 Z0.5\n"));
+    host.run_ms(5);
+    const auto &first = log.steps()[index(axis)], &second = log.steps()[index(side)];
+    ASSERT_EQ(first.size(), second.size());
+    EXPECT_GT(first.size(), 100u);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      ASSERT_EQ(first[i].at, second[i].at);
+      ASSERT_EQ(first[i].position, second[i].position);
+    }
+    EXPECT_EQ(rig.board.world().drives().position(), (StepPosition{-600, 1400, 100,
+                                                                   axis == 0   ? -600
+                                                                   : axis == 1 ? 1400
+                                                                               : 100}));
+  }
+}
+
+/// Jobs of points, too; their reports know of three axes.
+TEST(Gantry, ShootsEveryPointAtItsPlace) {
+  const job::Profile profile = ganged(lamp_profile(), 0);
+  const job::Job job = job_for(wild_points(40, 3), profile, JoinMode::free);
+  Rig rig(profile);
+  ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
+  const StepPosition loads = rig.board.world().drives().position();
+  EXPECT_EQ(loads[0], loads[index(side)]);
+}
+
+TEST(Gantry, IsSquaredByHoming) {
+  const Gantry gantry{.skew_steps = 160};  // 0.8 mm
+  MachineWithSwitches m = machine_of(gantry);
+  ASSERT_THAT(m.home(), ElementsAre("ok"));
+  EXPECT_THAT(m.host.status(), HasSubstr("|MPos:49.000,49.000,49.000|"));
+  expect_squared(m, gantry);
+  ASSERT_THAT(m.host.ask("G0 Y0\nG4 P0\n", 3), ElementsAre("ok", "ok"));
+  EXPECT_LE(std::abs(m.loads()[1] - m.loads()[index(side)]), 2);
+  EXPECT_EQ(m.rig.board.world().drives().total_faults(), 0u);
+}
+
+/// Whichever side is ahead, as far as 2 mm, and wherever the switches are.
+TEST(Gantry, IsSquaredHoweverItStands) {
+  std::mt19937_64 random(11);
+  const auto pick = [&random](int from, int to) {
+    return std::uniform_int_distribution<>(from, to)(random);
+  };
+  for (int round = 0; round < scaled(24); ++round) {
+    Gantry gantry{.axis = pick(0, 2), .skew_steps = pick(-400, 400)};
+    SwitchPlan& plan = gantry.plan;
+    plan.lower_ends = static_cast<unsigned>(pick(0, 7));
+    plan.hysteresis_steps = pick(0, 50);
+    plan.bounce = {
+        .make_us = pick(0, 8000) * 1.0, .break_us = pick(0, 8000) * 1.0, .seed = random()};
+    for (int a = 0; a < 3; ++a) {
+      const bool below = (plan.lower_ends >> a & 1u) != 0;
+      plan.switches[index(a)] = below ? pick(-19'000, -3000) : pick(3000, 19'000);
+      plan.start[index(a)] = plan.switches[index(a)] + (below ? 1 : -1) * pick(-50, 10'000);
+    }
+    SCOPED_TRACE(fmt::format("round {} axis {} skew {}", round, gantry.axis, gantry.skew_steps));
+    MachineWithSwitches m = machine_of(gantry);
+    // One side may stand on its switch by more than it pulls off: then it says so.
+    const auto said = m.home();
+    const std::int32_t on = std::abs(gantry.skew_steps) + 50 + plan.hysteresis_steps;
+    if (on > pull_off_steps && testing::Value(said, Contains("ALARM:8"))) continue;
+    ASSERT_THAT(said, Contains("ok"));
+    expect_squared(m, gantry);
+    EXPECT_EQ(m.rig.board.world().drives().total_faults(), 0u);
+  }
+}
+
+/// On the way to the switches the first that meets its own waits for the other.
+TEST(Gantry, TheSideThatIsThereWaits) {
+  for (const std::int32_t skew : {-300, 300}) {
+    const Gantry gantry{.skew_steps = skew};
+    MachineWithSwitches m = machine_of(gantry);
+    m.host.send("$HY\n");
+    const int ahead = skew > 0 ? side : 1, behind = skew > 0 ? 1 : side;
+    ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::limit_pin(ahead)); }));
+    ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::limit_pin(behind)); }));
+    // It has braked and not gone on: 100 mm/s at 2 m/s2.
+    EXPECT_LT(m.loads()[index(ahead)], gantry.plan.switches[1] + 500 + 100 + 10);
+    ASSERT_TRUE(m.wait_for([&] { return !m.host.answers().empty(); }));
+    EXPECT_THAT(m.host.answers(), ElementsAre("ok"));
+    expect_squared(m, gantry);
+  }
+}
+
+/// A wire that is broken reads as a switch that is engaged: both sides pull off, nothing is bent.
+TEST(Gantry, ABrokenWireBendsNothing) {
+  for (const int broken : {1, side}) {
+    const Gantry gantry;
+    MachineWithSwitches m = machine_of(gantry);
+    m.switches().break_wire(sim::limit_pin(broken), m.rig.board.now());
+    m.host.run_ms(1);
+    EXPECT_THAT(m.host.ask("$HY\n", 10), ElementsAre("ALARM:8", "error:9"));
+    EXPECT_EQ(m.loads()[1], -pull_off_steps);
+    EXPECT_EQ(m.loads()[index(side)], -pull_off_steps);
+  }
+}
+
+/// A wire that breaks on the way is a switch that is met there: the other side follows so far.
+TEST(Gantry, AWireThatBreaksOnTheWayBendsItNoFurther) {
+  const Gantry gantry;
+  MachineWithSwitches m = machine_of(gantry);
+  m.host.send("$HY\n");
+  ASSERT_TRUE(m.wait_for([&] { return m.loads()[1] > 3000; }));
+  m.switches().break_wire(sim::limit_pin(side), m.rig.board.now());
+  ASSERT_TRUE(m.wait_for([&] { return !m.host.answers().empty(); }));
+  EXPECT_THAT(m.host.said(), Contains("ALARM:15"));
+  EXPECT_THAT(m.host.answers(), ElementsAre("error:9"));
+  EXPECT_EQ(m.loads()[1] - m.loads()[index(side)], bend_steps);
+}
+
+/// The same where a contact never opens.
+TEST(Gantry, ABridgedContactBendsItNoFurther) {
+  for (const int bridged : {1, side}) {
+    const Gantry gantry;
+    sim::WireConfig second = gantry.second_switch();
+    std::vector<sim::WireConfig> wires{second};
+    if (bridged == 1) wires.push_back(limit_switch(1, gantry.plan));
+    wires.back().contacts[0].bridged_from = 0;
+    MachineWithSwitches m(gantry.profile(), gantry.skewed(), wires);
+    EXPECT_THAT(m.home("$HY\n"), ElementsAre("ALARM:15", "error:9"));
+    EXPECT_EQ(std::abs(m.loads()[1] - m.loads()[index(side)]), bend_steps);
+    EXPECT_GT(m.loads()[index(bridged)], gantry.plan.switches[1]);
+  }
+}
+
+/// Door, reset and e-stop while one side goes alone: it stands.
+TEST(Gantry, IsStoppedAtAnyMoment) {
+  std::mt19937_64 random(5);
+  for (int round = 0; round < scaled(18); ++round) {
+    const Gantry gantry{.skew_steps = 400};
+    MachineWithSwitches m = machine_of(gantry);
+    m.host.send("$HY\n");
+    ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::limit_pin(side)); }));
+    m.host.run_ms(static_cast<double>(random() % 300));
+    if (!m.host.answers().empty()) continue;
+    const int what = round % 3;
+    SCOPED_TRACE(fmt::format("round {} what {}", round, what));
+    if (what == 0) m.rig.board.world().schedule(sim::Pin::door, true, m.rig.board.now());
+    if (what == 1) m.host.send(std::uint8_t{0x18});
+    if (what == 2) m.rig.board.world().schedule(sim::Pin::estop, true, m.rig.board.now());
+    m.host.run_ms(300);
+    const char* alarms[] = {"ALARM:7", "ALARM:6", "ALARM:10"};
+    EXPECT_THAT(m.host.said(), Contains(alarms[what]));
+    const StepPosition stood = m.loads();
+    m.host.run_ms(300);
+    EXPECT_EQ(m.loads(), stood);
+  }
+}
+
+/// A board without an input for the second switch homes by the first, and says so.
+TEST(Gantry, WithoutASecondSwitchItFollows) {
+  const settings::Values values = ganged(homing_profile(), 1).settings;
+  machine::BoardFeatures board;
+  board.inputs = machine::all_inputs & ~unsigned{machine::set_of(machine::Input::limit_a)};
+  machine::Controller controller(values, {}, board);
+  std::string said;
+  const auto listen = [&] {
+    std::array<std::uint8_t, 512> bytes{};
+    const std::size_t n = controller.transmit(bytes);
+    said.append(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n));
+  };
+  listen();
+  constexpr std::string_view home = "$H\n";
+  controller.receive({reinterpret_cast<const std::uint8_t*>(home.data()), home.size()});
+  controller.prepare(0);
+  controller.commit();
+  controller.tell();
+  listen();
+  EXPECT_THAT(said, HasSubstr("[MSG:Not squared: there is no limit switch of A]"));
+  EXPECT_EQ(controller.state(), MachineState::home);
+}
+
+/// And one without outputs for the second motor has none.
+TEST(Gantry, WithoutASecondMotorItSaysSo) {
+  const settings::Values values =
+      ganged(lamp_profile(100, settings::LampMode::free_beat), 1).settings;
+  machine::BoardFeatures board;
+  board.axes = 3;
+  machine::Controller controller(values, {}, board);
+  std::array<std::uint8_t, 512> bytes{};
+  const std::size_t n = controller.transmit(bytes);
+  EXPECT_THAT(std::string(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)),
+              HasSubstr("[MSG:No second motor: $966 needs a board with outputs for A]"));
+  EXPECT_FALSE(controller.runner().generator().kinematics().coupled());
+}
+
+TEST(Gantry, ItsMotorIsNoAxis) {
+  Rig rig(ganged(lamp_profile(100, settings::LampMode::free_beat), 1));
+  ProgramHost host(rig);
+  EXPECT_THAT(host.ask("$960=4\n$966=4\nG0 A1\n"),
+              ElementsAre(testing::StartsWith("error:"), testing::StartsWith("error:"),
+                          testing::StartsWith("error:")));
+  EXPECT_THAT(host.ask("$966=0\n$960=4\n$966=2\n"),
+              ElementsAre("ok", "ok", testing::StartsWith("error:")));
+}
+
+}  // namespace
+}  // namespace lamplock::test
