@@ -118,6 +118,12 @@ class Kinematics {
   std::int8_t ganged_ = -1;
 };
 
+/// The limit switch of a gantry's second side is at the input of A; on a machine without Z at that
+/// of Z, for boards have three such inputs rather than four.
+constexpr bool second_switch_at_z(const Kinematics& kinematics, const settings::Values& values) {
+  return kinematics.ganged_axis() >= 0 && values.whole(settings::Id::axes) == 2;
+}
+
 /// The settings as they are where this kinematics is in force: it changes at a start alone.
 constexpr void put_in_force(const Kinematics& kinematics, settings::Values& values) {
   using settings::Id;

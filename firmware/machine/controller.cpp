@@ -233,10 +233,11 @@ void Controller::check_dead_man() {
 }
 
 void Controller::input_changed(Input input, bool active, const StepPosition& at) {
+  const Kinematics& kinematics = motion_.generator().kinematics();
+  if (input == Input::limit_z && second_switch_at_z(kinematics, stored_)) input = Input::limit_a;
   const InputSet bit = set_of(input);
   inputs_ = static_cast<InputSet>(active ? inputs_ | bit : inputs_ & ~unsigned{bit});
-  const StepPosition loads = motion_.generator().kinematics().loads_of(at);
-  if (guard_.see(input, active, loads)) program_.break_off();
+  if (guard_.see(input, active, kinematics.loads_of(at))) program_.break_off();
   switch (input) {
     case Input::estop:
       estop_ = active;

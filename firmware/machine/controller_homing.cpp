@@ -36,10 +36,14 @@ GcodeError Controller::begin_homing(std::string_view axes) {
   if (state_ == MachineState::estop) return GcodeError::emergency_stop;
   if (door_open_) return GcodeError::door_open;
   if (!may_be_changed() || check_ || loader_requested_) return GcodeError::not_idle;
-  const int ganged = motion_.generator().kinematics().ganged_axis();
-  if (!homing_.begin(stored_, board_.inputs, wanted, ganged)) return GcodeError::homing_disabled;
+  const Kinematics& kinematics = motion_.generator().kinematics();
+  const int ganged = kinematics.ganged_axis();
+  InputSet inputs = board_.inputs;
+  if ((inputs & set_of(Input::limit_z)) != 0 && second_switch_at_z(kinematics, stored_))
+    inputs = static_cast<InputSet>(inputs | set_of(Input::limit_a));
+  if (!homing_.begin(stored_, inputs, wanted, ganged)) return GcodeError::homing_disabled;
   if (ganged >= 0 && (wanted >> ganged & 1u) != 0 && homing_.squared_axis() < 0)
-    say("Not squared: there is no limit switch of A");
+    say("Not squared: no limit switch of A");
   reader_.end_lock();
   const Masked masked(mask_);
   if (state_ == MachineState::alarm) unlock();

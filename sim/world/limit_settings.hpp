@@ -20,7 +20,7 @@ inline std::vector<WireConfig> limits_of(const settings::Values& values) {
   using settings::Id;
   std::vector<WireConfig> wires;
   if (values.whole(Id::homing) == 0) return wires;
-  const auto add = [&](int axis, int side) {
+  const auto add = [&](int axis, int side, int input) {
     const std::int32_t low_milli = values.milli(Id::min_corner_x, axis);
     const std::int32_t high_milli = low_milli + values.milli(Id::travel_x, axis);
     const std::int32_t steps_per_mm = values.milli(Id::steps_per_mm_x, axis);
@@ -28,13 +28,15 @@ inline std::vector<WireConfig> limits_of(const settings::Values& values) {
     const ContactConfig contact =
         below ? ContactConfig::below(side, steps_from_milli(low_milli, steps_per_mm))
               : ContactConfig::above(side, steps_from_milli(high_milli, steps_per_mm));
-    wires.push_back({.pin = limit_pin(side),
+    wires.push_back({.pin = limit_pin(input),
                      .contacts = {contact},
-                     .normally_closed = (values.whole(Id::limit_invert) >> side & 1) == 0});
+                     .normally_closed = (values.whole(Id::limit_invert) >> input & 1) == 0});
   };
-  for (int axis = 0; axis < values.whole(Id::axes); ++axis) add(axis, axis);
-  const int ganged = Kinematics(values).ganged_axis();
-  if (ganged >= 0) add(ganged, Kinematics::gang_motor);
+  for (int axis = 0; axis < values.whole(Id::axes); ++axis) add(axis, axis, axis);
+  const Kinematics kinematics(values);
+  constexpr int z = 2, side = Kinematics::gang_motor;
+  if (kinematics.ganged_axis() >= 0)
+    add(kinematics.ganged_axis(), side, second_switch_at_z(kinematics, values) ? z : side);
   return wires;
 }
 

@@ -113,6 +113,18 @@ TEST(Gantry, IsSquaredByHoming) {
   EXPECT_EQ(m.rig.board.world().drives().total_faults(), 0u);
 }
 
+/// A machine without Z has the second switch at the input of Z.
+TEST(Gantry, IsSquaredByTheInputOfZ) {
+  const Gantry gantry{.skew_steps = -200};
+  job::Profile profile = gantry.profile();
+  profile.settings.set_milli(Id::axes, 2000);
+  sim::WireConfig second = gantry.second_switch();
+  second.pin = sim::Pin::limit_z;
+  MachineWithSwitches m(profile, gantry.skewed(), {second});
+  ASSERT_THAT(m.home(), ElementsAre("ok"));
+  expect_squared(m, gantry);
+}
+
 /// Whichever side is ahead, as far as 2 mm, and wherever the switches are.
 TEST(Gantry, IsSquaredHoweverItStands) {
   std::mt19937_64 random(11);
@@ -244,7 +256,7 @@ TEST(Gantry, WithoutASecondSwitchItFollows) {
   controller.commit();
   controller.tell();
   listen();
-  EXPECT_THAT(said, HasSubstr("[MSG:Not squared: there is no limit switch of A]"));
+  EXPECT_THAT(said, HasSubstr("[MSG:Not squared: no limit switch of A]"));
   EXPECT_EQ(controller.state(), MachineState::home);
 }
 

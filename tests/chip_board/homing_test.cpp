@@ -75,6 +75,41 @@ INSTANTIATE_TEST_SUITE_P(ChipHoming, ChipHomingPulses, testing::Values(0, 1, 2))
 
 TEST(ChipHoming, OneCircuitForAll) { expect_homes(homing_profile(false), {300, 600, 400, 0}); }
 
+/// Both motors turn for either axis; places of contacts are read back from both.
+TEST(ChipHoming, OnACoreXy) {
+  job::Profile profile = homing_profile(true);
+  profile.settings.set_milli(Id::kinematics, 1000);
+  expect_homes(profile, {700, 400, 500, 0});
+}
+
+/// Two motors of Y, no Z: the switch of the second side is at the input of Z. Either side ahead.
+TEST(ChipHoming, SquaresAGantry) {
+  constexpr int side = Kinematics::gang_motor;
+  constexpr std::int32_t place = 600;
+  job::Profile profile = homing_profile(true);
+  profile.settings.set_milli(Id::axes, 2000);
+  profile.settings.set_milli(Id::ganged_axis, 2000);
+  for (const std::int32_t skew : {-160, 160}) {  // 0.8 mm
+    sim::WorldConfig world = chip_world(profile);
+    world.drives.start[side] = skew;
+    sim::WireConfig second = bouncing_limit(side, place, 3);
+    second.pin = sim::Pin::limit_z;
+    world.switches = {bouncing_limit(0, 300, 1), bouncing_limit(1, place, 2), second};
+    ChipRig rig(profile.settings, world);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    EXPECT_THAT(rig.answer("$H", 6000 * ps_per_ms), testing::EndsWith("ok\r\n"));
+    const StepPosition loads = rig.board.world().drives().position();
+    EXPECT_NEAR(loads[1], place - 60, 1);
+    EXPECT_NEAR(loads[side], place - 60, 1);
+    EXPECT_THAT(rig.status(), StartsWith("<Idle|MPos:49.700,49.700"));
+    rig.answer("G0 Y40", 3000 * ps_per_ms);
+    rig.run(500 * ps_per_ms);
+    const StepPosition moved = rig.board.world().drives().position();
+    EXPECT_EQ(moved[1] - loads[1], 40 * steps_per_mm - (end_steps - 60));
+    EXPECT_EQ(moved[side] - loads[side], moved[1] - loads[1]);
+  }
+}
+
 /// At 400 mm/s on two axes at once nearly every word in the rings has steps: looking back takes
 /// long, and ticks must not run out meanwhile.
 TEST(ChipHoming, FindsASwitchAtFullSpeed) {

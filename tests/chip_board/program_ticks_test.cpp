@@ -7,7 +7,8 @@
 // way, as programs do.
 //
 // A file of programs is compared by
-//   LAMPLOCK_PROGRAM=part.ngc LAMPLOCK_PROGRAM_SECONDS=20 test_chip_board --gtest_filter='*Ticks*'
+//   LAMPLOCK_PROGRAM=part.ngc LAMPLOCK_PROGRAM_SECONDS=20
+//   test_chip_board --gtest_filter='*Ticks*Cartesian' in its environment,
 // which takes some times as long as the chip needs.
 #include <fmt/format.h>
 
@@ -134,9 +135,24 @@ void print(const TraceComparison& steps, const LightComparison& light) {
                            light.other_energy());
 }
 
-TEST(ProgramTicks, AndLightAreThoseOfTheVirtualBoard) {
+/// Which motors move which axes.
+struct Motors {
+  std::string name;
+  Id id;
+  int value;
+};
+class ProgramTicks : public testing::TestWithParam<Motors> {};
+INSTANTIATE_TEST_SUITE_P(Motors, ProgramTicks,
+                         testing::Values(Motors{"Cartesian", Id::kinematics, 0},
+                                         Motors{"CoreXy", Id::kinematics, 1},
+                                         Motors{"Ganged", Id::ganged_axis, 2}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(ProgramTicks, AndLightAreThoseOfTheVirtualBoard) {
   const Program program = program_to_compare();
-  const job::Profile profile = laser_cutter();
+  job::Profile profile = laser_cutter();
+  profile.settings.set_milli(Id::pin_map, 1000);  // the second motor of an axis is that of A
+  profile.settings.set_milli(GetParam().id, GetParam().value * 1000);
   sim::VirtualBoard board(profile.settings, chip_world(profile));
   const PinMonitor monitor(board.bus(), board.world().lamp());
   ProgramRun ours = run(board, monitor, program);
@@ -155,6 +171,9 @@ TEST(ProgramTicks, AndLightAreThoseOfTheVirtualBoard) {
   EXPECT_EQ(steps.difference(), "");
   EXPECT_EQ(steps.steps(), ours.trace.total());
   EXPECT_EQ(steps.largest_step_error(), 0);
+  EXPECT_EQ(rig.monitor.steps(3).size(),
+            GetParam().id == Id::ganged_axis ? rig.monitor.steps(1).size() : 0);
+  EXPECT_EQ(rig.board.world().drives().position(), board.world().drives().position());
   EXPECT_LE(steps.stretches().size() - 1, program.dwells);
   EXPECT_EQ(steps.largest_gate_error(), 0);
   // A duty has 2000 counts.

@@ -1,0 +1,64 @@
+// A CoreXY on the chip: jobs of points, where motors turn at any tick of theirs, and dead stops,
+// after which both motors are read back from the rings. Its programs are compared with the virtual
+// board in program_ticks_test.cpp, its homing is in homing_test.cpp.
+#include <random>
+
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+job::Profile core_xy() {
+  job::Profile profile = chip_profile();
+  profile.settings.set_milli(Id::kinematics, 1000);
+  return profile;
+}
+
+TEST(ChipCoreXy, ShootsEveryPointAtItsPlace) {
+  for (const std::int32_t guard_ns : {500, 9000}) {
+    job::Profile profile = core_xy();
+    profile.settings.set_milli(Id::direction_setup, guard_ns);
+    profile.settings.set_milli(Id::direction_hold, guard_ns);
+    const job::Job job = job::make_job(chip_points(60, 3), profile, {});
+    ChipRig rig(profile);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    RunningJob running(rig, job, 1);
+    ASSERT_EQ(running.finish(), link::JobEnd::done);
+    expect_fired(rig, job);
+    expect_no_violations(rig);
+  }
+}
+
+/// Where motors stand between two steps of X and Y, and where they do not.
+TEST(ChipCoreXy, KnowsWhereItIsAfterADeadStop) {
+  const job::Profile profile = core_xy();
+  std::mt19937_64 random(7);
+  int odd = 0;
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  const sim::Drives& drives = rig.board.world().drives();
+  for (int round = 0; round < 6; ++round) {
+    rig.type("G1 X7 Y-3 F3000\nG0 X-4 Y5\nG1 X0.3 Y0.4 F2000\n");
+    rig.run(static_cast<Picoseconds>(40 + random() % 150) * ps_per_ms);
+    rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
+    rig.run(20 * ps_per_ms);
+    const StepPosition stood = drives.motors();
+    odd += (stood[0] + stood[1]) & 1;
+    EXPECT_EQ(rig.reported_position(profile.settings), drives.position());
+    rig.board.world().schedule(sim::Pin::estop, false, rig.now() + ps_per_us);
+    rig.run(100 * ps_per_ms);
+    EXPECT_THAT(rig.answer("$X"), HasSubstr("ok"));
+    EXPECT_EQ(drives.motors(), stood);
+    rig.answer("G90 G1 X1 Y2 F3000");
+    rig.run(1000 * ps_per_ms);
+    EXPECT_EQ(drives.position(), (StepPosition{200, 400, 0, 0})) << "round " << round;
+  }
+  EXPECT_GT(odd, 0);
+  expect_no_violations(rig);
+}
+
+}  // namespace
+}  // namespace lamplock::test
