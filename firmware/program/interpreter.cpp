@@ -108,6 +108,15 @@ void Interpreter::begin_curve(const Statement& statement) {
 
 [[gnu::hot]] bool Interpreter::give(Stage stage, Action& action) {
   switch (stage) {
+    case Stage::output:
+      begin_action(action, ActionKind::output);
+      action.io = plan_.io;
+      break;
+    case Stage::wait_input:
+      begin_action(action, ActionKind::wait_input);
+      action.io = plan_.io;
+      action.time_us = plan_.wait_us;
+      break;
     case Stage::tool_change:
       begin_action(action, ActionKind::tool_change);
       break;

@@ -29,6 +29,7 @@
 
 #include <cstdint>
 
+#include "firmware/stepper/change_queue.hpp"
 #include "firmware/stepper/segment_power.hpp"
 #include "firmware/stepper/segment_queue.hpp"
 #include "firmware/stepper/tick_block.hpp"
@@ -45,7 +46,8 @@ struct TriggerPattern {
 /// Runs segments. All times are ticks of the lattice.
 class TickGenerator {
  public:
-  [[gnu::cold]] explicit TickGenerator(SegmentQueue& queue);
+  /// `changes`: outputs that follow the lattice, if there are any.
+  [[gnu::cold]] explicit TickGenerator(SegmentQueue& queue, ChangeQueue* changes = nullptr);
 
   /// How many ticks each axis is ahead of the lattice, and the laser, or behind it; only while
   /// nothing moves at all.
@@ -174,6 +176,7 @@ class TickGenerator {
   void release();
 
   SegmentQueue& queue_;
+  ChangeQueue* const changes_;
   std::uint64_t tick_ = 0;
   std::uint32_t lead_ = 0;  ///< of the axis with the longest
   bool running_ = false;
