@@ -34,7 +34,8 @@
 //   token_expired       beat interrupt        at its tick       the token was withdrawn
 //   photosensors        beat interrupt        250 us            which have answered
 //   play_changes        beat interrupt        100 us            outputs of programs
-//   outputs             anywhere              after each call   what may be on
+//   outputs,            anywhere              after each call   what may be on
+//   switched_outputs
 //
 // The main loop shares data with the beat and fill interrupts. The board masks them round
 // prepare(), commit(), input_changed() and stopped_at(), each some 0.2 ms at most; receive() masks
@@ -94,14 +95,18 @@ struct BoardFeatures {
 struct Outputs {
   bool fire_enable = false;
   bool drives_enable = false;
-  bool z_enable = false;  ///< the second wire, where there is one
-  bool air = false;
-  std::uint16_t aux = 0;         ///< 65535 = on
   std::uint8_t shutters = 0;     ///< bit 0 = first channel; 1 = open; never two at a time
   std::uint16_t attenuator = 0;  ///< 65535 = full
   /// A continuous laser may shine where the lattice has its gate open; LASER PWM is its power then,
   /// not the attenuator.
   bool laser_enable = false;
+};
+
+/// What programs switch, and the second enable: of boards that have such pins.
+struct SwitchedOutputs {
+  bool z_enable = false;
+  bool air = false;
+  std::uint16_t aux = 0;  ///< 65535 = on
 };
 
 /// How the board's fire stage has to work, from the settings.
@@ -246,15 +251,14 @@ class Controller {
   void token_expired() { shots_.token_expired(); }
   /// The lattice has come to this tick (lower half of its number): outputs() of programs.
   void play_changes(std::uint32_t tick) { program_outputs_.play(tick); }
-  /// The tick that play_changes() is wanted at next; false if none is known.
+  /// play_changes() will be wanted.
+  bool changes_wait() const { return program_outputs_.changes_wait(); }
+  /// At which tick; false if none is known.
   bool next_change(std::uint32_t& tick) const { return program_outputs_.next_due(tick); }
 
   Outputs outputs() const {
     Outputs outputs;
     outputs.drives_enable = drives_.on(0) && drives_may_be_on();
-    outputs.z_enable = drives_.on(1) && drives_may_be_on();
-    outputs.aux = program_outputs_.aux();
-    outputs.air = program_outputs_.air() && state_ != wire::MachineState::door;
     if (!drives_.all_on()) return outputs;
     outputs.fire_enable = shots_.permitted();
     // These outlast the permission by the shot that the hardware has decided, not in an alarm.
@@ -263,6 +267,10 @@ class Controller {
     outputs.attenuator = shots_.beam().attenuator();
     outputs.laser_enable = laser_may_shine();
     return outputs;
+  }
+  SwitchedOutputs switched_outputs() const {
+    return {drives_.on(1) && drives_may_be_on(),
+            program_outputs_.air() && state_ != wire::MachineState::door, program_outputs_.aux()};
   }
   FireTiming fire_timing() const;
   const settings::Values& values() const { return values_; }
@@ -317,7 +325,8 @@ class Controller {
   void hold_after_failed_shots();
   bool drives_may_be_on() const { return state_ != wire::MachineState::estop && !asleep_; }
   bool drives_may_rest() const;
-  void outputs_off();
+  [[gnu::cold]] void outputs_off();
+  [[gnu::cold]] void tell_end();
   bool work_input_wait();
   Result check_settings(const settings::Values& values, std::uint16_t& setting) const;
   Result job_settings(const wire::JobHeader& header, settings::Values& values);
@@ -355,7 +364,7 @@ class Controller {
   void go_or_wait();
   bool finish_line();
   void drop_open_line();
-  void pause();
+  [[gnu::cold]] void pause();
   void say_tool();
   void begin_line(std::string_view line);
   GcodeError begin_program_line(std::string_view line);

@@ -84,7 +84,6 @@ void Controller::go_or_wait() {
         }
         return true;
       case Step::pauses:
-        if (reader_.changes_tool()) say_tool();
         pause();
         return false;
       case Step::changes:
@@ -97,19 +96,23 @@ void Controller::go_or_wait() {
         if (!work_input_wait()) return false;
         break;
       case Step::ended:
-        say("Pgm End");
-        {
-          const Masked masked(mask_);
-          outputs_off();
-        }
-        end_overrides_of_program();
+        tell_end();
         break;
     }
   }
 }
 
+/// M2 and M30: nothing that the program has switched stays on.
+void Controller::tell_end() {
+  say("Pgm End");
+  end_overrides_of_program();
+  const Masked masked(mask_);
+  outputs_off();
+}
+
 /// The program goes on when somebody says so.
 void Controller::pause() {
+  if (reader_.changes_tool()) say_tool();
   const Masked masked(mask_);
   state_ = door_open_ ? MachineState::door : MachineState::hold;
   hold_reason_ = door_open_ ? HoldReason::none : HoldReason::realtime;

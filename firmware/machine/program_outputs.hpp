@@ -64,6 +64,7 @@ class ProgramOutputs {
       queue_.pop();
     }
   }
+  bool changes_wait() const { return queue_.waits(); }
   /// Of the next change that is known; false if there is none.
   bool next_due(std::uint32_t& tick) const {
     if (!queue_.waits()) return false;

@@ -109,9 +109,7 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
     case ActionKind::dwell:
       return dwell(clock);
     case ActionKind::coolant:
-      if (stand() == Step::waits) return Step::waits;
-      outputs_.set_air(action_.flood || action_.mist);
-      return Step::done;
+      return coolant();
     case ActionKind::output:
       return output();
     case ActionKind::wait_input:
@@ -174,6 +172,12 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
   if (!rests()) return false;
   outputs_.apply_next();
   return true;
+}
+
+ProgramReader::Step ProgramReader::coolant() {
+  if (stand() == Step::waits) return Step::waits;
+  outputs_.set_air(action_.flood || action_.mist);
+  return Step::done;
 }
 
 ProgramReader::Step ProgramReader::output() {

@@ -148,7 +148,8 @@ class ProgramReader {
   Step dwell(std::uint64_t clock);
   bool rests();
   Step stand();
-  Step output();
+  [[gnu::cold]] Step coolant();
+  [[gnu::cold]] Step output();
   bool take_changes();
   void put_air() {
     const program::Modal& modal = interpreter_.modal();

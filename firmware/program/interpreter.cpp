@@ -109,14 +109,8 @@ void Interpreter::begin_curve(const Statement& statement) {
 [[gnu::hot]] bool Interpreter::give(Stage stage, Action& action) {
   switch (stage) {
     case Stage::output:
-      begin_action(action, ActionKind::output);
-      action.io = plan_.io;
-      break;
     case Stage::wait_input:
-      begin_action(action, ActionKind::wait_input);
-      action.io = plan_.io;
-      action.time_us = plan_.wait_us;
-      break;
+      return give_io(stage, action);
     case Stage::tool_change:
       begin_action(action, ActionKind::tool_change);
       break;
@@ -142,6 +136,14 @@ void Interpreter::begin_curve(const Statement& statement) {
     case Stage::stop:
       return give_stop(action);
   }
+  done(stage);
+  return true;
+}
+
+bool Interpreter::give_io(Stage stage, Action& action) {
+  begin_action(action, stage == Stage::output ? ActionKind::output : ActionKind::wait_input);
+  action.io = plan_.io;
+  action.time_us = plan_.wait_us;
   done(stage);
   return true;
 }

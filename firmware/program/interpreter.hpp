@@ -98,6 +98,7 @@ class Interpreter {
   void change_parameters(const Changes& changes);
   void begin_action(Action& action, ActionKind kind) const;
   bool give(Stage stage, Action& action);
+  [[gnu::cold]] bool give_io(Stage stage, Action& action);
   bool give_dwell(Action& action);
   bool give_move(Stage stage, Action& action);
   bool give_piece(Action& action);

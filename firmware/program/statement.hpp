@@ -167,7 +167,7 @@ class Statement {
   bool tool();
   bool tool_change();
   bool line_number();
-  bool io();
+  [[gnu::cold]] bool io();
   bool no_io();
   bool port(char letter, std::uint8_t known);
   bool digital_output();

@@ -39,12 +39,14 @@ bool Statement::digital_output() {
   const std::uint16_t code = block_.code(Group::io);
   plan_.io.level = code == 62 || code == 64 ? IoRequest::on : std::uint16_t{0};
   plan_.io.at_once = code >= 64;
+  plan_.wait_us = 0;
   plan_.add(Stage::output);
   return port('P', options_.outputs);
 }
 
 bool Statement::analog_output() {
   plan_.io.at_once = block_.code(Group::io) == 68;
+  plan_.wait_us = 0;
   plan_.add(Stage::output);
   if (!port('E', options_.outputs)) return false;
   if (!needed('Q', block_.column(Group::io)) || !take('Q')) return false;

@@ -180,14 +180,15 @@ void VirtualBoard::play_changes() {
     std::uint32_t low = 0;
     controller_->next_change(low);
     controller_->play_changes(low);
-    put_program_outputs();
+    put_switched_outputs();
   }
 }
 
-void VirtualBoard::put_program_outputs() {
-  const machine::Outputs outputs = controller_->outputs();
+void VirtualBoard::put_switched_outputs() {
+  const machine::SwitchedOutputs outputs = controller_->switched_outputs();
   bus_.set_aux(outputs.aux, now_);
   bus_.set(Pin::air, outputs.air, now_);
+  bus_.set(Pin::enable_z, outputs.z_enable, now_);
 }
 
 /// Steps that may work a switch come in short slices.
@@ -455,8 +456,7 @@ void VirtualBoard::withdraw_token() {
 void VirtualBoard::check_outputs() {
   const machine::Outputs outputs = controller_->outputs();
   bus_.set(Pin::enable, outputs.drives_enable, now_);
-  bus_.set(Pin::enable_z, outputs.z_enable, now_);
-  put_program_outputs();
+  put_switched_outputs();
   apply_beam();
   if (outputs.fire_enable) return;
   withdraw_token();

@@ -75,7 +75,7 @@ class VirtualBoard final : public Board, private PinListener {
   Picoseconds next_look() const;
   Picoseconds next_change() const;
   void play_changes();
-  void put_program_outputs();
+  void put_switched_outputs();
   Picoseconds token_expiry() const;
   void service();
   void main_loop();

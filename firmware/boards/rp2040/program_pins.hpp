@@ -1,7 +1,8 @@
 // Pins of programs: AUX OUT and AIR out, and Z ENABLE, which is no program's but lies beside them.
 //
-// In:  what the core wants (outputs()).
-// Out: AUX OUT: low, high, or PWM (62.5 kHz, as LASER PWM; through a low-pass it is a voltage). AIR.
+// In:  what the core wants (switched_outputs()).
+// Out: AUX OUT: low, high, or PWM (62.5 kHz, as LASER PWM; through a low-pass it is a voltage).
+// AIR.
 //      Z ENABLE: its pad turns the level round unless $4 says active high, so that low at the
 //      peripheral is off for all of them.
 // Who: apply(): beat interrupt, when the lattice has come to a change, and the main loop with it
@@ -45,11 +46,13 @@ class ProgramPins {
                                    (enable_active_high ? 0 : io_ctrl::output_inverted);
   }
 
+  /// The map has any.
+  bool any() const { return has_air_; }
   /// `is_cut()`: an e-stop has taken everything down and is not in order yet.
   template <class IsCut>
-  void apply(const machine::Outputs& outputs, IsCut&& is_cut) {
-    const std::uint32_t wanted = (outputs.z_enable ? z_wanted : 0) |
-                                 (outputs.air ? air_wanted : 0) | outputs.aux;
+  void apply(const machine::SwitchedOutputs& outputs, IsCut&& is_cut) {
+    const std::uint32_t wanted =
+        (outputs.z_enable ? z_wanted : 0) | (outputs.air ? air_wanted : 0) | outputs.aux;
     if (wanted == applied_) return;
     const AllMasked masked;  // an e-stop in between would be undone
     if (is_cut()) return;
@@ -73,7 +76,7 @@ class ProgramPins {
   std::uint32_t pins() const {
     return (has_air_ ? 1u << air_gpio : 0) | (has_aux_ ? 1u << aux_gpio | 1u << z_gpio : 0);
   }
-  void put(const machine::Outputs& outputs) const {
+  [[gnu::noinline]] void put(const machine::SwitchedOutputs& outputs) const {
     // What lies between off and on is PWM; both ends are levels, which change at once.
     const bool is_pwm = has_aux_ && outputs.aux != 0 && outputs.aux != full;
     const std::uint32_t high = (outputs.aux == full ? 1u << aux_gpio : 0) |

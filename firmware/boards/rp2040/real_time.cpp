@@ -235,10 +235,11 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   // Without a token in hand every second time is often enough to ask for one (250 us).
   ask_ = !ask_;
   if (!result && (ask_ || fire_.has_token())) fire_.handle_token(core, present);
-  play_changes(core);
+  if (core.changes_wait()) play_changes(core);
   apply_pins(core);
   set_alarm(enough ? beat_period_us : least_wait_us);
   if (!result) call_for_token();
+  if (!core.changes_wait()) return;
   if (std::uint64_t clock = 0; next_change(core, clock)) call_at(clock);
 }
 

@@ -99,10 +99,9 @@ class RealTime {
   [[gnu::cold]] StepPosition steps_at_us(machine::Controller& core, std::uint32_t us);
   void apply_outputs(const machine::Controller& core);
   [[gnu::noinline]] void apply_pins(const machine::Controller& core) {
-    const machine::Outputs outputs = core.outputs();
     const auto is_cut = [this] { return estop_.is_cut(); };
-    beam_.apply(outputs, is_cut);
-    programs_.apply(outputs, is_cut);
+    beam_.apply(core.outputs(), is_cut);
+    if (programs_.any()) programs_.apply(core.switched_outputs(), is_cut);
   }
   std::uint32_t high_clocks(const machine::Controller& core) const;
   void catch_answers() { answered_ = static_cast<std::uint8_t>(answered_ | beam_.answered()); }
