@@ -26,7 +26,8 @@ Controller::Controller(const settings::Values& stored, const InterruptMask& mask
       board_(board),
       stored_(stored),
       values_(stored),
-      runner_(clock_, shots_, motion_, planning_, board.parts) {
+      runner_(clock_, shots_, motion_, planning_, board.parts),
+      drives_(board.second_wire) {
   clock_.configure(stored);
   const bool ganged = use_kinematics();
   use_settings(stored);
@@ -153,6 +154,7 @@ bool Controller::prepare(std::uint64_t clock) {
     byte_seen_ = false;
     last_byte_ = clock;
   }
+  drives_.update(values_, clock, drives_may_rest(), !drives_may_be_on());
   check_dead_man();
   follow_new_beat();
   if (runner_.underrun()) raise_alarm(alarm_position_lost);
@@ -168,7 +170,8 @@ bool Controller::prepare(std::uint64_t clock) {
 
 bool Controller::commit() {
   // A hold or an alarm since prepare() has made the plan worthless.
-  const bool wanted = moving_ && !runner_.underrun();
+  const bool ready = drives_.ready(now_);
+  const bool wanted = ready && moving_ && !runner_.underrun();
   const Committed committed = wanted ? runner_.commit() : Committed::nothing;
   if (committed == Committed::no_way) refuse_way();
   // A stop is over when the machine stands and the last shot that was decided has been counted.
@@ -184,7 +187,7 @@ bool Controller::commit() {
     state_ = MachineState::idle;
   end_overrides();
   if (board_.parts == Parts::straight) program_.stage();
-  const bool lines = program_.commit();
+  const bool lines = ready && program_.commit();
   settle_program();
   return committed == Committed::part || lines;
 }
@@ -201,6 +204,7 @@ void Controller::refuse_way() {
 
 bool Controller::ready_to_move() const {
   if (state_ != MachineState::run || !job_ || reset_due_ || next_beat_milli_hz_ != 0) return false;
+  if (!drives_.ready(now_)) return false;
   if (clock_.edges() < static_cast<std::uint32_t>(values_.whole(Id::lamp_warm_up))) return false;
   return moving_ ? clock_.locked() : clock_.settled();
 }
@@ -238,6 +242,7 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
   const InputSet bit = set_of(input);
   inputs_ = static_cast<InputSet>(active ? inputs_ | bit : inputs_ & ~unsigned{bit});
   if (guard_.see(input, active, kinematics.loads_of(at))) program_.break_off();
+  input_wait_.see(input, active);
   switch (input) {
     case Input::estop:
       estop_ = active;
@@ -267,6 +272,7 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
       }
       break;
     case Input::probe:
+    case Input::aux:
       break;
     default:
       // Homing wants them to engage.
@@ -296,6 +302,7 @@ void Controller::raise_alarm(std::uint8_t number) {
   reader_.lose_position();
   jogging_ = check_ = false;
   moving_ = false;
+  outputs_off();
   next_beat_milli_hz_ = 0;
   // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.
   state_ = estop_ ? MachineState::estop : MachineState::alarm;

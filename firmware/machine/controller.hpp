@@ -33,7 +33,9 @@
 //                                                               each edge as well
 //   token_expired       beat interrupt        at its tick       the token was withdrawn
 //   photosensors        beat interrupt        250 us            which have answered
-//   outputs             anywhere              after each call   what may be on
+//   play_changes        beat interrupt        100 us            outputs of programs
+//   outputs,            anywhere              after each call   what may be on
+//   switched_outputs
 //
 // The main loop shares data with the beat and fill interrupts. The board masks them round
 // prepare(), commit(), input_changed() and stopped_at(), each some 0.2 ms at most; receive() masks
@@ -55,13 +57,16 @@
 #include "firmware/lamp/beat_clock.hpp"
 #include "firmware/lamp/shot_scheduler.hpp"
 #include "firmware/link/link.hpp"
+#include "firmware/machine/drive_rest.hpp"
 #include "firmware/machine/guard.hpp"
 #include "firmware/machine/homing.hpp"
+#include "firmware/machine/input_wait.hpp"
 #include "firmware/machine/inputs.hpp"
 #include "firmware/machine/interrupt_mask.hpp"
 #include "firmware/machine/job_runner.hpp"
 #include "firmware/machine/kept_program.hpp"
 #include "firmware/machine/parking.hpp"
+#include "firmware/machine/program_outputs.hpp"
 #include "firmware/machine/program_reader.hpp"
 #include "firmware/machine/program_runner.hpp"
 #include "firmware/machine/program_text.hpp"
@@ -79,7 +84,9 @@ namespace lamplock::machine {
 struct BoardFeatures {
   int axes = max_axes;          ///< it has outputs for; jobs with more are refused
   std::uint8_t channels = 0xf;  ///< a bit for each beam channel that it has a shutter for
-  InputSet inputs = all_inputs & ~set_of(Input::limit_chain);
+  InputSet inputs = all_inputs & ~set_of(Input::limit_chain) & ~set_of(Input::aux);
+  std::uint8_t outputs = 0;      ///< a bit for each that programs may switch
+  std::uint8_t second_wire = 0;  ///< a bit for each axis whose drive has the second enable
   /// How it takes motion; Parts::staged with stage() before each commit().
   Parts parts = Parts::straight;
 };
@@ -93,6 +100,13 @@ struct Outputs {
   /// A continuous laser may shine where the lattice has its gate open; LASER PWM is its power then,
   /// not the attenuator.
   bool laser_enable = false;
+};
+
+/// What programs switch, and the second enable: of boards that have such pins.
+struct SwitchedOutputs {
+  bool z_enable = false;
+  bool air = false;
+  std::uint16_t aux = 0;  ///< 65535 = on
 };
 
 /// How the board's fire stage has to work, from the settings.
@@ -235,10 +249,17 @@ class Controller {
     return shots_.next_token(token, clock_, present_tick);
   }
   void token_expired() { shots_.token_expired(); }
+  /// The lattice has come to this tick (lower half of its number): outputs() of programs.
+  void play_changes(std::uint32_t tick) { program_outputs_.play(tick); }
+  /// play_changes() will be wanted.
+  bool changes_wait() const { return program_outputs_.changes_wait(); }
+  /// At which tick; false if none is known.
+  bool next_change(std::uint32_t& tick) const { return program_outputs_.next_due(tick); }
 
   Outputs outputs() const {
     Outputs outputs;
-    outputs.drives_enable = state_ != wire::MachineState::estop && !asleep_;
+    outputs.drives_enable = drives_.on(0) && drives_may_be_on();
+    if (!drives_.all_on()) return outputs;
     outputs.fire_enable = shots_.permitted();
     // These outlast the permission by the shot that the hardware has decided, not in an alarm.
     if (state_ == wire::MachineState::alarm || state_ == wire::MachineState::estop) return outputs;
@@ -246,6 +267,10 @@ class Controller {
     outputs.attenuator = shots_.beam().attenuator();
     outputs.laser_enable = laser_may_shine();
     return outputs;
+  }
+  SwitchedOutputs switched_outputs() const {
+    return {drives_.on(1) && drives_may_be_on(),
+            program_outputs_.air() && state_ != wire::MachineState::door, program_outputs_.aux()};
   }
   FireTiming fire_timing() const;
   const settings::Values& values() const { return values_; }
@@ -299,6 +324,11 @@ class Controller {
 
   lamp::ShotRules shot_rules(const settings::Values& values) const;
   void hold_after_failed_shots();
+  bool drives_may_be_on() const { return state_ != wire::MachineState::estop && !asleep_; }
+  bool drives_may_rest() const;
+  [[gnu::cold]] void outputs_off();
+  [[gnu::cold]] void tell_end();
+  bool work_input_wait();
   Result check_settings(const settings::Values& values, std::uint16_t& setting) const;
   Result job_settings(const wire::JobHeader& header, settings::Values& values);
   [[gnu::cold]] bool use_kinematics();
@@ -336,6 +366,7 @@ class Controller {
   void go_or_wait();
   bool finish_line();
   void drop_open_line();
+  [[gnu::cold]] void pause();
   void say_tool();
   void begin_line(std::string_view line);
   GcodeError begin_program_line(std::string_view line);
@@ -412,7 +443,10 @@ class Controller {
   Planning planning_;
   JobRunner runner_;
   ProgramRunner program_{clock_, motion_, planning_};
-  ProgramReader reader_{program_, runner_};
+  ProgramOutputs program_outputs_{motion_.changes()};
+  ProgramReader reader_{program_, runner_, program_outputs_};
+  InputWait input_wait_;
+  DriveRest drives_;
   program::PulseDecoder decoder_;
   StepLimits work_space_;
   StatusReporter reporter_;

@@ -83,25 +83,39 @@ void Controller::go_or_wait() {
           raise_alarm(alarm_soft_limit);
         }
         return true;
-      case Step::pauses: {
-        if (reader_.changes_tool()) say_tool();
-        const Masked masked(mask_);
-        state_ = door_open_ ? MachineState::door : MachineState::hold;
-        hold_reason_ = door_open_ ? HoldReason::none : HoldReason::realtime;
+      case Step::pauses:
+        pause();
         return false;
-      }
       case Step::changes:
         if (!change_over(reader_.wanted_lock())) return false;
         break;
       case Step::probes:
         if (!work_probe()) return false;
         break;
+      case Step::inputs:
+        if (!work_input_wait()) return false;
+        break;
       case Step::ended:
-        say("Pgm End");
-        end_overrides_of_program();
+        tell_end();
         break;
     }
   }
+}
+
+/// M2 and M30: nothing that the program has switched stays on.
+void Controller::tell_end() {
+  say("Pgm End");
+  end_overrides_of_program();
+  const Masked masked(mask_);
+  outputs_off();
+}
+
+/// The program goes on when somebody says so.
+void Controller::pause() {
+  if (reader_.changes_tool()) say_tool();
+  const Masked masked(mask_);
+  state_ = door_open_ ? MachineState::door : MachineState::hold;
+  hold_reason_ = door_open_ ? HoldReason::none : HoldReason::realtime;
 }
 
 /// Which one is to be put in.
@@ -221,7 +235,8 @@ void Controller::configure_reader() {
   std::uint16_t setting = 0;
   const bool sound = check_settings(stored_, setting) == Result::ok;
   const int permitted = stored_.whole(settings::Id::channels) & board_.channels;
-  reader_.configure(stored_, static_cast<std::uint8_t>(sound ? permitted : 0));
+  reader_.configure(stored_, static_cast<std::uint8_t>(sound ? permitted : 0),
+                    {board_.outputs, program_inputs(board_.inputs)});
 }
 
 [[gnu::hot]] GcodeError Controller::begin_program_line(std::string_view line) {

@@ -53,6 +53,7 @@ void Controller::reset() {
   reader_.clear();
   lines_at_cancel_ = 0;
   shots_.permit(false, idle_reason());
+  outputs_off();
   reset_due_ = true;
   // Of a job that was stopped nothing is left but to come to rest.
   if ((!program_.begun() && !beat_locked()) || !moves) return settle_program();
@@ -72,6 +73,7 @@ void Controller::finish_reset() {
   const bool lost = moved_at_reset_ || asleep_;
   reset_due_ = moved_at_reset_ = asleep_ = jogging_ = check_ = stopped_ = false;
   reader_.reset();
+  outputs_off();
   reporter_.reset();
   end_overrides_of_program();
   if (job_unfinished()) state_ = MachineState::idle;

@@ -152,6 +152,8 @@ GcodeError Controller::command_at_rest(std::string_view line) {
   } else if (line == "$SLP") {
     say("Sleeping");
     asleep_ = true;
+    const Masked masked(mask_);
+    outputs_off();
   } else if (line == "$RST=$") {
     restore_defaults();
   } else if (line == "$RST=#" || line == "$RST=*") {

@@ -25,6 +25,7 @@ enum class Input : std::uint8_t {
   limit_y,
   limit_z,
   limit_a,
+  aux,          ///< of programs (M66); active = closed to ground
   limit_chain,  ///< the limits of all axes in one circuit: which of them is not known
   count
 };
@@ -55,6 +56,7 @@ constexpr InputSet active_low(const settings::Values& values) {
   using settings::Id;
   const auto limits = static_cast<unsigned>(values.whole(Id::limit_invert));
   InputSet low = values.whole(Id::probe_invert) == 0 ? set_of(Input::probe) : InputSet{0};
+  low = static_cast<InputSet>(low | set_of(Input::aux));
   for (int a = 0; a < max_axes; ++a)
     if ((limits >> a & 1u) != 0) low = static_cast<InputSet>(low | set_of(limit_of(a)));
   if ((limits & 1u) != 0) low = static_cast<InputSet>(low | set_of(Input::limit_chain));

@@ -25,6 +25,8 @@ class MotionOutput {
   stepper::SegmentQueue& segments() { return segments_; }
   stepper::TickGenerator& generator() { return generator_; }
   const stepper::TickGenerator& generator() const { return generator_; }
+  /// Changes of outputs that go with the motion.
+  stepper::ChangeQueue& changes() { return changes_; }
 
   /// True if nothing moves and nothing is committed.
   bool at_rest() const {
@@ -40,7 +42,8 @@ class MotionOutput {
 
  private:
   stepper::SegmentQueue segments_;
-  stepper::TickGenerator generator_{segments_};
+  stepper::ChangeQueue changes_;
+  stepper::TickGenerator generator_{segments_, &changes_};
   PerAxis<std::uint32_t> lag_clocks_{};
   std::int32_t laser_lead_clocks_ = 0;
 };

@@ -12,7 +12,8 @@ using program::ActionKind;
 using program::BeatLock;
 using settings::Id;
 
-program::Options program_options(const settings::Values& values, bool beat_lock) {
+program::Options program_options(const settings::Values& values, bool beat_lock,
+                                 ProgramPorts ports) {
   constexpr std::int64_t e7_per_milli = program::one_e7 / 1000;
   program::Options options;
   options.axes = values.whole(Id::axes);
@@ -20,11 +21,14 @@ program::Options program_options(const settings::Values& values, bool beat_lock)
   options.laser = values.whole(Id::laser_mode) != 0;
   options.beat_lock = beat_lock;
   options.probe = true;
+  options.outputs = ports.outputs;
+  options.inputs = ports.inputs;
   return options;
 }
 
-void ProgramReader::configure(const settings::Values& values, std::uint8_t channels) {
-  options_ = program_options(values, channels != 0);
+void ProgramReader::configure(const settings::Values& values, std::uint8_t channels,
+                              ProgramPorts ports) {
+  options_ = program_options(values, channels != 0, ports);
   channel_ =
       channels == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(std::countr_zero(channels));
 }
@@ -39,6 +43,7 @@ void ProgramReader::end_lock() {
 [[gnu::hot]] program::Fault ProgramReader::begin(std::string_view line) {
   const program::Fault fault = interpreter_.run(line);
   open_ = !fault;
+  jogs_ = false;
   return fault;
 }
 
@@ -47,7 +52,7 @@ program::Fault ProgramReader::begin_jog(std::string_view line, const settings::V
   const program::Place before = interpreter_.machine_e7();
   const program::Fault fault = interpreter_.jog(line);
   if (fault) return fault;
-  open_ = true;
+  open_ = jogs_ = true;
   const StepPosition end = steps_of(interpreter_.machine_e7(), values);
   if (axis_outside(end, space, values.whole(Id::axes)) < 0) return fault;
   open_ = false;
@@ -103,8 +108,13 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
   switch (action_.kind) {
     case ActionKind::dwell:
       return dwell(clock);
-    case ActionKind::spindle:
     case ActionKind::coolant:
+      return coolant();
+    case ActionKind::output:
+      return output();
+    case ActionKind::wait_input:
+      return rests() ? Step::inputs : Step::waits;
+    case ActionKind::spindle:
       // A laser's power travels with the moves.
       return options_.laser ? taken() : stand();
     case ActionKind::pause:
@@ -138,7 +148,7 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
   if (!probing_ && (lock != lock_ || (lock == BeatLock::off && !planned)))
     return rests() ? Step::changes : Step::waits;
   if (action_.kind == ActionKind::probe) return rests() ? Step::probes : Step::waits;
-  if (!take(values)) return Step::waits;
+  if (!take_changes() || !take(values)) return Step::waits;
   from_ = target_.steps;
   return taken();
 }
@@ -147,6 +157,35 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
   if (lock_ == BeatLock::off) return runner_.take(target_);
   if (points_.queue().free() == 0) return false;
   return points_.take(point_target(action_, {from_, target_.steps}, channel_, values));
+}
+
+/// What is to change with the begin of this move goes with it. Points on the beat and jogs carry
+/// nothing: before points the machine stands, then it is done; a jog is no motion of the program.
+[[gnu::hot]] bool ProgramReader::take_changes() {
+  if (jogs_) return true;
+  if (lock_ == BeatLock::off) {
+    if (!outputs_.attach()) return false;
+    target_.changes = outputs_.mark();
+    return true;
+  }
+  if (!outputs_.next_waits()) return true;
+  if (!rests()) return false;
+  outputs_.apply_next();
+  return true;
+}
+
+ProgramReader::Step ProgramReader::coolant() {
+  if (stand() == Step::waits) return Step::waits;
+  outputs_.set_air(action_.flood || action_.mist);
+  return Step::done;
+}
+
+ProgramReader::Step ProgramReader::output() {
+  if (action_.io.at_once)
+    outputs_.set_aux(action_.io.level);
+  else
+    outputs_.set_next_aux(action_.io.level);
+  return taken();
 }
 
 ProgramReader::Step ProgramReader::dwell(std::uint64_t clock) {

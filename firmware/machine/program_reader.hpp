@@ -20,6 +20,7 @@
 #include "firmware/machine/job_runner.hpp"
 #include "firmware/machine/kept_program.hpp"
 #include "firmware/machine/line_queue.hpp"
+#include "firmware/machine/program_outputs.hpp"
 #include "firmware/machine/program_runner.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "shared/settings_table.hpp"
@@ -27,8 +28,14 @@
 
 namespace lamplock::machine {
 
+/// What a board has for programs: a bit for each output and input.
+struct ProgramPorts {
+  std::uint8_t outputs = 0, inputs = 0;
+};
+
 /// What the interpreter follows on a machine with these settings; `beat_lock`: it may have it.
-program::Options program_options(const settings::Values& values, bool beat_lock);
+program::Options program_options(const settings::Values& values, bool beat_lock,
+                                 ProgramPorts ports);
 
 class ProgramReader {
  public:
@@ -40,18 +47,19 @@ class ProgramReader {
     outside,  ///< the line wanted to leave the work space: the rest of it is dropped
     pauses,   ///< M0, M1, M6: waits for go_on() from now on
     changes,  ///< the machine stands: a change over to wanted_lock() is due before the next move
+    inputs,   ///< it stands: M66 waits for its input, until end_wait()
     probes,   ///< it stands: before and behind the move of a probe, until end_probe()
     ended     ///< M2, M30; then done
   };
 
-  [[gnu::cold]] ProgramReader(ProgramRunner& runner, JobRunner& points)
-      : runner_(runner), points_(points) {}
+  [[gnu::cold]] ProgramReader(ProgramRunner& runner, JobRunner& points, ProgramOutputs& outputs)
+      : runner_(runner), points_(points), outputs_(outputs) {}
   ProgramReader(const ProgramReader&) = delete;
   ProgramReader& operator=(const ProgramReader&) = delete;
 
   /// Settings that the interpreter follows; at rest, nothing under way. `channels`: a bit for each
   /// that beat lock may fire; the first is used, without one there is no beat lock.
-  void configure(const settings::Values& values, std::uint8_t channels);
+  void configure(const settings::Values& values, std::uint8_t channels, ProgramPorts ports);
 
   // Who runs the moves.
   /// Points on the beat, and how they are joined; off: lines.
@@ -84,8 +92,19 @@ class ProgramReader {
   void go_on() { paused_ = false; }
   /// What it pauses for is another tool.
   bool changes_tool() const { return action_.kind == program::ActionKind::tool_change; }
+  /// What M66 waits for, and how long.
+  const program::IoRequest& wait() const { return action_.io; }
+  std::uint32_t wait_us() const { return action_.time_us; }
+  /// That is over; `pauses`: the program goes on when somebody says so.
+  void end_wait(bool pauses) {
+    taken();
+    paused_ = pauses;
+  }
   /// Gives the move of the probe to the planner.
-  void begin_probe() { probing_ = runner_.take(target_); }
+  void begin_probe() {
+    outputs_.apply_next();
+    probing_ = runner_.take(target_);
+  }
   bool probing() const { return probing_; }
   /// It ends when contact is lost; it is an error if it ends by itself.
   bool probes_away() const { return action_.probe_away; }
@@ -101,8 +120,16 @@ class ProgramReader {
   void reset();
   /// The machine is somewhere else than the program thinks.
   void lose_position() { astray_ = true; }
-  void toggle_flood() { interpreter_.toggle_flood(); }
-  void toggle_mist() { interpreter_.toggle_mist(); }
+  void toggle_flood() {
+    interpreter_.toggle_flood();
+    put_air();
+  }
+  void toggle_mist() {
+    interpreter_.toggle_mist();
+    put_air();
+  }
+  /// It is off, and so the modal state says.
+  void stop_coolant() { interpreter_.stop_coolant(); }
   bool astray() const { return astray_; }
   /// Where it is, if that was lost; nothing is under way.
   void find_position(const stepper::MotionState& at, const settings::Values& values);
@@ -126,11 +153,19 @@ class ProgramReader {
   Step dwell(std::uint64_t clock);
   bool rests();
   Step stand();
+  [[gnu::cold]] Step coolant();
+  [[gnu::cold]] Step output();
+  bool take_changes();
+  void put_air() {
+    const program::Modal& modal = interpreter_.modal();
+    outputs_.set_air(modal.flood || modal.mist);
+  }
   Step taken();
   program::Place stand_at(const stepper::MotionState& at, const settings::Values& values);
 
   ProgramRunner& runner_;
   JobRunner& points_;
+  ProgramOutputs& outputs_;
   program::BeatLock lock_ = program::BeatLock::off;
   std::uint8_t channel_ = 0;  ///< of shots in a program
   StepPosition from_{};       ///< where the next move begins
@@ -141,6 +176,7 @@ class ProgramReader {
   program::Action action_;
   motion::LineTarget target_;  ///< of a move
   bool open_ = false;          ///< a line is under way
+  bool jogs_ = false;          ///< which is a jog
   bool pending_ = false;       ///< action_ was not taken yet
   bool prepared_ = false;      ///< target_ is that of action_
   bool paused_ = false;

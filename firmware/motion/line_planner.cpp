@@ -92,7 +92,8 @@ bool LinePlanner::push(const LineTarget& target) {
   line.set_place(target);
   line.set_length(shape.length);
   set_bounds(bounds, line);
-  line.line = target.line;
+  line.line = target.line & 0xffffffu;
+  line.changes = target.changes;
   line.power = target.power;
   line.laser = target.rapid ? LinePower::off : target.laser;
   line.rapid = target.rapid;
@@ -187,6 +188,7 @@ bool LinePlanner::next(LineSegment& out) {
   make_segment(at_, way_, run, axes_, !limits_.rise.none(), out.segment);
   out.segment.ends_point = run.whole;
   out.segment.point = line.line;
+  out.segment.changes = static_cast<std::uint8_t>(line.changes);
   out.line = line.line;
   out.ends_line = run.whole;
   out.rapid = line.rapid;

@@ -36,7 +36,8 @@ struct LineTarget : LinePlace {
   LinePower laser = LinePower::off;
   bool rapid = false;  ///< at the machine's speed, laser off
   bool timed = false;
-  bool exact_stop = false;  ///< a stop at its end
+  bool exact_stop = false;   ///< a stop at its end
+  std::uint8_t changes = 0;  ///< of outputs, with its begin (stepper/change_queue.hpp)
 };
 
 /// A line in the ring, and where it ends.
@@ -47,7 +48,8 @@ struct Line : LinePlace {
   LinePacked feed;                    ///< programmed, at 100 %
   LinePacked corner_2;                ///< highest speed at its start, squared
   LinePacked entry_2;                 ///< planned speed there, squared
-  std::uint32_t line = 0;
+  std::uint32_t line : 24 = 0;        ///< N word, 10^7 at most
+  std::uint32_t changes : 8 = 0;
   std::uint16_t power = 0;
   std::int8_t length_exponent = 0;
   LinePower laser : 2 = LinePower::off;

@@ -20,6 +20,8 @@ enum class ActionKind : std::uint8_t {
   tool_change,  ///< M6: the same, with the tool of the T word put in meanwhile
   program_end,  ///< M2 and M30
   beat_lock,    ///< M130, M131: from here on as `beat_lock` says
+  output,       ///< M62 to M65, M67, M68: `io`
+  wait_input,   ///< M66: `io`, no longer than `time_us`
   probe         ///< G38.2 to G38.5: a move that the probe ends; then the machine tells where it is
 };
 
@@ -28,6 +30,19 @@ enum class Spindle : std::uint8_t { off, constant, proportional };  // M5, M3, M
 
 /// Whether every end point of a feed move is a shot on the beat.
 enum class BeatLock : std::uint8_t { off, path, free };  // M131, M130 P0, M130 P1
+
+/// What an input is waited for (L of M66).
+enum class InputEvent : std::uint8_t { now, rise, fall, on, off };
+
+/// Of M62 to M68.
+struct IoRequest {
+  static constexpr std::uint16_t on = 65535;
+
+  std::uint8_t port = 0;
+  bool at_once = false;     ///< an output: not with the next motion
+  std::uint16_t level = 0;  ///< of an output, `on` = all
+  InputEvent event = InputEvent::now;
+};
 
 struct Action {
   ActionKind kind = ActionKind::move;
@@ -46,8 +61,9 @@ struct Action {
   BeatLock beat_lock = BeatLock::off;  ///< in force for this move
   std::uint32_t line = 0;              ///< N word of its line, 0 = none
   std::uint32_t feed_um_min = 0;  ///< speed along the path, um/min; not in rapids, not if timed
-  std::uint32_t time_us = 0;      ///< of a dwell, or of a timed move
+  std::uint32_t time_us = 0;      ///< of a dwell or a wait, or of a timed move
   std::uint32_t speed_milli = 0;  ///< S word in force, thousandths
+  IoRequest io;
   std::uint32_t blend_um =
       0;              ///< the path may leave corners by so much (G64 P); 0 = exact path (G61)
   Place target_e7{};  ///< machine coordinates

@@ -77,9 +77,11 @@ constexpr Code m_codes[] = {
     Code{0, Group::stopping},    Code{1, Group::stopping},    Code{2, Group::stopping},
     Code{3, Group::spindle},     Code{4, Group::spindle},     Code{5, Group::spindle},
     Code{6, Group::tool_change}, Code{7, Group::coolant},     Code{8, Group::coolant},
-    Code{9, Group::coolant},     Code{30, Group::stopping},   Code{70, Group::saving},
-    Code{71, Group::saving},     Code{72, Group::saving},     Code{73, Group::saving},
-    Code{130, Group::beat_lock}, Code{131, Group::beat_lock},
+    Code{9, Group::coolant},     Code{30, Group::stopping},   Code{62, Group::io},
+    Code{63, Group::io},         Code{64, Group::io},         Code{65, Group::io},
+    Code{66, Group::io},         Code{67, Group::io},         Code{68, Group::io},
+    Code{70, Group::saving},     Code{71, Group::saving},     Code{72, Group::saving},
+    Code{73, Group::saving},     Code{130, Group::beat_lock}, Code{131, Group::beat_lock},
 };
 
 constexpr std::uint32_t largest_code = 999;

@@ -40,6 +40,7 @@ enum class Group : std::uint8_t {
   coolant,
   saving,  ///< M70 .. M73
   beat_lock,
+  io,  ///< M62 .. M68
   count
 };
 
@@ -84,7 +85,7 @@ class Block {
   static constexpr std::uint16_t no_code = 0xffff;
 
  private:
-  static constexpr std::string_view value_letters = "AFIJKLNPQRSTXYZ";
+  static constexpr std::string_view value_letters = "AEFIJKLNPQRSTXYZ";
   static constexpr std::uint8_t no_slot = 0xff;
   /// Place of each letter in values_.
   static constexpr std::array<std::uint8_t, 26> slots = [] {

@@ -108,6 +108,9 @@ void Interpreter::begin_curve(const Statement& statement) {
 
 [[gnu::hot]] bool Interpreter::give(Stage stage, Action& action) {
   switch (stage) {
+    case Stage::output:
+    case Stage::wait_input:
+      return give_io(stage, action);
     case Stage::tool_change:
       begin_action(action, ActionKind::tool_change);
       break;
@@ -133,6 +136,14 @@ void Interpreter::begin_curve(const Statement& statement) {
     case Stage::stop:
       return give_stop(action);
   }
+  done(stage);
+  return true;
+}
+
+bool Interpreter::give_io(Stage stage, Action& action) {
+  begin_action(action, stage == Stage::output ? ActionKind::output : ActionKind::wait_input);
+  action.io = plan_.io;
+  action.time_us = plan_.wait_us;
   done(stage);
   return true;
 }

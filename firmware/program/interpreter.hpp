@@ -69,6 +69,9 @@ class Interpreter {
   void toggle_flood() { state_->modal.flood = !state_->modal.flood; }
   void toggle_mist() { state_->modal.mist = !state_->modal.mist; }
 
+  /// They are off, whoever has seen to that.
+  void stop_coolant() { state_->modal.flood = state_->modal.mist = false; }
+
   /// After power-up and soft reset: modal state as it is by default, nothing left to do. Position
   /// and parameters stay.
   void reset();
@@ -95,6 +98,7 @@ class Interpreter {
   void change_parameters(const Changes& changes);
   void begin_action(Action& action, ActionKind kind) const;
   bool give(Stage stage, Action& action);
+  [[gnu::cold]] bool give_io(Stage stage, Action& action);
   bool give_dwell(Action& action);
   bool give_move(Stage stage, Action& action);
   bool give_piece(Action& action);

@@ -32,9 +32,9 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
 }
 
 [[gnu::hot]] bool Statement::before_motion() {
-  return saved_state() && codes() && line_number() && feed() && speed() && tool() && spindle() &&
-         tool_change() && coolant() && beat_lock() && dwell() && path() && tool_length() &&
-         system() && rotation();
+  return saved_state() && codes() && line_number() && feed() && speed() && tool() &&
+         (block_.has(Group::io) ? io() : no_io()) && spindle() && tool_change() && coolant() &&
+         beat_lock() && dwell() && path() && tool_length() && system() && rotation();
 }
 
 // --- values -----------------------------------------------------------------------------------
@@ -200,6 +200,11 @@ bool Statement::inverse_time() {
   if (number > most_tool) return fail_at('T', GcodeError::tool_too_large);
   after_.modal.tool = number;
   return true;
+}
+
+/// Nothing else has an E word.
+[[gnu::hot]] bool Statement::no_io() {
+  return !block_.has('E') || fail_at('E', GcodeError::unsupported);
 }
 
 /// The spindle stands while the tool is changed, and behind it, unless the line says otherwise

@@ -36,6 +36,8 @@ struct Options {
   std::uint32_t blend_um = 0;              ///< of a G64 without P
   bool laser = false;                      ///< $32: speed words travel with the moves
   bool probe = false;                      ///< there is one: G38.2 to G38.5 are known
+  std::uint8_t outputs = 0;                ///< a bit for each that M62 to M65 and M67, M68 know
+  std::uint8_t inputs = 0;                 ///< the same of M66
   bool beat_lock = true;                   ///< the machine can: M130 is known
 };
 
@@ -57,6 +59,8 @@ struct Saved {
 
 /// What a line asks for, in the order of doing it.
 enum class Stage : std::uint8_t {
+  output,
+  wait_input,
   tool_change,
   spindle,
   coolant,
@@ -76,13 +80,15 @@ struct Plan {
   std::uint32_t feed_um_min = 0;
   std::uint32_t time_us = 0;  ///< of the motion, in G93
   std::uint32_t dwell_us = 0;
-  std::uint32_t turns = 0;   ///< P of an arc
-  std::uint32_t pieces = 0;  ///< of a line of pixels; 0 where it is one
+  std::uint32_t wait_us = 0;  ///< of M66
+  std::uint32_t turns = 0;    ///< P of an arc
+  std::uint32_t pieces = 0;   ///< of a line of pixels; 0 where it is one
   Motion motion = Motion::rapid;
   std::uint16_t stop = 0;   ///< M code
   bool in_machine = false;  ///< the end of the move is in machine coordinates
   bool exact_stop = false;
   bool jog = false;
+  IoRequest io;  ///< set where a stage needs it
   // Places are not set where no stage needs them.
   Place start;  ///< of a curve, programmed
   /// On the way of G28; the centre of an arc; both control points of a spline. Programmed.
@@ -161,6 +167,12 @@ class Statement {
   bool tool();
   bool tool_change();
   bool line_number();
+  [[gnu::cold]] bool io();
+  bool no_io();
+  bool port(char letter, std::uint8_t known);
+  bool digital_output();
+  bool analog_output();
+  bool wait_input();
   bool spindle();
   bool coolant();
   bool beat_lock();

@@ -181,6 +181,7 @@ struct Segment {
   BeatReason reason = BeatReason::moving;  ///< of the beats that pass inside
   bool ends_point = false;                 ///< the end is a target of the job
   bool shines = false;                     ///< a continuous laser, somewhere in it at least
+  std::uint8_t changes = 0;                ///< of outputs, with its begin (change_queue.hpp)
   std::uint32_t point = 0;                 ///< index of that target
   union {
     SegmentShot shot{};

@@ -11,7 +11,8 @@ void forget_shot(Segment& segment) {
 }
 }  // namespace
 
-TickGenerator::TickGenerator(SegmentQueue& queue) : queue_(queue) {
+TickGenerator::TickGenerator(SegmentQueue& queue, ChangeQueue* changes)
+    : queue_(queue), changes_(changes) {
   for (Run& r : runs_) stand(r);
   set_position({});
 }
@@ -193,7 +194,10 @@ std::uint32_t TickGenerator::pair_ticks(const AxisPair& pair, std::uint64_t tick
 }
 
 void TickGenerator::enter_lattice() {
-  moves_ = moves(queue_.at(lattice_.segment));
+  const Segment& segment = queue_.at(lattice_.segment);
+  moves_ = moves(segment);
+  if (segment.changes != 0 && changes_ != nullptr)
+    changes_->grant(segment.changes, segment.start_tick);
   open_window();
 }
 

@@ -33,6 +33,7 @@
 
 #include <cstdint>
 
+#include "firmware/stepper/change_queue.hpp"
 #include "firmware/stepper/motor_runs.hpp"
 #include "firmware/stepper/segment_power.hpp"
 #include "firmware/stepper/segment_queue.hpp"
@@ -50,7 +51,8 @@ struct TriggerPattern {
 /// Runs segments. All times are ticks of the lattice.
 class TickGenerator {
  public:
-  [[gnu::cold]] explicit TickGenerator(SegmentQueue& queue);
+  /// `changes`: outputs that follow the lattice, if there are any.
+  [[gnu::cold]] explicit TickGenerator(SegmentQueue& queue, ChangeQueue* changes = nullptr);
 
   /// Which motors move which axes; before anything has moved.
   [[gnu::cold]] void set_kinematics(const Kinematics& kinematics) { kinematics_ = kinematics; }
@@ -195,6 +197,7 @@ class TickGenerator {
   void release();
 
   SegmentQueue& queue_;
+  ChangeQueue* const changes_;
   std::uint64_t tick_ = 0;
   std::uint32_t lead_ = 0;  ///< of the axis with the longest
   bool running_ = false;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "firmware/machine/input_wait.hpp"
 #include "firmware/machine/line_work.hpp"
 #include "firmware/machine/program_horizon.hpp"
 #include "firmware/machine/program_motion.hpp"
@@ -13,6 +14,7 @@
 #include "firmware/program/interpreter.hpp"
 #include "host/error.hpp"
 #include "host/text.hpp"
+#include "shared/boards/pico_pins.hpp"
 #include "shared/wire/framing.hpp"
 
 namespace lamplock::program_run {
@@ -135,7 +137,10 @@ class Machine {
         run_.ended = true;
         return false;
       case ActionKind::beat_lock:
+      case ActionKind::wait_input:
         finish();
+        return true;
+      case ActionKind::output:
         return true;
     }
     return true;
@@ -202,6 +207,15 @@ std::string text_of(GcodeError error) {
   return "unknown";
 }
 
+/// Of the board that the settings are for.
+machine::ProgramPorts ports_of(const settings::Values& values) {
+  const auto map = static_cast<boards::PinMap>(values.whole(Id::pin_map));
+  const bool has_input = boards::find_gpio(map, boards::Role::aux_in).has_value();
+  return {boards::program_outputs(map),
+          machine::program_inputs(machine::set_of(machine::Input::probe) |
+                                  (has_input ? machine::set_of(machine::Input::aux) : 0u))};
+}
+
 }  // namespace
 
 double ProgramRun::seconds() const {
@@ -213,7 +227,7 @@ ProgramRun run_program(std::string_view text, const settings::Values& values,
                        std::size_t most_problems) {
   const std::string_view whole = text;
   program::Parameters parameters;
-  const program::Options options = machine::program_options(values, true);
+  const program::Options options = machine::program_options(values, true, ports_of(values));
   program::Interpreter interpreter(parameters, options);
   Machine machine(values);
   ProgramRun& run = machine.result();

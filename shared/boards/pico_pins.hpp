@@ -2,8 +2,9 @@
 // page.
 //
 // In:  nothing.
-// Out: two maps, glass (engraving inside glass) and cut (cutting, plotting), from one list of
-//      roles.
+// Out: three maps, glass (engraving inside glass), cut (cutting, plotting) and cut_io (the same
+// with
+//      an output and an input of programs instead of the UART), from one list of roles.
 // Who: the image (every driver asks for its role), the chip simulator (connects the pads to its
 //      world), the documentation of the wiring.
 //
@@ -59,7 +60,10 @@ enum class Role : std::uint8_t {
   uart_tx,
   uart_rx,
   uart_direction,
-  air,
+  air,       ///< out: air or mist (M7, M8)
+  aux_out,   ///< out: of programs (M62 to M65, M67, M68)
+  aux_in,    ///< in: of programs (M66); closed to ground = on
+  z_enable,  ///< out, as drives_enable: the drives of Z and A
   count
 };
 
@@ -75,8 +79,9 @@ struct PinUse {
   std::string_view name;
 };
 
-/// The two maps, numbered as the setting `pin_map` ($990) has it.
-enum class PinMap : std::uint8_t { glass = 0, cut = 1 };
+/// The maps, numbered as the setting `pin_map` ($990) has it.
+enum class PinMap : std::uint8_t { glass = 0, cut = 1, cut_io = 2 };
+inline constexpr std::array all_maps{PinMap::glass, PinMap::cut, PinMap::cut_io};
 
 namespace detail {
 using enum Direction;
@@ -113,16 +118,24 @@ inline constexpr std::array glass_only{
     PinUse{Role::photosensor_3, 27, input, false, "PHOTOSENSOR 3"},
     PinUse{Role::photosensor_4, 28, input, false, "PHOTOSENSOR 4"},
 };
-inline constexpr std::array cut_only{
+/// What both maps for cutting have.
+inline constexpr std::array cut_common{
     PinUse{Role::step_a, 6, output, false, "A STEP"},
     PinUse{Role::dir_a, 7, output, false, "A DIR"},
-    PinUse{Role::uart_tx, 16, output, false, "UART0 TX"},
-    PinUse{Role::uart_rx, 17, input, false, "UART0 RX"},
-    PinUse{Role::uart_direction, 18, output, false, "UART DIRECTION"},
     PinUse{Role::air, 19, output, false, "AIR"},
     PinUse{Role::limit_x, 26, input, false, "X LIMIT"},
     PinUse{Role::limit_y, 27, input, false, "Y LIMIT"},
     PinUse{Role::limit_z, 28, input, false, "Z LIMIT"},
+};
+inline constexpr std::array cut_only{
+    PinUse{Role::uart_tx, 16, output, false, "UART0 TX"},
+    PinUse{Role::uart_rx, 17, input, false, "UART0 RX"},
+    PinUse{Role::uart_direction, 18, output, false, "UART DIRECTION"},
+};
+inline constexpr std::array cut_io_only{
+    PinUse{Role::aux_out, 16, output, false, "AUX OUT"},
+    PinUse{Role::aux_in, 17, input, false, "AUX IN"},
+    PinUse{Role::z_enable, 18, output, false, "Z ENABLE"},
 };
 
 template <std::size_t n, std::size_t m>
@@ -136,11 +149,17 @@ constexpr std::array<PinUse, n + m> join(const std::array<PinUse, n>& a,
 }  // namespace detail
 
 inline constexpr auto glass_pins = detail::join(detail::common, detail::glass_only);
-inline constexpr auto cut_pins = detail::join(detail::common, detail::cut_only);
+inline constexpr auto cut_pins =
+    detail::join(detail::common, detail::join(detail::cut_common, detail::cut_only));
+inline constexpr auto cut_io_pins =
+    detail::join(detail::common, detail::join(detail::cut_common, detail::cut_io_only));
 using PinTable = std::array<PinUse, glass_pins.size()>;
 
 /// The pins of a map.
-constexpr const PinTable& pins(PinMap map) { return map == PinMap::glass ? glass_pins : cut_pins; }
+constexpr const PinTable& pins(PinMap map) {
+  if (map == PinMap::glass) return glass_pins;
+  return map == PinMap::cut ? cut_pins : cut_io_pins;
+}
 
 /// Pin of a role; nothing if the map has none.
 constexpr std::optional<std::uint8_t> find_gpio(PinMap map, Role role) {
@@ -169,6 +188,15 @@ constexpr int axes(PinMap map) { return find_gpio(map, Role::step_a) ? 4 : 3; }
 /// open.
 constexpr std::uint8_t channels(PinMap map) { return find_gpio(map, Role::shutter_1) ? 0xf : 1; }
 
+/// Outputs that programs may switch.
+constexpr std::uint8_t program_outputs(PinMap map) { return find_gpio(map, Role::aux_out) ? 1 : 0; }
+
+/// Axes whose drives have an enable of their own, Z ENABLE, a bit for each: Z, which may hang, and
+/// A. DRIVES ENABLE is that of all others.
+constexpr std::uint8_t axes_of_z_enable(PinMap map) {
+  return find_gpio(map, Role::z_enable) ? 0b1100 : 0;
+}
+
 constexpr Role step_role(int axis) { return static_cast<Role>(2 * axis); }
 constexpr Role dir_role(int axis) { return static_cast<Role>(2 * axis + 1); }
 /// First pin of the fourth axis where a map has one.
@@ -191,15 +219,17 @@ constexpr bool roles_once(const PinTable& table) {
       if (table[i].role == table[j].role) return false;
   return true;
 }
-constexpr bool energy_alike() {
-  for (const PinMap map : {PinMap::glass, PinMap::cut}) {
-    const PinMap other = map == PinMap::glass ? PinMap::cut : PinMap::glass;
-    for (const PinUse& use : pins(map)) {
-      if (!use.energy) continue;
-      if (use.direction != Direction::output || find_gpio(other, use.role) != use.gpio)
-        return false;
-    }
+constexpr bool energy_alike(PinMap map, PinMap other) {
+  for (const PinUse& use : pins(map)) {
+    if (!use.energy) continue;
+    if (use.direction != Direction::output || find_gpio(other, use.role) != use.gpio) return false;
   }
+  return true;
+}
+constexpr bool energy_alike() {
+  for (const PinMap map : all_maps)
+    for (const PinMap other : all_maps)
+      if (!energy_alike(map, other)) return false;
   return true;
 }
 constexpr bool axes_are_pairs(PinMap map) {
@@ -210,14 +240,16 @@ constexpr bool axes_are_pairs(PinMap map) {
   }
   return true;
 }
-static_assert(glass_pins.size() == cut_pins.size());
-static_assert(clash_free(glass_pins) && clash_free(cut_pins));
-static_assert(roles_once(glass_pins) && roles_once(cut_pins));
+constexpr bool sound(PinMap map) {
+  return clash_free(pins(map)) && roles_once(pins(map)) && axes_are_pairs(map);
+}
+static_assert(glass_pins.size() == cut_pins.size() && cut_pins.size() == cut_io_pins.size());
+static_assert(sound(PinMap::glass) && sound(PinMap::cut) && sound(PinMap::cut_io));
 static_assert(energy_alike());
-static_assert(axes_are_pairs(PinMap::glass) && axes_are_pairs(PinMap::cut));
 static_assert(gpio(Role::laser_gate) == gpio(Role::lamp_trigger) + 1 &&
               gpio(Role::shot_enable) == gpio(Role::lamp_trigger) + 2);
-static_assert(find_gpio(PinMap::cut, Role::step_a) == step_a_gpio);
+static_assert(find_gpio(PinMap::cut, Role::step_a) == step_a_gpio &&
+              find_gpio(PinMap::cut_io, Role::step_a) == step_a_gpio);
 }  // namespace detail
 
 }  // namespace lamplock::boards

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "shared/boards/pico_pins.hpp"
+
 namespace lamplock::sim {
 namespace {
 
@@ -27,10 +29,22 @@ struct InputPin {
 constexpr std::array input_pins{InputPin{Pin::estop, machine::Input::estop},
                                 InputPin{Pin::door, machine::Input::door},
                                 InputPin{Pin::probe, machine::Input::probe},
+                                InputPin{Pin::aux_in, machine::Input::aux},
                                 InputPin{Pin::limit_x, machine::Input::limit_x},
                                 InputPin{Pin::limit_y, machine::Input::limit_y},
                                 InputPin{Pin::limit_z, machine::Input::limit_z},
                                 InputPin{Pin::limit_a, machine::Input::limit_a}};
+
+/// Axes, channels and switches of every map; outputs and inputs of programs as the map has them.
+machine::BoardFeatures features_of(const settings::Values& stored) {
+  const auto map = static_cast<boards::PinMap>(stored.whole(settings::Id::pin_map));
+  machine::BoardFeatures features;
+  features.outputs = boards::program_outputs(map);
+  features.second_wire = boards::axes_of_z_enable(map);
+  if (boards::find_gpio(map, boards::Role::aux_in))
+    features.inputs |= machine::set_of(machine::Input::aux);
+  return features;
+}
 
 /// The tick that begins a lag before another one. A lattice that lags behind the lamp has given no
 /// time to the tick of a shot yet: from there on ticks are as long as the last that has one.
@@ -52,7 +66,8 @@ VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& wo
     : stored_(stored),
       kept_(kept),
       world_(std::make_unique<World>(world, bus_)),
-      controller_(std::make_unique<machine::Controller>(stored)) {
+      controller_(std::make_unique<machine::Controller>(stored, machine::InterruptMask{},
+                                                        features_of(stored))) {
   controller_->set_kept(kept_);
   for (const Pin pin : {Pin::lamp_sync, Pin::lamp_trigger}) bus_.listen(pin, *this);
   for (const InputPin& input : input_pins) bus_.listen(input.pin, *this);
@@ -146,8 +161,34 @@ Picoseconds VirtualBoard::token_expiry() const {
 }
 
 Picoseconds VirtualBoard::next_event() const {
-  return std::min(
-      {world_->next_event(), next_service_, fire_.next_event(), bits_change_, token_expiry()});
+  return std::min({world_->next_event(), next_service_, fire_.next_event(), bits_change_,
+                   token_expiry(), next_change()});
+}
+
+/// When outputs of the program change next, as far as ticks have a time.
+Picoseconds VirtualBoard::next_change() const {
+  std::uint32_t low = 0;
+  if (!controller_->next_change(low)) return never;
+  const auto ahead = static_cast<std::int32_t>(low - static_cast<std::uint32_t>(played_));
+  if (ahead <= 0) return now_;
+  const std::uint64_t tick = played_ + static_cast<std::uint64_t>(ahead);
+  return tick < ticks_.end_tick() ? std::max(now_, ticks_.time_of(tick)) : never;
+}
+
+void VirtualBoard::play_changes() {
+  while (next_change() <= now_) {
+    std::uint32_t low = 0;
+    controller_->next_change(low);
+    controller_->play_changes(low);
+    put_switched_outputs();
+  }
+}
+
+void VirtualBoard::put_switched_outputs() {
+  const machine::SwitchedOutputs outputs = controller_->switched_outputs();
+  bus_.set_aux(outputs.aux, now_);
+  bus_.set(Pin::air, outputs.air, now_);
+  bus_.set(Pin::enable_z, outputs.z_enable, now_);
 }
 
 /// Steps that may work a switch come in short slices.
@@ -164,6 +205,7 @@ void VirtualBoard::run_until(Picoseconds until) {
     const Picoseconds next = std::max(now_, std::min({until, next_event(), next_look()}));
     play(next);
     now_ = next;
+    play_changes();
     if (fire_.drive(bus_, now_)) report_shot(true);
     world_->advance(now_);
     if (fire_.decision_due(now_)) decide();
@@ -415,6 +457,7 @@ void VirtualBoard::withdraw_token() {
 void VirtualBoard::check_outputs() {
   const machine::Outputs outputs = controller_->outputs();
   bus_.set(Pin::enable, outputs.drives_enable, now_);
+  put_switched_outputs();
   apply_beam();
   if (outputs.fire_enable) return;
   withdraw_token();

@@ -73,6 +73,9 @@ class VirtualBoard final : public Board, private PinListener {
   StepPosition present_position() const;
   Picoseconds next_event() const;
   Picoseconds next_look() const;
+  Picoseconds next_change() const;
+  void play_changes();
+  void put_switched_outputs();
   Picoseconds token_expiry() const;
   void service();
   void main_loop();

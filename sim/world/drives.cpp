@@ -18,7 +18,11 @@ Drives::Drives(const DriveConfig& config, PinBus& bus)
       dir_setup_(from_ns(config.dir_setup_ns)),
       dir_hold_(from_ns(config.dir_hold_ns)),
       quadrature_gap_(from_ns(config.quadrature_gap_ns)),
+      wake_(from_ns(1e6 * config.wake_ms)),
+      axes_of_enable_z_(config.axes_of_enable_z),
       kinematics_(config.kinematics) {
+  bus.listen(Pin::enable, *this);
+  bus.listen(Pin::enable_z, *this);
   const StepPosition start = kinematics_.motors_of_loads(config.start);
   for (int number = 0; number < max_axes; ++number) {
     bus.listen(step_pin(number), *this);
@@ -34,6 +38,16 @@ Drives::Drives(const DriveConfig& config, PinBus& bus)
     axis.direction = axis.active[1] ? -1 : 1;
     axis.position = start[index(number)];
     axis.lag = from_ns(1000 * config.lag_us[index(number)]);
+  }
+}
+
+/// At power-up drives are on by the time the first step comes.
+void Drives::power(Pin pin, bool on, Picoseconds at) {
+  for (Axis& axis : axes_) {
+    const bool on_z = (axes_of_enable_z_ >> axis.number & 1u) != 0;
+    if (on_z != (pin == Pin::enable_z)) continue;
+    if (on && axis.released) axis.powered = at + wake_;
+    axis.released = !on;
   }
 }
 

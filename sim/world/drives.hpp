@@ -5,10 +5,11 @@
 //      a step down), or A and B in quadrature (every edge is a step; up while A leads).
 //      The changes of one axis come in order of time; axes may come one after the other.
 // Out: the place of the loads that the motors move (shared/kinematics.hpp: X and Y of a CoreXY,
-// each
-//      side of a gantry with two motors by itself), now or at a time not long ago; each step, told
-//      to who wants to know; and counts of pulses that a real drive would have lost: too short, too
-//      fast, DIR changed too close to STEP, both CW and CCW high, quadrature that jumps by two.
+//      each side of a gantry with two motors by itself), now or at a time not long ago; each step,
+//      told to who wants to know; and counts of pulses that a real drive would have lost: too
+//      short, too fast, DIR changed too close to STEP, both CW and CCW high, quadrature that jumps
+//      by two, steps while its enable is low (once that has been high: before, it is taken not to
+//      be wired).
 // The load follows the steps late, by a pure delay of its axis: servo, filter or closed loop.
 // A drive is a motor; loads are X, Y, Z and A, which is the second side of a gantry. One that is
 // not square at power-up has a start of A that differs from that of its axis.
@@ -38,11 +39,14 @@ enum class PulseMode : std::uint8_t {
 
 /// What the drives can follow.
 struct DriveConfig {
-  double min_pulse_ns = 400;          ///< a pulse (quadrature: any level of one wire)
-  double min_period_ns = 900;         ///< step to step
-  double dir_setup_ns = 200;          ///< DIR stable before the rising edge of STEP; CW low before
-                                      ///< the rising edge of CCW and the other way round
-  double dir_hold_ns = 0;             ///< DIR stable after the rising edge of STEP
+  double min_pulse_ns = 400;   ///< a pulse (quadrature: any level of one wire)
+  double min_period_ns = 900;  ///< step to step
+  double dir_setup_ns = 200;   ///< DIR stable before the rising edge of STEP; CW low before
+                               ///< the rising edge of CCW and the other way round
+  double dir_hold_ns = 0;      ///< DIR stable after the rising edge of STEP
+  double wake_ms = 0;          ///< a drive takes steps so long after its enable
+  /// Axes whose enable is Pin::enable_z, a bit for each.
+  unsigned axes_of_enable_z = 0;
   double quadrature_gap_ns = 100;     ///< edges of A and B closer than this count as one jump
   PerAxis<double> lag_us{};           ///< STEP to movement of the load
   PerAxis<PulseMode> mode{};          ///< what the wires mean
@@ -60,9 +64,10 @@ struct DriveFaults {
   std::uint64_t unheld_directions = 0;  ///< too close after the step
   std::uint64_t both_high = 0;          ///< CW and CCW
   std::uint64_t quadrature_jumps = 0;   ///< A and B together
+  std::uint64_t unpowered_steps = 0;    ///< while the drive was released, or had just been enabled
   std::uint64_t total() const {
     return short_pulses + fast_steps + late_directions + unheld_directions + both_high +
-           quadrature_jumps;
+           quadrature_jumps + unpowered_steps;
   }
   friend bool operator==(const DriveFaults&, const DriveFaults&) = default;
 };
@@ -110,6 +115,7 @@ class Drives final : public PinListener {
   }
 
   void pin_changed(Pin pin, bool level, Picoseconds at) override {
+    if (pin == Pin::enable || pin == Pin::enable_z) return power(pin, level, at);
     const auto line = static_cast<std::size_t>(pin);
     Axis& axis = axes_[line / 2];
     if (!axis.plain)
@@ -145,6 +151,8 @@ class Drives final : public PinListener {
     Picoseconds last_turn = long_ago;
     std::array<Picoseconds, 2> last_change{long_ago, long_ago};  ///< of the other modes
     Picoseconds lag = 0;
+    bool released = false;
+    Picoseconds powered = long_ago;  ///< takes steps from then on
     DriveFaults faults;
     std::vector<LoadListener*> listeners;
     std::array<Step, remembered_steps> recent;
@@ -161,12 +169,14 @@ class Drives final : public PinListener {
   }
   void move(Axis& axis, std::int32_t way, Picoseconds at) {
     if (at - axis.last_step < min_period_) ++axis.faults.fast_steps;
+    if (axis.released || at < axis.powered) ++axis.faults.unpowered_steps;
     axis.last_step = at;
     axis.recent[axis.steps++ % remembered_steps] = {at, axis.position};
     axis.position += way;
     if (axis.heard) tell(axis, way, at);
   }
   void tell(const Axis& axis, std::int32_t way, Picoseconds at) const;
+  void power(Pin pin, bool on, Picoseconds at);
   void special_changed(Axis& axis, std::size_t wire, bool level, Picoseconds at);
   void pulse_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
   void quadrature_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
@@ -176,6 +186,8 @@ class Drives final : public PinListener {
   Picoseconds dir_setup_;
   Picoseconds dir_hold_;
   Picoseconds quadrature_gap_;
+  Picoseconds wake_;
+  unsigned axes_of_enable_z_;
   Kinematics kinematics_;
   PerAxis<Axis> axes_{};
 };

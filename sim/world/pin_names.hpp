@@ -13,7 +13,8 @@ inline constexpr std::array<std::string_view, pin_count> pin_names{
     "step_a",        "dir_a",         "lamp_sync",     "lamp_trigger",  "q_switch",  "laser_gate",
     "arm",           "enable",        "estop",         "door",          "limit_x",   "limit_y",
     "limit_z",       "limit_a",       "shutter_1",     "shutter_2",     "shutter_3", "shutter_4",
-    "photosensor_1", "photosensor_2", "photosensor_3", "photosensor_4", "probe"};
+    "photosensor_1", "photosensor_2", "photosensor_3", "photosensor_4", "probe",     "enable_z",
+    "air",           "aux_out",       "aux_in"};
 
 /// Name of a wire, as in the list of pins.
 constexpr std::string_view pin_name(Pin pin) { return pin_names[static_cast<std::size_t>(pin)]; }

@@ -28,7 +28,7 @@ enum class Pin : std::uint8_t {
   q_switch,      ///< out: releases the pulse
   laser_gate,    ///< out: continuous laser permitted
   arm,           ///< out: machine is in position, a shot may be fired
-  enable,        ///< out: drives enabled
+  enable,        ///< out: drives enabled, all or all but those of enable_z
   estop,         ///< in: high = pressed
   door,          ///< in: high = open
   limit_x,
@@ -44,6 +44,10 @@ enum class Pin : std::uint8_t {
   photosensor_3,
   photosensor_4,  ///< in: a pulse when a shot has made its defect
   probe,          ///< in: low = touches; an open circuit, as without a probe, is high
+  enable_z,       ///< out: drives of Z and A enabled, where they have a wire of their own
+  air,            ///< out
+  aux_out,        ///< out: of programs
+  aux_in,         ///< in, of programs: low = on; an open circuit is high
   count
 };
 inline constexpr std::size_t pin_count = static_cast<std::size_t>(Pin::count);
@@ -97,7 +101,15 @@ class PinBus {
   std::uint16_t attenuator() const { return attenuator_; }
   void set_attenuator(std::uint16_t value) { attenuator_ = value; }
 
-  /// The same wire as a continuous laser sees it: its changes are told with their time, which may
+  /// Value of AUX OUT as an analogue wire, 65535 = full; as a digital one it is high if that is not
+  /// 0.
+  std::uint16_t aux() const { return aux_; }
+  void set_aux(std::uint16_t value, Picoseconds at) {
+    aux_ = value;
+    set(Pin::aux_out, value != 0, at);
+  }
+
+  /// LASER PWM as a continuous laser sees it: its changes are told with their time, which may
   /// be somewhat before that of the pins, since a duty is known when its period is over.
   void listen_to_power(PowerListener& listener) { power_listeners_.push_back(&listener); }
   void set_power(std::uint16_t power, Picoseconds at) {
@@ -112,6 +124,7 @@ class PinBus {
   std::array<std::vector<PinListener*>, pin_count> listeners_{};
   std::uint16_t attenuator_ = 0;
   std::uint16_t power_ = 0;
+  std::uint16_t aux_ = 0;
   std::vector<PowerListener*> power_listeners_;
 };
 

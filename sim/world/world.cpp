@@ -31,6 +31,8 @@ World::World(const WorldConfig& config, PinBus& bus)
   const auto is_probe = [](const WireConfig& wire) { return wire.pin == Pin::probe; };
   if (std::none_of(config.switches.begin(), config.switches.end(), is_probe))
     bus.set(Pin::probe, true, 0);
+  bus.set(Pin::aux_in, true, 0);
+  if (config.feeder) feeder_.emplace(*config.feeder, bus);
 }
 
 void World::schedule(Pin pin, bool level, Picoseconds at) {
@@ -44,6 +46,8 @@ void World::make_changes(Picoseconds to) {
       make_scheduled();
     else if (switches_.next_event() <= at)
       switches_.advance(at);
+    else if (feeder_ && feeder_->next_event() <= at)
+      feeder_->advance(at);
     else if (photosensors_.next_event() <= at)
       photosensors_.advance(at);
     else

@@ -18,6 +18,7 @@
 
 #include "sim/world/beam.hpp"
 #include "sim/world/drives.hpp"
+#include "sim/world/feeder.hpp"
 #include "sim/world/lamp.hpp"
 #include "sim/world/laser.hpp"
 #include "sim/world/photosensors.hpp"
@@ -33,6 +34,7 @@ struct WorldConfig {
   DriveConfig drives{};
   ShutterConfig shutters{};
   PhotosensorConfig photosensors{};
+  std::optional<FeederConfig> feeder{};          ///< without one AUX IN is open
   std::vector<WireConfig> switches{};            ///< limits, probe; none: inputs at rest
   PerAxis<std::optional<ServoConfig>> servos{};  ///< axes with an encoder on the load
 };
@@ -47,8 +49,9 @@ class World {
 
   /// Time of the next change the world will make; `never` if none is known.
   Picoseconds next_event() const {
-    return std::min(
+    const Picoseconds event = std::min(
         {lamp_.next_event(), next_scheduled_, photosensors_.next_event(), switches_.next_event()});
+    return feeder_ ? std::min(event, feeder_->next_event()) : event;
   }
 
   /// A board that delivers its steps in slices of time ends a slice here at the latest, so that no
@@ -75,6 +78,8 @@ class World {
   /// The continuous laser.
   const Beam& beam() const { return beam_; }
   const Photosensors& photosensors() const { return photosensors_; }
+  /// Null if there is none.
+  const Feeder* feeder() const { return feeder_ ? &*feeder_ : nullptr; }
   const Switches& switches() const { return switches_; }
   /// To press one by hand, to break a wire.
   Switches& switches() { return switches_; }
@@ -108,6 +113,7 @@ class World {
   Laser laser_;
   Beam beam_;
   Photosensors photosensors_;
+  std::optional<Feeder> feeder_;
   Picoseconds now_ = 0;
   Picoseconds next_scheduled_ = never;
   std::uint64_t calls_ = 0;

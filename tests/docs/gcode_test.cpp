@@ -26,6 +26,7 @@ std::set<std::string> known_codes() {
   Parameters parameters;
   Options options;
   options.probe = true;
+  options.outputs = options.inputs = 1;
   std::set<std::string> known;
   const auto try_code = [&](const std::string& code) {
     Interpreter interpreter(parameters, options);

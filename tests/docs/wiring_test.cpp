@@ -1,4 +1,4 @@
-// docs/wiring.md says what the table of pins says: pin by pin, for both maps.
+// docs/wiring.md says what the table of pins says: pin by pin, for every map.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -48,16 +48,23 @@ std::string off_level(const PinUse& use) {
     case Role::probe:
     case Role::uart_tx:
     case Role::uart_rx:
+    case Role::aux_in:
+    case Role::z_enable:
       return "high";
     default:
       return "low";
   }
 }
 
+std::string name_of(PinMap map) {
+  if (map == PinMap::glass) return "glass";
+  return map == PinMap::cut ? "cut" : "cut_io";
+}
+
 class WiringMap : public testing::TestWithParam<PinMap> {};
 
 TEST_P(WiringMap, ThePageHasEveryPinAsTheTableHasIt) {
-  const std::string heading = GetParam() == PinMap::glass ? "Pin map glass" : "Pin map cut";
+  const std::string heading = "Pin map " + name_of(GetParam()) + ":";
   const std::vector<Row> rows = table_of(test::read_repository_file("docs/wiring.md"), heading);
   const PinTable& table = pins(GetParam());
   ASSERT_EQ(rows.size(), table.size());
@@ -88,10 +95,8 @@ TEST(Safety, ThePageHasTheTimesOfTheFirmware) {
   EXPECT_NE(page.find(restart.str()), std::string::npos) << restart.str();
 }
 
-INSTANTIATE_TEST_SUITE_P(Maps, WiringMap, testing::Values(PinMap::glass, PinMap::cut),
-                         [](const auto& map) {
-                           return map.param == PinMap::glass ? "glass" : "cut";
-                         });
+INSTANTIATE_TEST_SUITE_P(Maps, WiringMap, testing::ValuesIn(all_maps),
+                         [](const auto& map) { return name_of(map.param); });
 
 }  // namespace
 }  // namespace lamplock::boards

@@ -81,6 +81,12 @@ inline std::string text_of(const Action& action) {
       return "pause";
     case ActionKind::program_end:
       return "end";
+    case ActionKind::output:
+      return fmt::format("output {} {}{}", action.io.port, action.io.level,
+                         action.io.at_once ? " at once" : "");
+    case ActionKind::wait_input:
+      return fmt::format("input {} event {} {}us", action.io.port,
+                         static_cast<int>(action.io.event), action.time_us);
     case ActionKind::beat_lock:
       return action.beat_lock == BeatLock::off    ? "beat off"
              : action.beat_lock == BeatLock::path ? "beat path"

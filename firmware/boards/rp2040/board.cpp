@@ -44,6 +44,8 @@ Board::Board(const Rings& rings)
             {.axes = boards::axes(map_),
              .channels = boards::channels(map_),
              .inputs = Inputs(map_).all(),
+             .outputs = boards::program_outputs(map_),
+             .second_wire = boards::axes_of_z_enable(map_),
              .parts = machine::Parts::staged}),
       ports_(uart_send_gpio),
       real_time_(map_, rings) {}

@@ -64,6 +64,7 @@ void RealTime::start_pads() const {
   make_output(boards::gpio(Role::drives_enable), !drives_active_high_);  // off
   make_output(boards::gpio(Role::status_led), false);
   beam_.start();
+  programs_.start(drives_active_high_);
 }
 
 void RealTime::start(machine::Controller& core) {
@@ -129,6 +130,7 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
   set_bits(pio0().irq0_inte, pio_intr::rx_not_empty(fire_machine.number));
   set_bits(timer().inte, 1u << beat_alarm);
   beam_.forget();  // an e-stop has closed it
+  programs_.forget();
   set_alarm(least_wait_us);
 }
 
@@ -159,7 +161,10 @@ void RealTime::set_alarm(std::uint32_t wait_us) {
 /// Sooner than the alarm is set to, if the token wants that.
 void RealTime::call_for_token() {
   std::uint64_t clock = 0;
-  if (!fire_.next_clock(clock)) return;
+  if (fire_.next_clock(clock)) call_at(clock);
+}
+
+void RealTime::call_at(std::uint64_t clock) {
   std::uint32_t wait_us = least_wait_us;
   if (clock > now_) {
     if (clock - now_ >= beat_period_us * clocks_per_us) return;
@@ -167,6 +172,20 @@ void RealTime::call_for_token() {
     wait_us += static_cast<std::uint32_t>(clock - now_) * 8389 >> 20;
   }
   if (static_cast<std::int32_t>(alarm_us_ - now_us_ - wait_us) > 0) set_alarm(wait_us);
+}
+
+/// When the next change of an output is due; false if its tick has no length yet.
+bool RealTime::next_change(const machine::Controller& core, std::uint64_t& clock) const {
+  std::uint32_t tick = 0;
+  return core.next_change(tick) && feed_.clock_of(widen(tick, feed_.end_tick()), clock);
+}
+
+void RealTime::play_changes(machine::Controller& core) {
+  std::uint32_t tick = 0;
+  for (std::uint64_t clock = 0; next_change(core, clock) && clock <= now_;) {
+    core.next_change(tick);
+    core.play_changes(tick);
+  }
 }
 
 bool RealTime::feed_spans(machine::Controller& core, std::uint32_t most) {
@@ -196,7 +215,7 @@ void RealTime::edge_interrupt(machine::Controller& core) {
   catch_answers();
   fire_.service(core, [this] { return now(); });
   tell_answers(core);
-  apply_beam(core);
+  apply_pins(core);
   call_for_token();
 }
 
@@ -216,9 +235,12 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   // Without a token in hand every second time is often enough to ask for one (250 us).
   ask_ = !ask_;
   if (!result && (ask_ || fire_.has_token())) fire_.handle_token(core, present);
-  apply_beam(core);
+  if (core.changes_wait()) play_changes(core);
+  apply_pins(core);
   set_alarm(enough ? beat_period_us : least_wait_us);
   if (!result) call_for_token();
+  if (!core.changes_wait()) return;
+  if (std::uint64_t clock = 0; next_change(core, clock)) call_at(clock);
 }
 
 std::uint32_t RealTime::fill(machine::Controller& core, std::uint32_t ticks) {
@@ -317,7 +339,7 @@ void RealTime::poll(machine::Controller& core) {
   inputs_.poll(sio().gpio_in, timer().timerawl, begins, changed);
   fire_.service(core, [this] { return now(); });
   fire_.configure(core.fire_timing());
-  apply_beam(core);
+  apply_pins(core);
   apply_outputs(core);
 }
 

@@ -26,6 +26,7 @@
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 #include "firmware/boards/rp2040/lattice/step_expander.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
+#include "firmware/boards/rp2040/program_pins.hpp"
 #include "firmware/boards/rp2040/registers/timer.hpp"
 #include "firmware/boards/rp2040/safety/estop.hpp"
 #include "firmware/boards/rp2040/safety/inputs.hpp"
@@ -54,6 +55,7 @@ class RealTime {
         lattice_(rings.lattice, rings.power, rings.ticks, rings.stamps),
         fire_(lattice_, feed_, stamps_),
         beam_(map),
+        programs_(map),
         estop_(fire_),
         inputs_(map) {}
   RealTime(const RealTime&) = delete;
@@ -96,14 +98,19 @@ class RealTime {
                                    std::size_t i);
   [[gnu::cold]] StepPosition steps_at_us(machine::Controller& core, std::uint32_t us);
   void apply_outputs(const machine::Controller& core);
-  [[gnu::noinline]] void apply_beam(const machine::Controller& core) {
-    beam_.apply(core.outputs(), [this] { return estop_.is_cut(); });
+  [[gnu::noinline]] void apply_pins(const machine::Controller& core) {
+    const auto is_cut = [this] { return estop_.is_cut(); };
+    beam_.apply(core.outputs(), is_cut);
+    if (programs_.any()) programs_.apply(core.switched_outputs(), is_cut);
   }
   std::uint32_t high_clocks(const machine::Controller& core) const;
   void catch_answers() { answered_ = static_cast<std::uint8_t>(answered_ | beam_.answered()); }
   void tell_answers(machine::Controller& core);
   void set_alarm(std::uint32_t wait_us);
   void call_for_token();
+  void call_at(std::uint64_t clock);
+  bool next_change(const machine::Controller& core, std::uint64_t& clock) const;
+  void play_changes(machine::Controller& core);
 
   TickRing& tick_ring_;
   boards::PinMap map_;
@@ -113,6 +120,7 @@ class RealTime {
   LatticeOutput lattice_;
   FireUnit fire_;
   BeamOutput beam_;
+  ProgramPins programs_;
   Estop estop_;
   Inputs inputs_;
   std::array<StepPosition, Inputs::most> places_{};  ///< where the machine was when each began

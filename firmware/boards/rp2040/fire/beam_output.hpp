@@ -52,7 +52,9 @@ class BeamOutput {
     for (unsigned gpio = first_shutter; gpio < first_shutter + channels; ++gpio)
       set_function(gpio, io_ctrl::Function::sio);
   }
-  /// One store (e-stop, priority 0). Where the map has no shutters nothing listens.
+  /// One store (e-stop, priority 0). Where the map has no shutters these pins are those of programs
+  /// and Z ENABLE, which are off then as well (program_pins.hpp), or the UART's, whom it does not
+  /// reach.
   [[gnu::always_inline]] static void close() { sio().gpio_out_clr = all_shutters; }
 
   /// `is_cut()`: an e-stop has closed everything and is not in order yet.

@@ -9,9 +9,9 @@
 //
 // All switches are contacts to ground with the pin's pull-up. A change to active counts when it has
 // been quiet for 50 us; back, when it has been quiet for 20 ms (contacts bounce for 1 to 10 ms), of
-// the probe at once as well, for a move may wait for that. It began with its first bounce, and
-// where the machine was then has to be asked for as soon as that is seen: some milliseconds later
-// nobody knows.
+// the probe and of AUX IN at once as well, for a move or a program may wait for that. It began with
+// its first bounce, and where the machine was then has to be asked for as soon as that is seen:
+// some milliseconds later nobody knows.
 #pragma once
 
 #include <array>
@@ -71,7 +71,7 @@ class DebouncedInput {
 /// All switches of a map.
 class Inputs {
  public:
-  static constexpr std::size_t most = 6;  ///< e-stop, door, probe, three limits
+  static constexpr std::size_t most = 7;  ///< e-stop, door, probe, three limits, that of programs
 
   [[gnu::cold]] explicit Inputs(boards::PinMap map) {
     using boards::Role;
@@ -79,6 +79,7 @@ class Inputs {
     add(map, Role::estop, Input::estop);
     add(map, Role::door, Input::door);
     add(map, Role::probe, Input::probe);
+    add(map, Role::aux_in, Input::aux);
     add(map, Role::limits, Input::limit_chain);
     add(map, Role::limit_x, Input::limit_x);
     add(map, Role::limit_y, Input::limit_y);
@@ -110,8 +111,7 @@ class Inputs {
       Switch& s = switches_[i];
       if (s.input.turning() && !s.told) begins(i, s.input.began_us());
       s.told = s.input.turning();
-      if (s.input.settle(now_us, s.meaning != machine::Input::probe))
-        changed(s.meaning, s.input.active(), i);
+      if (s.input.settle(now_us, !is_quick(s.meaning))) changed(s.meaning, s.input.active(), i);
     }
   }
   /// The e-stop's interrupt came: pressed, however short.
@@ -140,6 +140,10 @@ class Inputs {
     if (!gpio) return;
     switches_[count_++] = {*gpio, meaning, {}};
     pins_ |= 1u << *gpio;
+  }
+  /// A move or a program may wait for its release.
+  static constexpr bool is_quick(machine::Input input) {
+    return input == machine::Input::probe || input == machine::Input::aux;
   }
   void look(std::uint32_t now_us) {
     const std::uint32_t active = seen_ ^ low_pins_;

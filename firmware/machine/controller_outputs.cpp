@@ -1,0 +1,45 @@
+// Outputs and inputs of programs, drives at rest.
+#include "firmware/machine/controller.hpp"
+
+namespace lamplock::machine {
+
+using wire::MachineState;
+
+/// Everything that programs have switched, and what they wanted to. Beat and fill masked.
+void Controller::outputs_off() {
+  program_outputs_.all_off();
+  reader_.stop_coolant();
+  input_wait_.end();
+}
+
+/// Nothing is known that would move the machine. In a hold drives stay on: the program goes on from
+/// there.
+bool Controller::drives_may_rest() const {
+  return (state_ == MachineState::idle || state_ == MachineState::alarm) && motion_.at_rest() &&
+         program_.drained();
+}
+
+/// M66, the machine stands. True if the program goes on.
+bool Controller::work_input_wait() {
+  using State = InputWait::State;
+  const program::IoRequest& wanted = reader_.wait();
+  const auto active = [this](Input input) { return (inputs_ & set_of(input)) != 0; };
+  if (!input_wait_.begun()) {
+    const Masked masked(mask_);
+    input_wait_.begin(wanted.event, wanted.port, active(InputWait::inputs[wanted.port]),
+                      now_ + std::uint64_t{reader_.wait_us()} * clocks_per_us);
+  }
+  const State state = input_wait_.look(now_);
+  if (state == State::waits) return false;
+  const bool late = state == State::late;
+  TextLine text;
+  text.add("Input ").add(std::int64_t{wanted.port});
+  text.add(late ? " not met: " : " ").add(active(input_wait_.input()) ? "on" : "off");
+  say(text.view());
+  input_wait_.end();
+  reader_.end_wait(late);
+  if (late) pause();
+  return !late;
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,74 @@
+// Outputs and inputs: M62 to M68. Digital outputs have a P word, analogue ones an E word.
+#include "firmware/program/statement.hpp"
+
+namespace lamplock::program {
+namespace {
+
+/// Q of an analogue output is a percentage: 10^-7 % to 65535 = all.
+constexpr std::int64_t full_e7 = 100 * one_e7;
+constexpr std::uint32_t last_event = static_cast<std::uint32_t>(InputEvent::off);
+
+}  // namespace
+
+bool Statement::io() {
+  switch (block_.code(Group::io)) {
+    case 62:
+    case 63:
+    case 64:
+    case 65:
+      return digital_output();
+    case 66:
+      return wait_input();
+    default:
+      return analog_output();
+  }
+}
+
+/// Which one a P or E word says.
+bool Statement::port(char letter, std::uint8_t known) {
+  const std::uint16_t column = block_.column(Group::io);
+  if (known == 0) return fail(GcodeError::unsupported, column);
+  std::uint32_t number = 0;
+  if (!needed(letter, column) || !integer(letter, number)) return false;
+  if (number >= 8 || (known >> number & 1u) == 0) return fail_at(letter, GcodeError::out_of_range);
+  plan_.io.port = static_cast<std::uint8_t>(number);
+  return true;
+}
+
+bool Statement::digital_output() {
+  const std::uint16_t code = block_.code(Group::io);
+  plan_.io.level = code == 62 || code == 64 ? IoRequest::on : std::uint16_t{0};
+  plan_.io.at_once = code >= 64;
+  plan_.wait_us = 0;
+  plan_.add(Stage::output);
+  return port('P', options_.outputs);
+}
+
+bool Statement::analog_output() {
+  plan_.io.at_once = block_.code(Group::io) == 68;
+  plan_.wait_us = 0;
+  plan_.add(Stage::output);
+  if (!port('E', options_.outputs)) return false;
+  if (!needed('Q', block_.column(Group::io)) || !take('Q')) return false;
+  const std::int64_t part_e7 = scaled(block_.word('Q'), 1, 7);
+  if (part_e7 < 0) return fail_at('Q', GcodeError::negative_value);
+  if (part_e7 > full_e7) return fail_at('Q', GcodeError::out_of_range);
+  plan_.io.level = static_cast<std::uint16_t>((part_e7 * IoRequest::on + full_e7 / 2) / full_e7);
+  return true;
+}
+
+bool Statement::wait_input() {
+  const std::uint16_t column = block_.column(Group::io);
+  plan_.add(Stage::wait_input);
+  if (!port('P', options_.inputs)) return false;
+  std::uint32_t event = 0;
+  if (block_.has('L') && !integer('L', event)) return false;
+  if (event > last_event) return fail_at('L', GcodeError::out_of_range);
+  plan_.io.event = static_cast<InputEvent>(event);
+  plan_.wait_us = 0;
+  if (plan_.io.event == InputEvent::now) return !block_.has('Q') || take('Q');
+  if (!needed('Q', column) || !seconds('Q', plan_.wait_us)) return false;
+  return plan_.wait_us != 0 || fail_at('Q', GcodeError::not_positive);
+}
+
+}  // namespace lamplock::program

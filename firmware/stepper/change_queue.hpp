@@ -1,0 +1,79 @@
+// Changes of outputs that wait for a tick of the motion (M62, M63, M67).
+//
+// In:  changes in the order of the program (main loop); the line that begins with them carries a
+//      mark: up to which of them; segments of the line carry it on (Segment::changes).
+// Out: each change with the tick at which the lattice enters that line.
+// Who: push(), mark(), clear() main loop, clear() with beat and fill masked; grant() the fill
+//      interrupt, ahead of time, when the lattice enters a segment; front_due(), pop() the board's
+//      beat interrupt, which may come in the middle of a grant().
+//
+//   applied_ | granted: their tick is known | granted_ ... wait for their line ... | end_
+//
+// A mark names a place in this queue and no number of changes. So every segment of a line may carry
+// it, lines that are planned twice or never reached do no harm, and a mark from before clear() is
+// behind everything.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace lamplock::stepper {
+
+struct OutputChange {
+  std::uint32_t due_tick = 0;  ///< lower half of its number
+  std::uint16_t level = 0;     ///< 65535 = on
+  std::uint8_t port = 0;
+};
+
+class ChangeQueue {
+ public:
+  static constexpr std::uint32_t capacity = 16;
+
+  // Main loop.
+  bool full() const { return end_ - applied_ == capacity; }
+  bool empty() const { return applied_ == end_; }
+  /// There must be room.
+  void push(std::uint8_t port, std::uint16_t level) {
+    OutputChange& change = changes_[end_ % capacity];
+    change.port = port;
+    change.level = level;
+    end_ = end_ + 1;
+  }
+  /// For the line that begins behind what was pushed; 0 = nothing waits for one.
+  std::uint8_t mark() const {
+    return granted_ == end_ ? std::uint8_t{0} : static_cast<std::uint8_t>(is_mark | end_);
+  }
+  /// Drops them all.
+  void clear() {
+    granted_ = end_;
+    applied_ = end_;
+  }
+
+  // Fill interrupt.
+  /// What waits up to there is due at `tick`.
+  void grant(std::uint8_t mark, std::uint64_t tick) {
+    const std::uint32_t count = (mark - granted_) & places;
+    if (mark == 0 || count > end_ - granted_) return;
+    for (std::uint32_t i = 0; i < count; ++i)
+      changes_[(granted_ + i) % capacity].due_tick = static_cast<std::uint32_t>(tick);
+    granted_ = granted_ + count;
+  }
+
+  // Beat interrupt.
+  /// The tick of some change is known.
+  bool waits() const { return applied_ != granted_; }
+  /// The next one, if waits().
+  const OutputChange& front() const { return changes_[applied_ % capacity]; }
+  void pop() { applied_ = applied_ + 1; }
+
+ private:
+  static constexpr std::uint32_t is_mark = 0x80, places = is_mark - 1;
+  static_assert(2 * capacity <= places);
+
+  std::array<OutputChange, capacity> changes_{};
+  volatile std::uint32_t end_ = 0;      ///< written by the main loop
+  volatile std::uint32_t granted_ = 0;  ///< by fill
+  volatile std::uint32_t applied_ = 0;  ///< by beat
+};
+
+}  // namespace lamplock::stepper

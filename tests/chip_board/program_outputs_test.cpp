@@ -1,0 +1,178 @@
+// Outputs and inputs of programs on the chip: how near to the tick outputs change, what an e-stop
+// leaves of them, waits for an input, drives at rest.
+#include <fmt/format.h>
+
+#include "tests/chip_board/chip_rig.hpp"
+#include "tests/chip_board/program_sender.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using sim::Pin;
+using testing::HasSubstr;
+
+job::Profile outputs_profile() {
+  job::Profile profile = chip_profile(500);
+  profile.settings.set_milli(Id::lamp_mode, 0);
+  profile.settings.set_milli(Id::laser_mode, 1000);
+  profile.settings.set_milli(Id::pin_map, 2000);
+  return profile;
+}
+
+/// Edges of a wire; must outlive the bus's use.
+class WireLog final : public sim::PinListener {
+ public:
+  WireLog(ChipRig& rig, Pin pin) { rig.board.bus().listen(pin, *this); }
+  void pin_changed(Pin /*pin*/, bool level, Picoseconds at) override {
+    edges.push_back({level, at});
+  }
+  struct Edge {
+    bool level;
+    Picoseconds at;
+  };
+  std::vector<Edge> edges;
+};
+
+class ChipOutputs : public testing::Test {
+ protected:
+  ChipOutputs() : ChipOutputs(outputs_profile()) {}
+  explicit ChipOutputs(const job::Profile& profile)
+      : rig_(profile),
+        aux_(rig_, Pin::aux_out),
+        air_(rig_, Pin::air),
+        gate_(rig_, Pin::laser_gate) {}
+  void SetUp() override { rig_.boot(); }
+
+  bool level(Pin pin) { return rig_.board.bus().level(pin); }
+  void set(Pin pin, bool level) {
+    rig_.board.world().schedule(pin, level, rig_.now());
+    rig_.run(ps_per_us);
+  }
+  bool run_until(Pin pin, bool wanted, Picoseconds limit) {
+    const Picoseconds end = rig_.now() + limit;
+    while (level(pin) != wanted && rig_.now() < end) rig_.run(100 * ps_per_us);
+    return level(pin) == wanted;
+  }
+
+  ChipRig rig_;
+  WireLog aux_, air_, gate_;
+};
+
+/// LASER GATE opens and shuts with the very tick that a line begins with.
+TEST_F(ChipOutputs, ChangeWithin100MicrosecondsOfTheTick) {
+  ProgramSender sender(rig_.board);
+  std::string text = "G91 M3 S0 F3000\nG1 X1\n";
+  const int lines = scaled(60);
+  std::mt19937 random(2);
+  for (int i = 0; i < lines; ++i)
+    text +=
+        fmt::format("M6{} P0\nG1 X{:.2f} S{}\n", i % 2 == 0 ? 2 : 3,
+                    std::uniform_int_distribution<>(2, 60)(random) / 100.0, i % 2 == 0 ? 1000 : 0);
+  sender.give(text);
+  ASSERT_TRUE(sender.run_until_answered(rig_.now() + 20 * ps_per_s));
+  ASSERT_TRUE(sender.run_until_idle(rig_.now() + 20 * ps_per_s));
+  EXPECT_EQ(sender.errors(), 0u);
+  ASSERT_EQ(aux_.edges.size(), static_cast<std::size_t>(lines));
+  ASSERT_EQ(gate_.edges.size(), aux_.edges.size());
+  Picoseconds latest = 0, soonest = ps_per_s;
+  for (std::size_t i = 0; i < aux_.edges.size(); ++i) {
+    EXPECT_EQ(aux_.edges[i].level, gate_.edges[i].level);
+    const Picoseconds late = aux_.edges[i].at - gate_.edges[i].at;
+    latest = std::max(latest, late);
+    soonest = std::min(soonest, late);
+  }
+  std::cout << fmt::format("outputs change {:.1f} to {:.1f} us behind their tick\n",
+                           static_cast<double>(soonest) / ps_per_us,
+                           static_cast<double>(latest) / ps_per_us);
+  EXPECT_GE(soonest, -2 * ps_per_us);
+  EXPECT_LE(latest, 100 * ps_per_us);
+}
+
+TEST_F(ChipOutputs, AreOffWithTheEstop) {
+  EXPECT_THAT(rig_.answer("M8"), HasSubstr("ok"));
+  EXPECT_THAT(rig_.answer("M64 P0"), HasSubstr("ok"));
+  rig_.run(2 * ps_per_ms);
+  ASSERT_TRUE(level(Pin::air) && level(Pin::aux_out) && level(Pin::enable_z));
+  set(Pin::estop, true);
+  rig_.run(2 * ps_per_us);
+  EXPECT_FALSE(level(Pin::air));
+  EXPECT_FALSE(level(Pin::aux_out));
+  EXPECT_FALSE(level(Pin::enable_z));
+  rig_.run(10 * ps_per_ms);
+  EXPECT_FALSE(level(Pin::enable));
+  set(Pin::estop, false);
+  rig_.run(30 * ps_per_ms);
+  EXPECT_THAT(rig_.answer("$X"), HasSubstr("ok"));
+  rig_.run(10 * ps_per_ms);
+  EXPECT_FALSE(level(Pin::air) || level(Pin::aux_out));
+  EXPECT_TRUE(level(Pin::enable) && level(Pin::enable_z));
+}
+
+/// Mean level of an analogue output, and that an e-stop ends it.
+TEST_F(ChipOutputs, HaveTheirDutyAsPwm) {
+  EXPECT_THAT(rig_.answer("M68 E0 Q30"), HasSubstr("ok"));
+  rig_.run(2 * ps_per_ms);
+  const std::size_t from = aux_.edges.size();
+  rig_.run(10 * ps_per_ms);
+  Picoseconds high = 0, rose = 0, begin = 0, end = 0;
+  for (std::size_t i = from; i < aux_.edges.size(); ++i) {
+    const WireLog::Edge& edge = aux_.edges[i];
+    if (edge.level) {
+      if (begin == 0) begin = edge.at;
+      rose = end = edge.at;
+    } else if (begin != 0) {
+      high += edge.at - rose;
+    }
+  }
+  ASSERT_GT(end, begin);
+  EXPECT_NEAR(static_cast<double>(high) / static_cast<double>(end - begin), 0.3, 0.003);
+  set(Pin::estop, true);
+  rig_.run(5 * ps_per_ms);
+  const std::size_t edges = aux_.edges.size();
+  rig_.run(5 * ps_per_ms);
+  EXPECT_EQ(aux_.edges.size(), edges);
+  EXPECT_FALSE(level(Pin::aux_out));
+}
+
+TEST_F(ChipOutputs, WaitForTheInput) {
+  rig_.type("M8\nM66 P0 L3 Q0.5\nM9\n");
+  rig_.run(200 * ps_per_ms);
+  EXPECT_TRUE(level(Pin::air));
+  set(Pin::aux_in, false);
+  EXPECT_TRUE(run_until(Pin::air, false, 5 * ps_per_ms));
+  rig_.listen();
+  EXPECT_THAT(rig_.heard, HasSubstr("[MSG:Input 0 on]"));
+  set(Pin::aux_in, true);
+  rig_.type("M66 P0 L3 Q0.05\n");
+  rig_.run(100 * ps_per_ms);
+  rig_.listen();
+  EXPECT_THAT(rig_.heard, HasSubstr("[MSG:Input 0 not met: off]"));
+  EXPECT_THAT(rig_.status(), HasSubstr("<Hold"));
+}
+
+class ChipDrivesAtRest : public ChipOutputs {
+ protected:
+  ChipDrivesAtRest() : ChipOutputs(with_rest()) {}
+  static job::Profile with_rest() {
+    job::Profile profile = outputs_profile();
+    profile.settings.set_milli(Id::axes, 3000);
+    profile.settings.set_milli(Id::idle_delay, 50'000);
+    profile.settings.set_milli(Id::idle_release, 3000);
+    return profile;
+  }
+};
+
+TEST_F(ChipDrivesAtRest, AreReleasedAndTakeNoStepBeforeTheyHold) {
+  rig_.run(100 * ps_per_ms);
+  EXPECT_FALSE(level(Pin::enable));
+  EXPECT_TRUE(level(Pin::enable_z));
+  rig_.type("G0 X0.5\n");
+  ASSERT_TRUE(run_until(Pin::enable, true, 20 * ps_per_ms));
+  rig_.run(400 * ps_per_ms);
+  EXPECT_EQ(rig_.board.world().drives().position()[0], 100);
+  EXPECT_EQ(rig_.board.world().drives().total_faults(), 0u);
+  EXPECT_FALSE(level(Pin::enable));
+}
+
+}  // namespace
+}  // namespace lamplock::test
