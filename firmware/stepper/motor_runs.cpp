@@ -40,6 +40,7 @@ AxisRun motor_run(const AxisPair& pair, const AxisRun& u, const AxisRun& v, bool
 
 std::uint32_t ticks_one_way(const AxisRun& run, std::uint32_t n) {
   const bool back = run.backwards();
+  if (back == (run.accel_q62 < 0) || run.accel_q62 == 0) return n;
   const auto turned = [&run, back](std::uint32_t tick) {
     const std::int64_t rate = run.rate_q62 + short_product(run.accel_q62, tick);
     return back ? rate > 0 : rate < 0;

@@ -74,7 +74,7 @@ class StaircaseFollower {
                            path_.size() - 1);
     }
     for (std::size_t a = 0; a < 3; ++a)
-      if (places.back().steps[a] != std::lround(path_.back()[a]))
+      if (places.back().steps[a] != std::round(path_.back()[a]))
         return fmt::format("axis {} stands at {}, not at {}", a, places.back().steps[a],
                            path_.back()[a]);
     go_on(places.back().steps, places.back().steps);
@@ -84,7 +84,7 @@ class StaircaseFollower {
   }
 
  private:
-  using Steps = std::array<std::int32_t, 3>;
+  using Steps = std::array<double, 3>;
   struct Stretch {
     std::size_t piece;
     double from, to;
