@@ -159,6 +159,7 @@ void Controller::stop_after(GcodeError error) {
                        error != GcodeError::not_idle && error != GcodeError::door_open;
   if (!of_line || stopped_ || check_ || values_.whole(settings::Id::stop_at_error) == 0) return;
   stopped_ = true;
+  program_outputs_.drop_next();
   if (beat_locked()) runner_.close();
   say("Stopped at an error: '$X' or reset to go on");
 }

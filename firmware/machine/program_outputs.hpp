@@ -39,6 +39,8 @@ class ProgramOutputs {
     if (next_waits_) set_aux(next_aux_);
     next_waits_ = false;
   }
+  /// Lines that would have come are not taken.
+  void drop_next() { next_waits_ = false; }
   /// A line begins: false while there is no room for what it takes along.
   bool attach() {
     if (!next_waits_) return true;

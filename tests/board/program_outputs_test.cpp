@@ -7,6 +7,7 @@
 #include <functional>
 #include <random>
 
+#include "shared/boards/pico_pins.hpp"
 #include "tests/board/program_host.hpp"
 
 namespace lamplock::test {
@@ -463,6 +464,20 @@ TEST(DrivesAtRest, AreNeverReleasedByDefaultNorInAHold) {
     m.host.run_ms(2000);
     EXPECT_TRUE(m.is_high(Pin::enable));
   }
+}
+
+TEST(DrivesAtRest, HoldBeforeAJobOfPoints) {
+  job::Profile profile = lamp_profile(500);
+  profile.settings.set_milli(Id::idle_delay, 50'000);
+  const job::Job job = job::make_job(wild_points(20, 3), profile, {});
+  Rig rig(profile);
+  rig.run(500 * ps_per_ms);
+  EXPECT_FALSE(rig.board.bus().level(Pin::enable));
+  EXPECT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  expect_each_once(rig, job, false);
+  EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+  rig.run(500 * ps_per_ms);
+  EXPECT_FALSE(rig.board.bus().level(Pin::enable));
 }
 
 /// Whatever the machine is told, no step comes while its drive is released or has just come back.

@@ -1,11 +1,12 @@
 // A job of G-code with a laser, and at a random moment of it a hold, a door, a reset, a limit
 // switch or the e-stop: how the machine stops, when the light ends, whether it knows where it is,
-// and what becomes of the rest.
+// what its outputs are left as, and what becomes of the rest.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <random>
 
+#include "shared/boards/pico_pins.hpp"
 #include "tests/board/motion_judge.hpp"
 #include "tests/board/wire_host.hpp"
 
@@ -21,14 +22,27 @@ constexpr double reaction_ms = 40;
 
 enum class What { hold, door, reset, limit, estop };
 
-/// Lines and arcs at some 20 to 100 mm/s, light on most of them.
-std::string random_program(std::mt19937_64& random, StepPosition& end) {
+/// Where a program ends, and what it leaves switched on.
+struct ProgramEnd {
+  StepPosition place{};
+  bool aux = false, air = false;
+};
+
+/// Lines and arcs at some 20 to 100 mm/s, light on most of them, outputs switched on the way.
+std::string random_program(std::mt19937_64& random, ProgramEnd& end) {
   const auto pick = [&random](int from, int to) {
     return std::uniform_int_distribution<>(from, to)(random);
   };
   std::string text = fmt::format("G21 G90 M{} S1000\n", pick(3, 4));
   for (int i = 0; i < 8; ++i) {
     const int x = pick(-30, 30), y = pick(-30, 30);
+    if (pick(0, 2) == 0) {
+      end.aux = pick(0, 1) != 0;
+      text += fmt::format("M6{} P0\n", end.aux ? 2 : 3);
+    } else if (pick(0, 4) == 0) {
+      end.air = pick(0, 2) != 0;
+      text += end.air ? "M8\n" : "M9\n";
+    }
     if (pick(0, 5) == 0)
       text += fmt::format("G0 X{} Y{}\n", x, y);
     else if (pick(0, 4) == 0)
@@ -36,8 +50,8 @@ std::string random_program(std::mt19937_64& random, StepPosition& end) {
     else
       text += fmt::format("G1 X{} Y{} F{}\n", x, y, pick(12, 60) * 100);
   }
-  const int x = pick(-30, 30), y = pick(-30, 30);
-  end = {x * 200, y * 200, 0, 0};
+  const int x = pick(0, 1) * 80 - 40, y = pick(-30, 30);  // another place than before
+  end.place = {x * 200, y * 200, 0, 0};
   return text + fmt::format("G1 X{} Y{}\n", x, y);
 }
 
@@ -45,6 +59,7 @@ class Moment {
  public:
   Moment(std::uint64_t seed, What what) : random_(seed), what_(what) {
     profile_.settings.set_milli(Id::laser_mode, 1000);
+    profile_.settings.set_milli(Id::pin_map, static_cast<int>(boards::PinMap::cut_io) * 1000);
     rig_ = std::make_unique<Rig>(profile_);
     judge_ = std::make_unique<MotionJudge>(rig_->board, profile_.settings, true);
     host_ = std::make_unique<WireHost>(*rig_);
@@ -81,6 +96,12 @@ class Moment {
   bool dark_since(double ms) const {
     return !rig_->board.world().beam().shone(at_ + static_cast<sim::Picoseconds>(ms * 1e9), now());
   }
+  bool is_high(sim::Pin pin) const { return rig_->board.bus().level(pin); }
+  /// From 0.5 ms behind it on.
+  void expect_all_off() const {
+    EXPECT_FALSE(is_high(sim::Pin::aux_out));
+    EXPECT_FALSE(is_high(sim::Pin::air));
+  }
   /// Within the time that its speed wants, and it stays there; the board knows where.
   void expect_rest() {
     // 1 m/s at most, 2 m/s2.
@@ -94,8 +115,10 @@ class Moment {
 
   void stops_dead() {
     EXPECT_TRUE(dark_since(0.001));
+    expect_all_off();
     const StepPosition stood = loads();
     host_->run_ms(100);
+    expect_all_off();
     EXPECT_TRUE(dark_since(0.001));
     EXPECT_EQ(loads(), stood);
     EXPECT_EQ(host_->position(), stood);
@@ -106,7 +129,9 @@ class Moment {
   /// It says that the position is lost, as grbl does, if it moved.
   void comes_to_rest_and_forgets() {
     EXPECT_TRUE(dark_since(0.3));
+    expect_all_off();
     expect_rest();
+    expect_all_off();
     EXPECT_TRUE(dark_since(0.3));
     const bool lost = host_->heard("ALARM:3");
     EXPECT_TRUE(lost || loads() == was_at_);
@@ -118,6 +143,13 @@ class Moment {
       EXPECT_TRUE(dark_since(0.001));
     }
     expect_rest();
+    // What is fed and sucked stays; air does not blow behind an open door.
+    const bool aux = is_high(sim::Pin::aux_out);
+    host_->run_ms(100);
+    EXPECT_EQ(is_high(sim::Pin::aux_out), aux);
+    if (door && ran_) {
+      EXPECT_FALSE(is_high(sim::Pin::air));
+    }
     EXPECT_TRUE(dark_since(door ? 0.001 : reaction_ms + 500));
     if (ran_) {
       EXPECT_EQ(rig_->state(), door ? MachineState::door : MachineState::hold);
@@ -130,7 +162,9 @@ class Moment {
     ASSERT_TRUE(host_->wait_for(lines_, 30));
     ASSERT_TRUE(host_->stand(30));
     EXPECT_THAT(host_->answers(), Each("ok"));
-    EXPECT_EQ(loads(), end_);
+    EXPECT_EQ(loads(), end_.place);
+    EXPECT_EQ(is_high(sim::Pin::aux_out), end_.aux);
+    EXPECT_EQ(is_high(sim::Pin::air), end_.air);
     EXPECT_EQ(judge_->fault(), "");
   }
 
@@ -142,7 +176,7 @@ class Moment {
   std::unique_ptr<WireHost> host_;
   std::string program_;
   std::size_t lines_ = 0;
-  StepPosition end_{};
+  ProgramEnd end_;
   bool ran_ = false;  ///< when it came
   StepPosition was_at_{};
   sim::Picoseconds at_ = 0;
