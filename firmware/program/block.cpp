@@ -79,6 +79,7 @@ constexpr Code m_codes[] = {
     Code{6, Group::tool_change}, Code{7, Group::coolant},     Code{8, Group::coolant},
     Code{9, Group::coolant},     Code{30, Group::stopping},   Code{70, Group::saving},
     Code{71, Group::saving},     Code{72, Group::saving},     Code{73, Group::saving},
+    Code{126, Group::pulses},    Code{127, Group::pulses},    Code{128, Group::pulses},
     Code{130, Group::beat_lock}, Code{131, Group::beat_lock},
 };
 

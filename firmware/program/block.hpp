@@ -40,6 +40,7 @@ enum class Group : std::uint8_t {
   coolant,
   saving,  ///< M70 .. M73
   beat_lock,
+  pulses,  ///< M126 .. M128
   count
 };
 
