@@ -81,6 +81,8 @@ inline std::string text_of(const Action& action) {
       return "pause";
     case ActionKind::program_end:
       return "end";
+    case ActionKind::pixels:
+      return fmt::format("{} pixels", action.pixels);
     case ActionKind::beat_lock:
       return action.beat_lock == BeatLock::off    ? "beat off"
              : action.beat_lock == BeatLock::path ? "beat path"
