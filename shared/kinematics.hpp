@@ -136,13 +136,13 @@ constexpr std::uint16_t broken_kinematics(const settings::Values& values) {
   using settings::Id;
   const bool core = values.milli(Id::kinematics) != 0;
   const int axes = values.whole(Id::axes), ganged = values.whole(Id::ganged_axis) - 1;
-  if (core && axes < 2) return settings::range(Id::kinematics).number;
+  if (core && axes < 2) return settings::number(Id::kinematics);
   // Both motors turn for either axis: a step of one is a step of the other.
   if (core && values.milli(Id::steps_per_mm_x) != values.milli(Id::steps_per_mm_y))
-    return settings::range(Id::steps_per_mm_y).number;
+    return settings::number(Id::steps_per_mm_y);
   if (ganged < 0) return 0;
   const bool taken = axes == max_axes || ganged >= axes || (core && ganged < 2);
-  return taken ? settings::range(Id::ganged_axis).number : 0;
+  return taken ? settings::number(Id::ganged_axis) : 0;
 }
 
 }  // namespace lamplock

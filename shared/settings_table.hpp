@@ -329,17 +329,22 @@ constexpr const Row& row(Id id) { return table[static_cast<std::size_t>(id)]; }
 /// What the firmware keeps of a row: no texts.
 struct Range {
   std::int32_t min_milli, max_milli, default_milli;
-  std::uint16_t number;
   bool whole;
 };
 inline constexpr auto ranges = [] {
   std::array<Range, setting_count> all{};
   for (std::size_t i = 0; i < setting_count; ++i)
-    all[i] = {table[i].min_milli, table[i].max_milli, table[i].default_milli, table[i].number,
-              table[i].whole};
+    all[i] = {table[i].min_milli, table[i].max_milli, table[i].default_milli, table[i].whole};
   return all;
 }();
 constexpr const Range& range(Id id) { return ranges[static_cast<std::size_t>(id)]; }
+inline constexpr auto numbers = [] {
+  std::array<std::uint16_t, setting_count> all{};
+  for (std::size_t i = 0; i < setting_count; ++i) all[i] = table[i].number;
+  return all;
+}();
+/// What follows the "$".
+constexpr std::uint16_t number(Id id) { return numbers[static_cast<std::size_t>(id)]; }
 
 /// Row of the same setting for another axis, given the X row.
 constexpr Id for_axis(Id x_row, int axis) {
@@ -379,7 +384,7 @@ inline constexpr std::size_t job_setting_count = [] {
 /// Index of a setting number; Id::count if there is none.
 constexpr Id find_number(std::uint16_t number) {
   for (std::size_t i = 0; i < setting_count; ++i)
-    if (ranges[i].number == number) return static_cast<Id>(i);
+    if (numbers[i] == number) return static_cast<Id>(i);
   return Id::count;
 }
 
@@ -407,8 +412,12 @@ class Values {
     const Range& r = range(id);
     if (value < r.min_milli || value > r.max_milli) return false;
     if (r.whole && value % 1000 != 0) return false;
-    milli_[static_cast<std::size_t>(id)] = value;
+    put_milli(id, value);
     return true;
+  }
+  /// Sets a value that is known to be inside its range.
+  constexpr void put_milli(Id id, std::int32_t value) {
+    milli_[static_cast<std::size_t>(id)] = value;
   }
 
   /// FNV-1a (Fowler, Noll, Vo) over numbers and values of jobs: tells whether one was made for
@@ -418,7 +427,7 @@ class Values {
     for (std::size_t i = 0; i < setting_count; ++i) {
       if (!of_jobs(static_cast<Id>(i))) continue;
       const auto v = static_cast<std::uint32_t>(milli_[i]);
-      const std::uint32_t words[2] = {ranges[i].number, v};
+      const std::uint32_t words[2] = {numbers[i], v};
       for (std::uint32_t word : words)
         for (int shift = 0; shift < 32; shift += 8) h = (h ^ ((word >> shift) & 0xff)) * 16777619u;
     }

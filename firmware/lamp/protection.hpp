@@ -63,8 +63,8 @@ constexpr bool sensor_time_holds(const settings::Values& values) {
 /// Number of a setting that breaks a protection; 0 if there is none.
 constexpr std::uint16_t broken_protection(const settings::Values& values) {
   using settings::Id;
-  if (!lamp_power_holds(values)) return settings::range(Id::lamp_energy).number;
-  if (!sensor_time_holds(values)) return settings::range(Id::sensor_time).number;
+  if (!lamp_power_holds(values)) return settings::number(Id::lamp_energy);
+  if (!sensor_time_holds(values)) return settings::number(Id::sensor_time);
   return 0;
 }
 

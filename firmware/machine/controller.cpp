@@ -110,7 +110,7 @@ Result Controller::change_beat(std::uint32_t milli_hz) {
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
   if (!wire_job()) return Result::no_job;
   settings::Values values = values_;
-  refused_value_ = settings::range(Id::lamp_frequency).number;
+  refused_value_ = settings::number(Id::lamp_frequency);
   const std::int32_t most = settings::range(Id::lamp_frequency).max_milli;
   if (milli_hz > static_cast<std::uint32_t>(most)) return Result::bad_value;
   const auto milli = static_cast<std::int32_t>(milli_hz);

@@ -82,7 +82,7 @@ std::uint16_t broken_motors(const settings::Values& values, const motion::Limits
   if (!in_force.core_xy() && !Kinematics(values).core_xy()) return 0;
   const std::int64_t together_q62 = limits.axis[0].speed_q62 + limits.axis[1].speed_q62;
   const bool too_fast = together_q62 > one_q62 / 100 * most_together_percent;
-  return too_fast ? settings::range(Id::max_rate_y).number : 0;
+  return too_fast ? settings::number(Id::max_rate_y) : 0;
 }
 
 }  // namespace
@@ -97,14 +97,14 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
     if (!values.set_milli(id, item.value_milli)) return Result::bad_value;
   }
   for (int axis = 0; axis < max_axes; ++axis) {
-    refused_value_ = settings::range(settings::for_axis(Id::min_corner_x, axis)).number;
+    refused_value_ = settings::number(settings::for_axis(Id::min_corner_x, axis));
     if (!inside_work_space(values, stored_, axis)) return Result::bad_value;
   }
   refused_value_ = 0;
   if (header.settings_hash != 0 && header.settings_hash != values.hash())
     return Result::settings_mismatch;
   if (header.axes != values.whole(Id::axes) || header.axes > board_.axes) {
-    refused_value_ = settings::range(Id::axes).number;
+    refused_value_ = settings::number(Id::axes);
     return Result::bad_value;
   }
   std::uint16_t setting = 0;

@@ -16,7 +16,8 @@ constexpr std::uint32_t least_line_ticks = 195;
 }  // namespace
 
 Result LineWork::begin(const settings::Values& values, std::uint32_t beat_ticks,
-                       std::uint32_t tick_q16, const stepper::MotionState& at) {
+                       std::uint32_t tick_q16, const stepper::MotionState& at,
+                       const stepper::PowerTable& powers) {
   std::uint16_t setting = 0;
   const Result result = motion::make_limits(values, beat_ticks, tick_q16, limits_, setting);
   if (result != Result::ok) return result;
@@ -30,11 +31,13 @@ Result LineWork::begin(const settings::Values& values, std::uint32_t beat_ticks,
   line_limits_ = motion::make_line_limits(limits_, coarsest, deviation);
   line_limits_.per_pace =
       motion::LineReal::power(0) / motion::LineReal(least_line_ticks << motion::paced_lines_log2);
+  coarsest_milli_ = static_cast<std::uint32_t>(coarsest);
   inbox_.clear();
+  planner_.set_powers(&powers);
   planner_.start(at);
   start({});
   marked_ = false;
-  feed_percent_ = rapid_percent_ = 0;
+  feed_percent_ = rapid_percent_ = pulses_milli_ = 0;
   return Result::ok;
 }
 
@@ -49,6 +52,10 @@ void LineWork::obey() {
   if (orders_.rapid_percent != rapid_percent_) planner_.set_rapid_percent(orders_.rapid_percent);
   feed_percent_ = orders_.feed_percent;
   rapid_percent_ = orders_.rapid_percent;
+  // A length is in steps of the coarsest axis, too.
+  if (orders_.pulses_milli != pulses_milli_)
+    planner_.set_pulses(motion::LineReal(orders_.pulses_milli) / motion::LineReal(coarsest_milli_));
+  pulses_milli_ = orders_.pulses_milli;
   // The batch before may not have been begun at all.
   if (orders_.rejoin) planner_.return_to(marked_ ? mark_ : planner_.mark(), orders_.at);
   if (orders_.cancel) {

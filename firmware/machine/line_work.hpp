@@ -23,6 +23,7 @@ namespace lamplock::machine {
 /// What is wanted from the next batch on.
 struct LineOrders {
   std::uint32_t feed_percent = 100, rapid_percent = 100;
+  std::uint32_t pulses_milli = 0;  ///< a millimetre, of a laser's; for lines taken from now on
   bool held = false;
   bool cancel = false;  ///< come to rest, forget all lines
   bool rejoin = false;  ///< the batch before was not run: the machine has come to rest at `at`
@@ -39,8 +40,10 @@ class LineWork {
 
   // The main loop's; at home, but for the inbox.
   /// A program begins: forgets everything. `at`: where the machine stands. Errors as make_limits().
+  /// Powers of pixels lie in `powers`.
   [[gnu::cold]] Result begin(const settings::Values& values, std::uint32_t beat_ticks,
-                             std::uint32_t tick_q16, const stepper::MotionState& at);
+                             std::uint32_t tick_q16, const stepper::MotionState& at,
+                             const stepper::PowerTable& powers);
   LineInbox& inbox() { return inbox_; }
   const LineInbox& inbox() const { return inbox_; }
   /// A new batch, with these orders.
@@ -74,7 +77,8 @@ class LineWork {
   motion::LinePlanner::Mark mark_{};  ///< where the batch begins
   bool marked_ = false;               ///< there is one that was not accepted
   LineOrders orders_;
-  std::uint32_t feed_percent_ = 0, rapid_percent_ = 0;  ///< in force; 0 = not set yet
+  std::uint32_t feed_percent_ = 0, rapid_percent_ = 0;   ///< in force; 0 = not set yet
+  std::uint32_t pulses_milli_ = 0, coarsest_milli_ = 1;  ///< a millimetre: pulses, steps
   std::array<motion::LineSegment, most_segments> made_{};
   std::uint32_t count_ = 0;
 };

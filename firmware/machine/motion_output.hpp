@@ -38,7 +38,7 @@ class MotionOutput {
   [[gnu::cold]] void set_lags(const settings::Values& values);
   /// How far each axis and the laser are ahead of the lattice, in ticks as they are now; at rest
   /// only. Masked.
-  void set_leads(lamp::BeatClock& clock);
+  [[gnu::cold]] void set_leads(lamp::BeatClock& clock);
 
  private:
   stepper::SegmentQueue segments_;

@@ -28,7 +28,7 @@ class Planning {
   LineWork& lines() { return lines_; }
 
   /// What is planned from now on; at home only. What was there before is gone.
-  void use_windows() {
+  [[gnu::cold]] void use_windows() {
     if (of_lines_) new (&window_) WindowPlan;
     of_lines_ = false;
   }

@@ -98,6 +98,8 @@ std::int64_t place_of(std::int32_t step, const settings::Values& values, int axi
   if (values.whole(Id::laser_mode) != 0 && move.kind != program::ActionKind::probe) {
     line.laser = laser_of(move);
     line.power = power_of(move.speed_milli, values);
+    line.pixels = move.pixels != 0 && line.laser != motion::LinePower::off;
+    line.pulses = move.pulses && line.laser != motion::LinePower::off;
   }
   return line;
 }

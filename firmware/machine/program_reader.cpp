@@ -20,7 +20,9 @@ program::Options program_options(const settings::Values& values, bool beat_lock,
   options.arc_tolerance_e7 = values.milli(Id::arc_tolerance) * e7_per_milli;
   options.laser = values.whole(Id::laser_mode) != 0;
   options.beat_lock = beat_lock;
-  options.probe = true;
+  options.probe = options.rows = true;
+  options.pulses_milli = static_cast<std::uint32_t>(values.milli(Id::pulses_per_mm));
+  options.pulse_ns = static_cast<std::uint32_t>(values.milli(Id::pulse_length));
   options.outputs = ports.outputs;
   options.inputs = ports.inputs;
   return options;
@@ -64,7 +66,7 @@ program::Fault ProgramReader::begin_jog(std::string_view line, const settings::V
   if (pending_) return true;
   pending_ = interpreter_.next(action_);
   if (pending_ && action_.kind == ActionKind::probe) action_.beat_lock = BeatLock::off;
-  prepared_ = false;
+  prepared_ = listed_ = false;
   return pending_;
 }
 
@@ -101,6 +103,7 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
                                                     bool check) {
   if (action_.kind == ActionKind::move || action_.kind == ActionKind::probe)
     return move(values, space, check);
+  if (action_.kind == ActionKind::pixels) return pixels(values, check);
   if (check) {
     taken();
     return action_.kind == ActionKind::program_end ? Step::ended : Step::done;
@@ -131,6 +134,25 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
   }
 }
 
+/// Some of the pixels of the move that comes; none of M5.
+ProgramReader::Step ProgramReader::pixels(const settings::Values& values, bool check) {
+  if (check || action_.spindle == program::Spindle::off) return taken();
+  if (lock_ != BeatLock::off || !planned()) return rests() ? Step::changes : Step::waits;
+  return runner_.add_pixels(power_of(action_.speed_milli, values), action_.pixels) ? taken()
+                                                                                   : Step::waits;
+}
+
+/// The last of its pixels go in, or its pulses are those of the lines that come.
+bool ProgramReader::prepare_beam() {
+  if (target_.pulses)
+    return runner_.set_pulses(interpreter_.pulses_milli(), interpreter_.pulse_ns());
+  if (!target_.pixels || listed_) return true;
+  if (!runner_.add_pixels(target_.power, action_.pixels)) return false;
+  target_.power = runner_.end_pixels();
+  listed_ = true;
+  return true;
+}
+
 [[gnu::hot]] ProgramReader::Step ProgramReader::move(const settings::Values& values,
                                                      const StepLimits& space, bool check) {
   if (!prepared_) {
@@ -144,8 +166,7 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
   }
   if (check) return taken();
   const BeatLock lock = action_.beat_lock;
-  const bool planned = runner_.begun() && !runner_.broken_off();
-  if (!probing_ && (lock != lock_ || (lock == BeatLock::off && !planned)))
+  if (!probing_ && (lock != lock_ || (lock == BeatLock::off && !planned())))
     return rests() ? Step::changes : Step::waits;
   if (action_.kind == ActionKind::probe) return rests() ? Step::probes : Step::waits;
   if (!take_changes() || !take(values)) return Step::waits;
@@ -154,7 +175,8 @@ ProgramReader::Step ProgramReader::stand() { return rests() ? taken() : Step::wa
 }
 
 [[gnu::hot]] bool ProgramReader::take(const settings::Values& values) {
-  if (lock_ == BeatLock::off) return runner_.take(target_);
+  if (lock_ == BeatLock::off)
+    return (!(target_.pixels || target_.pulses) || prepare_beam()) && runner_.take(target_);
   if (points_.queue().free() == 0) return false;
   return points_.take(point_target(action_, {from_, target_.steps}, channel_, values));
 }
@@ -202,6 +224,7 @@ ProgramReader::Step ProgramReader::dwell(std::uint64_t clock) {
 bool ProgramReader::drop_line() {
   const bool was_open = open_;
   open_ = pending_ = paused_ = dwells_ = probing_ = false;
+  runner_.drop_pixels();
   interpreter_.set_position(interpreter_.machine_e7());
   return was_open;
 }

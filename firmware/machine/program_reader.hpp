@@ -149,6 +149,9 @@ class ProgramReader {
   Step act(const settings::Values& values, const StepLimits& space, std::uint64_t clock,
            bool check);
   Step move(const settings::Values& values, const StepLimits& space, bool check);
+  Step pixels(const settings::Values& values, bool check);
+  bool prepare_beam();
+  bool planned() const { return runner_.begun() && !runner_.broken_off(); }
   bool take(const settings::Values& values);
   Step dwell(std::uint64_t clock);
   bool rests();
@@ -179,6 +182,7 @@ class ProgramReader {
   bool jogs_ = false;          ///< which is a jog
   bool pending_ = false;       ///< action_ was not taken yet
   bool prepared_ = false;      ///< target_ is that of action_
+  bool listed_ = false;        ///< its pixels are complete
   bool paused_ = false;
   bool probing_ = false;  ///< the move of action_ is under way
   bool astray_ = true;

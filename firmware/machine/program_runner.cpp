@@ -32,7 +32,8 @@ Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q
   generator_.settle();
   stepper::MotionState at = generator_.state();
   at.tick = 0;
-  const Result result = planning_.lines().begin(values, clock_.beat_ticks(), tick_q16, at);
+  const Result result =
+      planning_.lines().begin(values, clock_.beat_ticks(), tick_q16, at, generator_.beam().table());
   if (result != Result::ok) return result;
   brake_limits_ = planning_.lines().limits();
   tick_q16_ = tick_q16;
@@ -68,6 +69,27 @@ void ProgramRunner::set_overrides(std::uint32_t feed_percent, std::uint32_t rapi
   orders_.feed_percent = feed_percent;
   orders_.rapid_percent = rapid_percent;
   power_percent_ = power_percent;
+  generator_.beam().set_percent(power_percent);
+}
+
+bool ProgramRunner::add_pixels(std::uint16_t power, std::uint32_t count) {
+  stepper::PowerTable& table = generator_.beam().table();
+  if (table.add(power, count)) return true;
+  // What was not run will not be.
+  if (!idle()) return false;
+  table.forget();
+  return table.add(power, count);
+}
+
+bool ProgramRunner::set_pulses(std::uint32_t milli_per_mm, std::uint32_t length_ns) {
+  if (milli_per_mm == orders_.pulses_milli && length_ns == pulse_ns_) return true;
+  if (!idle() || held()) return false;
+  orders_.pulses_milli = milli_per_mm;
+  pulse_ns_ = length_ns;
+  const std::uint32_t us = length_ns / 1000;
+  generator_.beam().set_pulse(
+      clock_.ticks_in(us * clocks_per_us + length_ns % 1000 * clocks_per_us / 1000));
+  return true;
 }
 
 void ProgramRunner::cancel() {
@@ -201,10 +223,15 @@ void ProgramRunner::write(std::uint32_t i, stepper::Segment& segment) const {
   segment.start_tick += offset_ticks_;
   segment.end.tick += offset_ticks_;
   segment.ends_point = false;  // of a job
+  if (segment.shines && segment.beam_kind != stepper::BeamKind::pulses) return;
   const auto power = [this](std::uint32_t planned) {
     const std::uint32_t wanted = planned * power_percent_ / 100;
     return static_cast<std::uint16_t>(wanted < motion::full_power ? wanted : motion::full_power);
   };
+  if (segment.shines) {
+    segment.beam.power = power(segment.beam.power);
+    return;
+  }
   stepper::set_power(segment,
                      {power(made.power_start), power(made.power_cruise), power(made.power_end)});
 }

@@ -56,6 +56,17 @@ class ProgramRunner {
   /// Takes a line; false if there is no room now. Between begin() and end().
   bool take(const motion::LineTarget& line);
 
+  /// So many pixels more with this power, full_power = all, of the next line that has them; false
+  /// if there is no room now.
+  [[gnu::cold]] bool add_pixels(std::uint16_t power, std::uint32_t count);
+  /// That line is about to be taken: where its powers are.
+  std::uint16_t end_pixels() { return generator_.beam().table().end_list(); }
+  /// It will not come.
+  void drop_pixels() { generator_.beam().table().drop_list(); }
+  /// What lines with pulses have: so many thousandths of one a millimetre, each so long. False
+  /// while that has to wait: lines that were taken have others.
+  [[gnu::cold]] bool set_pulses(std::uint32_t milli_per_mm, std::uint32_t length_ns);
+
   /// 10 to 200, 1 to 100, 10 to 200.
   void set_overrides(std::uint32_t feed_percent, std::uint32_t rapid_percent,
                      std::uint32_t power_percent);
@@ -136,6 +147,7 @@ class ProgramRunner {
   std::uint64_t end_tick_ = 0;      ///< where what is handed out ends, without the brake
   stepper::MotionState rest_;       ///< where the brake ends
   std::uint32_t power_percent_ = 100;
+  std::uint32_t pulse_ns_ = 0;
   std::uint32_t pace_percent_ = 100;  ///< of the overrides, so that planning keeps ahead
   LineOrders orders_, given_;         ///< wanted; those of the last batch
   std::uint32_t lines_ = 0;           ///< known to the planner after the last batch

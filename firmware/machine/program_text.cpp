@@ -59,6 +59,7 @@ void add_switches(TextLine& line, const Modal& modal) {
   if (modal.flood) line.add(" M8"sv);
   if (!modal.mist && !modal.flood) line.add(" M9"sv);
   if (modal.beat_lock != program::BeatLock::off) line.add(" M130"sv);
+  if (modal.pulses.on == program::Pulses::Switch::on) line.add(" M126"sv);
 }
 
 void add_feed(TextLine& line, const Modal& modal, bool inches) {

@@ -76,7 +76,7 @@ SettingLine read_setting(std::string_view line) {
 
 void write_setting(TextLine& line, settings::Id id, const settings::Values& values) {
   const settings::Range& row = settings::range(id);
-  line.add("$").add(std::int64_t{row.number}).add("=");
+  line.add("$").add(std::int64_t{settings::number(id)}).add("=");
   if (row.whole)
     line.add(std::int64_t{values.whole(id)});
   else

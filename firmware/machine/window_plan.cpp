@@ -19,22 +19,24 @@ settings::Values at_job_speed(const settings::Values& job, const settings::Value
                               std::uint32_t percent) {
   settings::Values values = job;
   if (percent == full_job_speed) return values;
-  const auto scale = [&](settings::Id id, std::int32_t milli) {
-    const std::int32_t least = settings::range(id).min_milli, most = own.milli(id);
-    values.set_milli(id, milli < least ? least : milli < most ? milli : most);
+  const auto scale = [&](settings::Id id, std::int32_t milli, std::int32_t least) {
+    const std::int32_t most = own.milli(id);
+    values.put_milli(id, milli < least ? least : milli < most ? milli : most);
   };
+  constexpr std::int32_t least_rate = settings::range(settings::Id::max_rate_x).min_milli;
+  constexpr std::int32_t least_accel = settings::range(settings::Id::acceleration_x).min_milli;
   for (int axis = 0; axis < max_axes; ++axis) {
     const settings::Id rate = settings::for_axis(settings::Id::max_rate_x, axis);
     const settings::Id accel = settings::for_axis(settings::Id::acceleration_x, axis);
-    scale(rate, scaled(job.milli(rate), percent));
-    scale(accel, scaled(scaled(job.milli(accel), percent), percent));
+    scale(rate, scaled(job.milli(rate), percent), least_rate);
+    scale(accel, scaled(scaled(job.milli(accel), percent), percent), least_accel);
     const settings::Id jerk = settings::for_axis(settings::Id::jerk_x, axis);
     if (job.milli(jerk) == 0) continue;  // not limited
     std::int32_t third = job.milli(jerk);
     for (int power = 0; power < 3; ++power) third = scaled(third, percent);
     const std::int32_t most = own.milli(jerk);
     if (most != 0 && third > most) third = most;
-    values.set_milli(jerk, third < 1 ? 1 : third);
+    values.put_milli(jerk, third < 1 ? 1 : third);
   }
   return values;
 }

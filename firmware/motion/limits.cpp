@@ -255,7 +255,7 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
   out.axes = values.whole(Id::axes);
   out.beat_ticks = beat;
   if (beat < min_beat_ticks) {
-    setting = settings::range(Id::lamp_frequency).number;
+    setting = settings::number(Id::lamp_frequency);
     return Result::bad_value;
   }
   // A shot that is not over when the next flash comes would hide its edge, and its arm window would
@@ -263,7 +263,7 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
   const std::int64_t shot_ns =
       std::int64_t{values.milli(Id::q_switch_delay)} + values.milli(Id::q_switch_width);
   if (shot_ns >= std::int64_t{beat} * tick_ns) {
-    setting = settings::range(Id::q_switch_width).number;
+    setting = settings::number(Id::q_switch_width);
     return Result::bad_value;
   }
   const StepLimits space = work_space(values);
@@ -273,7 +273,7 @@ Result make_limits(const settings::Values& values, std::uint32_t beat, std::uint
     axis.max_steps = space.max[static_cast<std::size_t>(a)];
     axis.weight_q31 = weight_q31(values, out.axes, a);
     if (const Id bad = make_axis(axis, values, a, beat, tick_q16); bad != Id::count) {
-      setting = settings::range(settings::for_axis(bad, a)).number;
+      setting = settings::number(settings::for_axis(bad, a));
       return Result::bad_value;
     }
   }

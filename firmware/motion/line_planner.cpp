@@ -59,6 +59,7 @@ void LinePlanner::forget() {
   last_ = {};
   recent_ = {};
   end_ = place_of(at_);
+  beam_.forget();
   reset_chords();
 }
 
@@ -97,6 +98,8 @@ bool LinePlanner::push(const LineTarget& target) {
   line.power = target.power;
   line.laser = target.rapid ? LinePower::off : target.laser;
   line.rapid = target.rapid;
+  line.pixels = target.pixels && line.laser != LinePower::off;
+  line.pulses = target.pulses && line.laser != LinePower::off;
   line.timed = target.timed && target.time_us != 0;
   LineReal feed = LineReal(target.feed_um_min) * limits_.um_min;
   if (line.timed)
@@ -155,6 +158,7 @@ void LinePlanner::begin_line() {
   way_.per_length = is_zero(length_) ? LineReal() : LineReal::power(-way_.way.bits) / length_;
   // What feed and length say, for the time itself is not kept.
   time_left_ = line.timed ? length_ / line.feed.real() : LineReal();
+  beam_.begin(line, length_, way_, longest_);
   begun_ = whole_ = true;
 }
 
@@ -183,7 +187,8 @@ bool LinePlanner::next(LineSegment& out) {
   if (settles_ && !held_ && settle(out)) return true;
   if (ring_.empty() || (held_ && at_rest())) return end_cancel(out);
   if (!begun_) begin_line();
-  const LineRun run = make_run(task());
+  const LineTask todo = task();
+  const LineRun run = make_run(todo);
   const Line& line = ring_.at(ring_.begin());
   make_segment(at_, way_, run, axes_, !limits_.rise.none(), out.segment);
   out.segment.ends_point = run.whole;
@@ -196,6 +201,7 @@ bool LinePlanner::next(LineSegment& out) {
   out.power_start = power(line, run.start);
   out.power_cruise = power(line, run.cruise);
   out.power_end = power(line, run.end);
+  beam_.write(line, todo.length, out.segment);
   at_ = out.segment.end;
   advance(run);
   return true;
@@ -207,6 +213,7 @@ void LinePlanner::advance(const LineRun& run) {
   if (!is_zero(time_left_))
     time_left_ = difference(time_left_, LineReal(run.ticks()) * factor_.feed);
   if (!run.whole) return;
+  beam_.end(ring_.at(ring_.begin()));
   ring_.pop();
   begun_ = false;
 }
@@ -232,7 +239,10 @@ bool LinePlanner::settle(LineSegment& out) {
   return true;
 }
 
-LinePlanner::Mark LinePlanner::mark() const { return {ring_.begin(), forgets_}; }
+LinePlanner::Mark LinePlanner::mark() const {
+  const LineReal length = ring_.empty() ? LineReal() : ring_.at(ring_.begin()).length();
+  return {ring_.begin(), forgets_, length, beam_.place()};
+}
 
 void LinePlanner::return_to(const Mark& mark, const stepper::MotionState& at_rest) {
   at_ = at_rest;
@@ -240,7 +250,10 @@ void LinePlanner::return_to(const Mark& mark, const stepper::MotionState& at_res
   begun_ = false;
   settles_ = true;
   // A cancel that was through by then stays so.
-  if (mark.forgets == forgets_) ring_.return_to(mark.begin);
+  if (mark.forgets == forgets_) {
+    ring_.return_to(mark.begin);
+    if (!ring_.empty()) beam_.return_to(mark.beam, ring_.at(ring_.begin()), mark.length);
+  }
   lookahead_.reset();
   measure_again();
 }
@@ -294,7 +307,7 @@ std::uint32_t LinePlanner::settling_ticks() const {
 }
 
 std::uint16_t LinePlanner::power(const Line& line, LineReal speed) const {
-  if (line.laser == LinePower::off) return 0;
+  if (line.laser == LinePower::off || line.pixels || line.pulses) return 0;
   if (line.laser == LinePower::constant) return line.power;
   const LineReal power = speed * LineReal(line.power) / line.feed.real();
   return static_cast<std::uint16_t>(whole_down(power + LineReal(1u, -1), full_power));

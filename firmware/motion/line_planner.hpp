@@ -39,6 +39,7 @@
 
 #include <cstdint>
 
+#include "firmware/motion/line_beam.hpp"
 #include "firmware/motion/line_chords.hpp"
 #include "firmware/motion/line_lookahead.hpp"
 #include "firmware/motion/line_ring.hpp"
@@ -48,8 +49,8 @@
 
 namespace lamplock::motion {
 
-/// A segment and what the laser does meanwhile. Power changes evenly over lead and tail; 65535 is
-/// all.
+/// A segment and what the laser does meanwhile. Power changes evenly over lead and tail, 65535 is
+/// all; or else the segment shines by itself, in cells.
 struct LineSegment {
   stepper::Segment segment;
   std::uint16_t power_start = 0;
@@ -82,6 +83,8 @@ class LinePlanner {
   struct Mark {
     std::uint32_t begin = 0;    ///< of the ring
     std::uint32_t forgets = 0;  ///< how often all was forgotten before
+    LineReal length;            ///< of the first line
+    LineBeam::Place beam;
   };
   Mark mark() const;
   /// The machine stands at `at_rest`, anywhere, and what next() made since the mark was not run.
@@ -95,6 +98,10 @@ class LinePlanner {
   void set_feed_percent(std::uint32_t percent);
   /// 1 to 100.
   void set_rapid_percent(std::uint32_t percent);
+  /// Pulses of lines that have them; for lines that have not begun.
+  void set_pulses(LineReal per_length) { beam_.set_pulses(per_length); }
+  /// Where lists of powers are; before any line has one.
+  void set_powers(const stepper::PowerTable* powers) { beam_.set_powers(powers); }
   /// Comes to rest on the path and stays there until resume().
   void hold() { held_ = true; }
   void resume() { held_ = cancelled_; }
@@ -150,6 +157,7 @@ class LinePlanner {
   bool whole_ = false;  ///< nothing of it is done
   LineWay way_;
   LineReal length_;
+  LineBeam beam_;
   int longest_ = 0;
   LineReal time_left_;  ///< ticks at 100 %, if it is timed
 };

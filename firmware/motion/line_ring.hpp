@@ -32,9 +32,11 @@ struct LineTarget : LinePlace {
   std::uint32_t feed_um_min = 0;  ///< speed along it; not of rapids, not if timed
   std::uint32_t time_us = 0;      ///< time for it, if timed
   std::uint32_t line = 0;         ///< carried along
-  std::uint16_t power = 0;        ///< of the laser, 0..full_power
+  std::uint16_t power = 0;        ///< of the laser, 0..full_power; of pixels: their list
   LinePower laser = LinePower::off;
-  bool rapid = false;  ///< at the machine's speed, laser off
+  bool pixels = false;  ///< equal cells with a power each (stepper/power_table.hpp)
+  bool pulses = false;  ///< the laser shines in pulses, so many a length
+  bool rapid = false;   ///< at the machine's speed, laser off
   bool timed = false;
   bool exact_stop = false;   ///< a stop at its end
   std::uint8_t changes = 0;  ///< of outputs, with its begin (stepper/change_queue.hpp)
@@ -54,6 +56,7 @@ struct Line : LinePlace {
   std::int8_t length_exponent = 0;
   LinePower laser : 2 = LinePower::off;
   bool rapid : 1 = false, timed : 1 = false;
+  bool pixels : 1 = false, pulses : 1 = false;
 
   void set_place(const LinePlace& place) { static_cast<LinePlace&>(*this) = place; }
   LineReal length() const {

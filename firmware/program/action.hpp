@@ -13,6 +13,7 @@ namespace lamplock::program {
 
 enum class ActionKind : std::uint8_t {
   move,         ///< straight to `target_e7`
+  pixels,       ///< of the move that comes next: `pixels` have the power `speed_milli`
   dwell,        ///< stand for `time_us`
   spindle,      ///< spindle or laser as `spindle` says, not during a move
   coolant,      ///< as `flood`, `mist` say
@@ -57,7 +58,9 @@ struct Action {
   /// Of a probe: it ends when contact is lost; it is an error if it ends by itself.
   bool probe_away = false, probe_must = false;
   bool flood = false, mist = false;
-  Spindle spindle = Spindle::off;      ///< in force for this move
+  bool pulses = false;             ///< the laser shines in pulses (M126)
+  std::uint16_t pixels = 0;        ///< of a move: its last ones, with this power; 0 = it has none
+  Spindle spindle = Spindle::off;  ///< in force for this move
   BeatLock beat_lock = BeatLock::off;  ///< in force for this move
   std::uint32_t line = 0;              ///< N word of its line, 0 = none
   std::uint32_t feed_um_min = 0;  ///< speed along the path, um/min; not in rapids, not if timed

@@ -81,7 +81,8 @@ constexpr Code m_codes[] = {
     Code{63, Group::io},         Code{64, Group::io},         Code{65, Group::io},
     Code{66, Group::io},         Code{67, Group::io},         Code{68, Group::io},
     Code{70, Group::saving},     Code{71, Group::saving},     Code{72, Group::saving},
-    Code{73, Group::saving},     Code{130, Group::beat_lock}, Code{131, Group::beat_lock},
+    Code{73, Group::saving},     Code{126, Group::pulses},    Code{127, Group::pulses},
+    Code{128, Group::pulses},    Code{130, Group::beat_lock}, Code{131, Group::beat_lock},
 };
 
 constexpr std::uint32_t largest_code = 999;

@@ -40,7 +40,8 @@ enum class Group : std::uint8_t {
   coolant,
   saving,  ///< M70 .. M73
   beat_lock,
-  io,  ///< M62 .. M68
+  io,      ///< M62 .. M68
+  pulses,  ///< M126 .. M128
   count
 };
 

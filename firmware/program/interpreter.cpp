@@ -102,6 +102,7 @@ void Interpreter::begin_curve(const Statement& statement) {
     action.time_us = plan_.time_us;
   }
   if (plan_.jog) return;
+  action.pulses = pulses();
   action.exact_stop = plan_.exact_stop || state_->modal.path == PathMode::stop;
   action.blend_um = state_->modal.blend_um;
 }
@@ -164,11 +165,17 @@ bool Interpreter::give_dwell(Action& action) {
   action.speed_milli = run.speed_milli;
   action.programmed_end = pieces_ >= plan_.pieces || run.pieces == 0;
   action.target_e7 = state_->machine_e7;
+  const bool row = one_row() && run.pieces != plan_.pieces;
+  if (row) action.pixels = static_cast<std::uint16_t>(run.pieces);
   if (action.programmed_end) {
     done(Stage::move);
     return true;
   }
   action.exact_stop = false;
+  if (row) {
+    action.kind = ActionKind::pixels;
+    return true;
+  }
   for (std::size_t i = 0; i < action.target_e7.size(); ++i) {
     const std::int64_t from = next_->machine_e7[i], way = action.target_e7[i] - from;
     action.target_e7[i] = from + way * std::int64_t{pieces_} / std::int64_t{plan_.pieces};
@@ -249,6 +256,7 @@ void Interpreter::end_program() {
   modal.spindle = Spindle::off;
   modal.flood = modal.mist = false;
   modal.beat_lock = BeatLock::off;
+  modal.pulses = {};
   if (saved_.valid && saved_.restore_at_end) restore_saved();
   state_->programmed_e7 = modal.rotation.turned_back(state_->machine_e7);
   state_->cycle = {};
@@ -264,7 +272,21 @@ void Interpreter::restore_saved() {
   modal.spindle = Spindle::off;
   modal.flood = modal.mist = false;
   modal.beat_lock = BeatLock::off;
+  modal.pulses = {};
   saved_ = {};
+}
+
+/// The settings alone switch them on if they have some; said to be on, they are as said.
+std::uint32_t Interpreter::pulses_milli() const {
+  const Pulses& pulses = state_->modal.pulses;
+  if (!options_.laser || pulses.on == Pulses::Switch::off) return 0;
+  if (pulses.on == Pulses::Switch::as_set && options_.pulses_milli == 0) return 0;
+  return pulses.milli_per_mm == Pulses::as_set ? options_.pulses_milli : pulses.milli_per_mm;
+}
+
+std::uint32_t Interpreter::pulse_ns() const {
+  const Pulses& pulses = state_->modal.pulses;
+  return pulses.length_ns == Pulses::as_set ? options_.pulse_ns : pulses.length_ns;
 }
 
 void Interpreter::reset() {

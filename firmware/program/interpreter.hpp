@@ -19,6 +19,7 @@
 //   * M70 to M73 take place before everything else in their line; there is one saved state. It does
 //     not hold the motion mode and the tool. There being no subroutines, M73 restores at the end
 //     of the program: not spindle, coolant and beat lock, which stay off.
+//   * M126 to M128 hold until the end of the program or a reset; then the settings do.
 //   * M1 pauses like M0. M2 and M30 are the same.
 //   * G92 and G43.1 are out of force after a reset; G92.3 brings the stored shift back.
 //   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last one
@@ -81,6 +82,9 @@ class Interpreter {
   void stand_at(const Place& machine_e7);
 
   const Modal& modal() const { return state_->modal; }
+  /// What is in force of the pulses, by the program or the settings; 0 a millimetre: none.
+  std::uint32_t pulses_milli() const;
+  std::uint32_t pulse_ns() const;
   const State& state() const { return *state_; }
   const Saved& saved() const { return saved_; }
   /// The end of the program so far, in machine coordinates.
@@ -102,6 +106,14 @@ class Interpreter {
   bool give_dwell(Action& action);
   bool give_move(Stage stage, Action& action);
   bool give_piece(Action& action);
+  bool one_row() const { return options_.rows && !pulses(); }
+  /// Quick where there are none.
+  bool pulses() const {
+    const Pulses::Switch on = state_->modal.pulses.on;
+    if (on == Pulses::Switch::as_set ? options_.pulses_milli == 0 : on == Pulses::Switch::off)
+      return false;
+    return pulses_milli() != 0;
+  }
   bool give_curve(Action& action);
   bool give_cycle(Action& action);
   bool give_stop(Action& action);

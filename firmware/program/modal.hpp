@@ -46,6 +46,16 @@ enum class PathMode : std::uint16_t { exact = 610, stop = 611, blend = 640 };
 /// Coordinate systems G54 .. G59, G59.1 .. G59.3.
 inline constexpr int coordinate_systems = 9;
 
+/// Pulses of a continuous laser: M126, M127, M128. What was not said is as the settings have it.
+struct Pulses {
+  static constexpr std::uint32_t as_set = 0xffffffff;
+  enum class Switch : std::uint8_t { as_set, off, on };
+  Switch on = Switch::as_set;
+  std::uint32_t milli_per_mm = as_set;  ///< thousandths of a pulse a millimetre
+  std::uint32_t length_ns = as_set;
+  friend bool operator==(const Pulses&, const Pulses&) = default;
+};
+
 /// The modal state. What it says by default is what it is after power-up and reset.
 struct Modal {
   Motion motion = Motion::rapid;
@@ -67,6 +77,7 @@ struct Modal {
   std::uint32_t feed = 0;         ///< um/min; in G95 nm per turn; not used in G93
   std::uint32_t speed_milli = 0;  ///< S, thousandths
   std::uint32_t tool = 0;         ///< T
+  Pulses pulses;                  ///< M126 to M128
   Rotation rotation;              ///< G68
   friend bool operator==(const Modal&, const Modal&) = default;
 };

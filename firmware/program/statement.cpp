@@ -34,7 +34,8 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
 [[gnu::hot]] bool Statement::before_motion() {
   return saved_state() && codes() && line_number() && feed() && speed() && tool() &&
          (block_.has(Group::io) ? io() : no_io()) && spindle() && tool_change() && coolant() &&
-         beat_lock() && dwell() && path() && tool_length() && system() && rotation();
+         beat_lock() && (!block_.has(Group::pulses) || pulses()) && dwell() && path() &&
+         tool_length() && system() && rotation();
 }
 
 // --- values -----------------------------------------------------------------------------------
@@ -263,6 +264,40 @@ bool Statement::move_is_asked() const {
   if (free > 1) return fail_at('P', GcodeError::out_of_range);
   after_.modal.beat_lock = free == 1 ? BeatLock::free : BeatLock::path;
   return true;
+}
+
+/// M126 to M128.
+bool Statement::pulses() {
+  if (!needed('P', block_.column(Group::pulses))) return false;
+  const std::uint16_t code = block_.code(Group::pulses);
+  return code == 126 ? pulses_on() : code == 127 ? pulse_rate() : pulse_length();
+}
+
+bool Statement::pulses_on() {
+  std::uint32_t on = 0;
+  if (!integer('P', on)) return false;
+  if (on > 1) return fail_at('P', GcodeError::out_of_range);
+  after_.modal.pulses.on = on == 1 ? Pulses::Switch::on : Pulses::Switch::off;
+  return true;
+}
+
+/// Pulses a millimetre, or an inch.
+bool Statement::pulse_rate() {
+  const std::int64_t milli = scaled(block_.word('P'), 1, 3);
+  constexpr std::int64_t tenths_mm_per_inch = 254;
+  const std::int64_t per_mm =
+      after_.modal.inches ? (milli * 10 + tenths_mm_per_inch / 2) / tenths_mm_per_inch : milli;
+  std::uint32_t& rate = after_.modal.pulses.milli_per_mm;
+  if (!unsigned_value('P', per_mm, GcodeError::out_of_range, rate)) return false;
+  return rate <= most_pulses_milli || fail_at('P', GcodeError::out_of_range);
+}
+
+bool Statement::pulse_length() {
+  std::uint32_t& length = after_.modal.pulses.length_ns;
+  if (!unsigned_value('P', scaled(block_.word('P'), 1, 3), GcodeError::out_of_range, length))
+    return false;
+  return (length >= least_pulse_ns && length <= most_pulse_ns) ||
+         fail_at('P', GcodeError::out_of_range);
 }
 
 [[gnu::hot]] bool Statement::dwell() {

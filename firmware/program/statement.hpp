@@ -39,11 +39,17 @@ struct Options {
   std::uint8_t outputs = 0;                ///< a bit for each that M62 to M65 and M67, M68 know
   std::uint8_t inputs = 0;                 ///< the same of M66
   bool beat_lock = true;                   ///< the machine can: M130 is known
+  bool rows = false;                       ///< the machine takes a row of pixels as one move
+  std::uint32_t pulses_milli = 0;          ///< pulses a millimetre where M127 says nothing
+  std::uint32_t pulse_ns = 0;              ///< how long they are ($932, $933)
 };
 
 /// Largest values of words, as grbl 1.1 has them.
 inline constexpr std::uint32_t most_line_number = 10'000'000;
 inline constexpr std::uint32_t most_tool = 255;
+/// Pulses of a laser: a thousand a millimetre, from a microsecond to a second each.
+inline constexpr std::uint32_t most_pulses_milli = 1'000'000;
+inline constexpr std::uint32_t least_pulse_ns = 1'000, most_pulse_ns = 1'000'000'000;
 /// Repetitions of a cycle.
 inline constexpr std::uint32_t most_repeats = 9999;
 /// Centres of arcs and control points lie within +-1 km of the machine's zero.
@@ -176,6 +182,10 @@ class Statement {
   bool spindle();
   bool coolant();
   bool beat_lock();
+  bool pulses();
+  bool pulses_on();
+  bool pulse_rate();
+  bool pulse_length();
   bool dwell();
   bool path();
   bool tool_length();

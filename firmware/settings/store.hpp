@@ -96,7 +96,7 @@ struct SettingsRecord {
     for (std::size_t i = 0; i < setting_count; ++i) {
       const std::int32_t value = values.milli(static_cast<Id>(i));
       if (value == ranges[i].default_milli) continue;
-      out.put(ranges[i].number);
+      out.put(numbers[i]);
       out.put(static_cast<std::uint32_t>(value));
       ++count;
     }

@@ -18,7 +18,8 @@
 // stair.
 //
 // A segment of a program may have power for a continuous laser: it changes evenly over lead and
-// tail and stays in between (segment_power.hpp). A segment has power or ends with a shot, not both.
+// tail and stays in between (segment_power.hpp), or goes by cells of equal length along the line
+// (beam_axis.hpp). A segment has power or ends with a shot, not both.
 #pragma once
 
 #include <cstdint>
@@ -174,18 +175,66 @@ struct SegmentPower {
   std::uint32_t lead_slope_q16, tail_slope_q16;  ///< per tick, modulo 2^32
 };
 
+/// How the laser of a segment that shines does so.
+enum class BeamKind : std::uint8_t {
+  even,             ///< SegmentPower
+  pixels,           ///< cell by cell, the power of each
+  pixels_by_speed,  ///< the same times actual over programmed speed
+  pulses            ///< a pulse at every edge of a cell
+};
+
+/// Where a segment with cells begins, in cells: the number of the cell, its lower bits for pulses,
+/// over a fraction of so many bits.
+inline constexpr int pixel_place_bits = 16, pulse_place_bits = 24;
+
+/// Ticks that a cell takes at the feed, a floating-point number of 16 bits: 12 of a mantissa, the
+/// highest one not told, above 0 at least.
+class CellTicks {
+ public:
+  static constexpr int told_bits = 11, most_exponent = 31;
+  constexpr explicit CellTicks(std::uint16_t bits) : bits_(bits) {}
+  /// mantissa() 2^(exponent() - told_bits), the mantissa with its highest bit.
+  static constexpr std::uint16_t of(std::uint32_t mantissa, int exponent) {
+    return static_cast<std::uint16_t>(exponent << told_bits |
+                                      static_cast<int>(mantissa & ((1u << told_bits) - 1)));
+  }
+  constexpr std::uint32_t mantissa() const {
+    return 1u << told_bits | (bits_ & ((1u << told_bits) - 1));
+  }
+  /// Of two, for the mantissa as a whole number.
+  constexpr int exponent() const { return (bits_ >> told_bits) - told_bits; }
+
+ private:
+  std::uint16_t bits_;
+};
+
+/// The cells of a segment. No default values: it shares its place.
+struct SegmentBeam {
+  std::uint32_t place;  ///< where it begins, cells
+  std::uint32_t ratio;  ///< cells per step: 24 bits of a mantissa above the binary places of it
+  std::uint16_t list;   ///< of pixels: PowerTable
+  union {
+    std::uint16_t cell_ticks;  ///< of pixels by speed: CellTicks
+    std::uint16_t power;       ///< of pulses, 65535 = full
+  };
+};
+
 /// Motion of all axes from one beat, or one place on a path, to a later one.
 struct Segment {
   std::uint64_t start_tick = 0;
   std::uint32_t ticks = 0;
   BeatReason reason = BeatReason::moving;  ///< of the beats that pass inside
-  bool ends_point = false;                 ///< the end is a target of the job
-  bool shines = false;                     ///< a continuous laser, somewhere in it at least
+  bool ends_point : 1 = false;             ///< the end is a target of the job
+  bool shines : 1 = false;                 ///< a continuous laser, somewhere in it at least
+  bool beam_begins : 1 = false;            ///< of pulses: they do not go on from the segment before
+  std::uint8_t beam_axis : 2 = 0;          ///< cells are told in steps of this one, if it has any
+  BeamKind beam_kind = BeamKind::even;     ///< if it shines
   std::uint8_t changes = 0;                ///< of outputs, with its begin (change_queue.hpp)
   std::uint32_t point = 0;                 ///< index of that target
   union {
     SegmentShot shot{};
     SegmentPower power;  ///< instead, where it shines
+    SegmentBeam beam;    ///< and has cells
   };
   PerAxis<AxisProfile> axis{};
   MotionState end;  ///< state after the last tick: where the next segment starts

@@ -22,7 +22,10 @@ std::uint32_t slope_q16(std::uint32_t from, std::uint32_t to, std::uint32_t tick
 
 bool moves(const Segment& segment) { return moving_axis(segment) != none; }
 
-int power_axis(const Segment& segment) { return segment.shines ? moving_axis(segment) : none; }
+int power_axis(const Segment& segment) {
+  if (!segment.shines) return none;
+  return segment.beam_kind == BeamKind::even ? moving_axis(segment) : int{segment.beam_axis};
+}
 
 PowerStretch power_from(const SegmentPower& power, const AxisProfile& phases, std::uint32_t at) {
   const std::uint32_t cruise_q16 = std::uint32_t{power.cruise} << 16, lead = phases.lead_ticks;
@@ -40,6 +43,7 @@ void set_power(Segment& segment, const PowerPoints& power) {
   if (axis == none || (power.start | power.cruise | power.end) == 0) return;
   const AxisProfile& phases = segment.axis[index(axis)];
   segment.shines = true;
+  segment.beam_kind = BeamKind::even;
   segment.power = {power.start, power.cruise,
                    slope_q16(power.start, power.cruise, phases.lead_ticks),
                    slope_q16(power.cruise, power.end, phases.tail_ticks)};

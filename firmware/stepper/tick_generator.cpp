@@ -261,6 +261,7 @@ void TickGenerator::halt() {
   }
   leave(lattice_);
   leave(laser_);
+  beam_.leave();
   queue_.release(queue_.begun());
 }
 
@@ -370,6 +371,7 @@ void TickGenerator::pass(Reader& reader, std::uint32_t ticks) {
 /// The lattice bits have come to `tick`, over the last n ticks.
 void TickGenerator::advance_bits(std::uint64_t tick, std::uint32_t ticks) {
   pass(lattice_, ticks);
+  if (beam_.active()) beam_.pass(ticks);
   pass(laser_, ticks);
   if (trigger_.period_ticks == 0) return;
   if (trigger_on_ < tick) last_trigger_ = trigger_on_;
@@ -413,12 +415,21 @@ std::uint32_t TickGenerator::limit_by_motion(std::uint32_t ticks) {
 std::uint32_t TickGenerator::limit_by_laser(std::uint64_t tick, std::uint32_t ticks) {
   if (tick < laser_lag_ticks_) return limit_to(laser_lag_ticks_, tick, ticks);
   const std::uint64_t at = tick + laser_.lead - laser_lag_ticks_;
-  if (laser_.left == 0 && enter(laser_, at))
-    power_axis_ = static_cast<std::int8_t>(power_axis(queue_.at(laser_.segment)));
-  return limit_by(laser_, at, ticks);
+  if (laser_.left == 0) enter_laser(at);
+  const std::uint32_t n = limit_by(laser_, at, ticks);
+  return beam_.active() ? beam_.limit(n) : n;
+}
+
+/// The laser goes into the segment that begins at `tick` of its own, if there is one.
+void TickGenerator::enter_laser(std::uint64_t tick) {
+  if (!enter(laser_, tick)) return beam_.leave();
+  const Segment& segment = queue_.at(laser_.segment);
+  power_axis_ = static_cast<std::int8_t>(power_axis(segment));
+  if (segment.shines || beam_.active()) beam_.enter(segment);
 }
 
 PowerStretch TickGenerator::power_stretch(std::uint32_t tick) const {
+  if (beam_.active()) return beam_.stretch();
   const Segment& s = queue_.at(laser_.segment);
   const std::uint32_t at = tick + laser_.lead - laser_lag_ticks_;
   return power_from(s.power, s.axis[index(power_axis_)],

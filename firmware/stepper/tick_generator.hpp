@@ -25,7 +25,8 @@
 //
 // A continuous laser is a reader, too: one that answers late has a lead, one that is sooner than
 // the beam is where the axes are has a lag, and then it releases the segments. It is dark where the
-// lattice stands, whatever it reads.
+// lattice stands, whatever it reads. What goes by cells of a line has an axis of its own
+// (beam_axis.hpp), whose edges are lattice bits like the gate.
 //
 //   ticks:   released | read by axes with a lead ... | may be replanned
 //                     tick()                         head() = tick() + longest lead
@@ -33,6 +34,7 @@
 
 #include <cstdint>
 
+#include "firmware/stepper/beam_axis.hpp"
 #include "firmware/stepper/change_queue.hpp"
 #include "firmware/stepper/motor_runs.hpp"
 #include "firmware/stepper/segment_power.hpp"
@@ -68,6 +70,10 @@ class TickGenerator {
     trigger_ = pattern;
     trigger_on_ = pattern.first_tick;
   }
+
+  /// Cells of lines, pulses of a continuous laser.
+  BeamAxis& beam() { return beam_; }
+  const BeamAxis& beam() const { return beam_; }
 
   /// Where the last pulse of the lamp trigger that was filled has started; 0 if there was none.
   std::uint64_t last_trigger() const { return last_trigger_; }
@@ -164,7 +170,7 @@ class TickGenerator {
   static void put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board);
   /// The laser is in a segment with power, and the lattice in one that moves.
   bool shines() const {
-    return laser_.left != 0 && power_axis_ >= 0 && lattice_.left != 0 && moves_;
+    return laser_.left != 0 && power_axis_ >= 0 && lattice_.left != 0 && moves_ && beam_.lit();
   }
   /// What that begins with at a tick of the lattice, lower half of its number.
   PowerStretch power_stretch(std::uint32_t tick) const;
@@ -181,6 +187,7 @@ class TickGenerator {
   bool shorten(Reader& reader, std::uint32_t ticks) const;
   static void stand(Run& run);
   void enter_lattice();
+  void enter_laser(std::uint64_t tick);
   void open_window();
   static void pass(Reader& reader, std::uint32_t ticks);
   void cut_windows();
@@ -210,6 +217,7 @@ class TickGenerator {
   Reader lattice_;  ///< bits have no lead
   Reader laser_;
   std::uint32_t laser_lag_ticks_ = 0;  ///< or a lead
+  BeamAxis beam_;                      ///< of the segment that the laser is in
   Window window_, old_window_;
   std::uint64_t cut_tick_ = 0;  ///< where the last brake began: no window from before goes on there
   std::uint32_t arm_lead_ticks_ = 0;

@@ -51,7 +51,7 @@ class Lines {
   explicit Lines(const settings::Values& values) {
     stepper::MotionState rest;
     for (stepper::AxisState& axis : rest.axis) axis.position_q64 = stepper::middle_of_step(0);
-    if (work_->begin(values, some_beat_ticks, full_tick_q16, rest) != Result::ok)
+    if (work_->begin(values, some_beat_ticks, full_tick_q16, rest, no_powers_) != Result::ok)
       throw no_motion(values);
   }
 
@@ -95,6 +95,8 @@ class Lines {
     work_->accept();
   }
 
+  /// What the laser does along a line does not change how it is run.
+  const stepper::PowerTable no_powers_;
   std::unique_ptr<machine::LineWork> work_ = std::make_unique<machine::LineWork>();
   std::size_t bytes_ = 0;  ///< that have come in this round
   std::uint64_t now_ = 0, end_ = 0, ticks_ = 0;
@@ -119,6 +121,10 @@ class Machine {
       case ActionKind::move:
       case ActionKind::probe:
         move(action, line);
+        row_.clear();
+        return true;
+      case ActionKind::pixels:
+        row_.push_back(action);
         return true;
       case ActionKind::dwell:
         lines_.dwell(action.time_us);
@@ -153,13 +159,14 @@ class Machine {
 
  private:
   void move(const Action& action, std::size_t line) {
-    const motion::LineTarget target = machine::line_target(action, values_);
+    motion::LineTarget target = machine::line_target(action, values_);
+    target.pixels = target.pulses = false;
     const int outside = machine::axis_outside(target.steps, space_, run_.axes);
     if (outside >= 0) {
       problem_outside(action, line, outside);
       return;
     }
-    note(action);
+    note_row(action);
     lines_.take(target);
   }
 
@@ -171,6 +178,24 @@ class Machine {
                      axis_names[index(axis)],
                      static_cast<double>(action.target_e7[index(axis)]) / e7, low,
                      low + values_.milli(Id::travel_x, axis) / 1e3)});
+  }
+
+  /// A move, or each run of equal pixels of one.
+  void note_row(const Action& move) {
+    double all = 0, passed = 0;
+    for (const Action& run : row_) all += run.pixels;
+    all += move.pixels;
+    const PerAxis<double> from = at_;
+    for (const Action& run : row_) {
+      passed += run.pixels;
+      Action piece = run;
+      for (std::size_t a = 0; a < from.size(); ++a) {
+        const auto to = static_cast<double>(move.target_e7[a]);
+        piece.target_e7[a] = std::llround(from[a] * e7 + (to - from[a] * e7) * passed / all);
+      }
+      note(piece);
+    }
+    note(move);
   }
 
   void note(const Action& action) {
@@ -198,6 +223,7 @@ class Machine {
   const StepLimits space_;
   Lines lines_;
   PerAxis<double> at_{};
+  std::vector<Action> row_;  ///< of pixels, but for the last ones
   ProgramRun run_;
 };
 

@@ -364,12 +364,14 @@ void VirtualBoard::tell_ticks(const stepper::TickBlock& block, std::uint64_t to_
 
 void VirtualBoard::apply_bits(std::uint8_t bits, Picoseconds at) {
   bits_ = bits;
+  // The laser first: whoever sees the other pins change looks at all outputs, as of now.
+  put_gate(at);
+  if ((bits & stepper::gate_bit) == 0 && power_ != 0) {
+    power_ = 0;
+    put_power(at);
+  }
   bus_.set(Pin::arm, (bits & stepper::arm_bit) != 0, at);
   bus_.set(Pin::lamp_trigger, (bits & stepper::trigger_bit) != 0, at);
-  put_gate(at);
-  if ((bits & stepper::gate_bit) != 0 || power_ == 0) return;
-  power_ = 0;
-  put_power(at);
 }
 
 void VirtualBoard::put_gate(Picoseconds at) {

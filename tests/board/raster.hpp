@@ -205,16 +205,25 @@ class Raster {
       for (int s = 2; s + 1 < steps_per_pixel; ++s) {
         const std::size_t step =
             static_cast<std::size_t>(i) * steps_per_pixel + static_cast<std::size_t>(s);
-        good = good && std::abs(light_at(told(way.times[step])) - wanted) <= rounding;
+        good = good && (near_stop(way, step) ||
+                        std::abs(light_at(told(way.times[step])) - wanted) <= rounding);
       }
       if (good) ++result.lit_as_wanted;
     }
+  }
+
+  /// The machine is held within a step of this one, slower than 2.5 mm/s, and it is dark there.
+  static bool near_stop(const Way& way, std::size_t step) {
+    for (std::size_t i = std::max<std::size_t>(step, 2) - 1; i <= step + 2; ++i)
+      if (i < way.times.size() && way.times[i] - way.times[i - 1] > 2 * sim::ps_per_ms) return true;
+    return false;
   }
 
   /// In steps. Edges lie in the middle of a step: where its place is half a step further.
   double shift_of(const Way& way, const std::vector<int>& pixels, sim::Picoseconds at) const {
     const auto next = std::upper_bound(way.times.begin(), way.times.end(), at);
     if (next == way.times.begin() || next == way.times.end()) return 0;
+    if (near_stop(way, static_cast<std::size_t>(next - way.times.begin()))) return 0;
     const auto done = static_cast<double>(next - way.times.begin() - 1);
     const double part =
         static_cast<double>(at - *(next - 1)) / static_cast<double>(*next - *(next - 1));

@@ -5,6 +5,7 @@
 
 #include "host/file.hpp"
 #include "tests/board/program_host.hpp"
+#include "tests/chip_board/program_sender.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -34,6 +35,55 @@ TEST(Raster, LightChangesAtTheEdgesOfPixels) {
 TEST(Raster, OfListsOfPowersIsTheSame) {
   for (int i = 0; i < scaled(4); ++i)
     expect_engraved(Raster(static_cast<std::uint64_t>(i + 20), 4, 200, 4), 0, true);
+}
+
+/// Every pixel another power: a row of them is one line of the planner, however many they are.
+TEST(Raster, OfGreyPixelsKeepsItsSpeed) {
+  for (int i = 0; i < scaled(4); ++i)
+    expect_engraved(Raster(static_cast<std::uint64_t>(i + 40), 3, 700, 1), 0, true);
+}
+
+TEST(Raster, OfGreyPixelsIsTheSameWithALeadOfTheLaser) {
+  for (int i = 0; i < scaled(4); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i + 7));
+    const auto lead_us = static_cast<double>(random() % 2001) - 1000;
+    expect_engraved(Raster(static_cast<std::uint64_t>(i + 60), 2, 500, 1), lead_us, true);
+  }
+}
+
+/// Held at random moments, and at another feed behind that: no pixel is lost, none is shifted.
+TEST(Raster, GoesOnInThePixelWhereItWasHeld) {
+  for (int i = 0; i < scaled(6); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    const double lead_us = i % 2 == 0 ? 0 : static_cast<double>(random() % 2001) - 1000;
+    const Raster raster(static_cast<std::uint64_t>(i + 70), 3, 300, i % 3 == 0 ? 4 : 1);
+    Rig rig(raster_machine(lead_us));
+    rig.run(ps_per_ms);
+    ProgramSender sender(rig.board);
+    sender.give(raster.program(true));
+    const auto type = [&rig](std::uint8_t byte) { rig.board.write({&byte, 1}); };
+    constexpr std::uint8_t faster = 0x91, slower = 0x92;
+    const sim::Picoseconds end = rig.board.now() + 60 * ps_per_s;
+    int holds = 0;
+    while (!sender.answered() && rig.board.now() < end) {
+      sender.step(static_cast<sim::Picoseconds>(random() % 60'000) * ps_per_us);
+      type('!');
+      sender.step(static_cast<sim::Picoseconds>(random() % 300'000) * ps_per_us);
+      type(random() % 2 == 0 ? faster : slower);
+      type('~');
+      ++holds;
+    }
+    ASSERT_TRUE(sender.run_until_idle(end));
+    ASSERT_EQ(sender.errors(), 0u);
+    rig.run(20 * ps_per_ms);
+    const Raster::Judgement judgement = raster.judge(
+        rig.monitor, rig.board.world().beam(), static_cast<sim::Picoseconds>(lead_us * ps_per_us));
+    EXPECT_EQ(judgement.lit_as_wanted, raster.pixels()) << i;
+    EXPECT_LE(judgement.largest_shift, 1) << i;
+    EXPECT_GT(judgement.changes, raster.pixels() / 10);
+    EXPECT_LT(judgement.slowest_mm_s, Raster::speed_mm_s / 2);
+    EXPECT_GT(holds, 5);
+  }
 }
 
 /// The pattern by which the lead is found: eight bars a row.

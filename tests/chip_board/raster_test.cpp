@@ -41,6 +41,13 @@ TEST(ChipRaster, OfListsOfPowersWithALeadOfTheLaserIsTheSame) {
   expect_engraved(rig, Raster(2, 2, scaled(200), 4), 180, true);
 }
 
+/// Every pixel another power, at the full speed.
+TEST(ChipRaster, OfGreyPixelsKeepsItsSpeed) {
+  ChipRig rig(raster_machine());
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  expect_engraved(rig, Raster(3, 2, scaled(400), 1), 0, true);
+}
+
 /// An e-stop in the light starts the lattice anew, at any tick, and LASER PWM with it.
 TEST(ChipRaster, IsInItsPlaceAfterAnEStop) {
   std::mt19937_64 random(1);

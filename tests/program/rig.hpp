@@ -87,6 +87,8 @@ inline std::string text_of(const Action& action) {
     case ActionKind::wait_input:
       return fmt::format("input {} event {} {}us", action.io.port,
                          static_cast<int>(action.io.event), action.time_us);
+    case ActionKind::pixels:
+      return fmt::format("{} pixels", action.pixels);
     case ActionKind::beat_lock:
       return action.beat_lock == BeatLock::off    ? "beat off"
              : action.beat_lock == BeatLock::path ? "beat path"
