@@ -16,8 +16,8 @@
 // An axis at rest stands in the middle of a step, half a step above its lower edge. The sum of two
 // halves would be an edge, so motors of a pair have an offset of half a step: then they, too, rest
 // in the middle. At rest both motors of a CoreXY have even places or both have odd ones. Stopped
-// dead they may have one of each; then X and Y stand on edges of their steps, and the next program
-// takes them to the middle first.
+// dead they may have one of each; then X and Y stand on edges of their steps, and whatever moves
+// them next begins there.
 #pragma once
 
 #include <array>

@@ -44,9 +44,6 @@ void LinePlanner::start(const stepper::MotionState& at) {
   at_ = at;
   held_ = cancelled_ = false;
   forget();
-  // Where motors are shared by axes, at_ may be beside the middle of steps (shared/kinematics.hpp).
-  settles_ = settling_ticks() != 0;
-  if (settles_) measure_again();
 }
 
 /// All lines, at rest.

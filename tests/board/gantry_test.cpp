@@ -213,6 +213,18 @@ TEST(Gantry, ABridgedContactBendsItNoFurther) {
   }
 }
 
+/// Nothing else moves while one side goes alone: what it may still go is not counted anew.
+TEST(Gantry, OtherAxesWaitForTheSecondSide) {
+  Gantry gantry;
+  gantry.plan.switches[0] = gantry.plan.switches[1] + 800;  // behind where it brakes
+  sim::WireConfig second = gantry.second_switch();
+  second.contacts[0].bridged_from = 0;
+  MachineWithSwitches m(gantry.profile(), gantry.skewed(), {second});
+  EXPECT_THAT(m.home(), ElementsAre("ALARM:15", "error:9"));
+  EXPECT_EQ(std::abs(m.loads()[1] - m.loads()[index(side)]), bend_steps);
+  EXPECT_FALSE(m.switches().engaged(sim::Pin::limit_x));
+}
+
 /// Door, reset and e-stop while one side goes alone: it stands.
 TEST(Gantry, IsStoppedAtAnyMoment) {
   std::mt19937_64 random(5);
