@@ -10,18 +10,15 @@ constexpr std::int64_t mean(std::int64_t a, std::int64_t b) {
   return (a >> 1) + (b >> 1) + (a & 1);
 }
 
-/// u + v, or u - v; both from the middle of a step of v on.
-AxisRun sum_of(const AxisRun& u, AxisRun v, bool difference) {
-  v.position_q64 = v.position_q64 - half_step;
-  if (difference) v = {-v.position_q64, -v.rate_q62, -v.accel_q62};
-  return {u.position_q64 + v.position_q64, u.rate_q62 + v.rate_q62, u.accel_q62 + v.accel_q62};
-}
-
 }  // namespace
 
 AxisRun motor_run(const AxisPair& pair, const AxisRun& u, const AxisRun& v, bool second) {
   const bool core = pair.kind == AxisPair::Kind::core;
-  return core || second ? sum_of(u, v, core && second) : u;
+  if (!core && !second) return u;
+  const Int128 from_middle_q64 = v.position_q64 - half_step;
+  if (core && second)
+    return {u.position_q64 - from_middle_q64, u.rate_q62 - v.rate_q62, u.accel_q62 - v.accel_q62};
+  return {u.position_q64 + from_middle_q64, u.rate_q62 + v.rate_q62, u.accel_q62 + v.accel_q62};
 }
 
 [[gnu::cold]] AxisRuns axis_runs(const AxisPair& pair, const AxisRun& first,
