@@ -487,6 +487,41 @@ TEST(TickGenerator, AxesByThemselvesDoWhatTheyDoInBlocks) {
   }
 }
 
+/// Motors of pairs, in blocks and by themselves: the same steps, no run in which one turns, nothing
+/// lost; those of a Cartesian machine added and subtracted.
+TEST(TickGenerator, MotorsOfPairsDoWhatTheirAxesDoTogether) {
+  settings::Values values;
+  values.set_milli(settings::Id::kinematics, 1000);
+  values.set_milli(settings::Id::ganged_axis, 3000);
+  const Kinematics kinematics(values);
+  std::mt19937_64 random(75);
+  for (int i = 0; i < test::scaled(10); ++i) {
+    test::Chain chain = fast_chain(random, 60);
+    if (i % 3 != 0) test::limit_jerk(chain, random);
+    const std::vector<Segment> segments = shifted(plan(chain), 6000);
+    PerAxis<std::uint32_t> leads = random_leads(random);
+    leads[1] = leads[0];
+    leads[3] = leads[2];
+    const std::uint64_t end = std::min<std::uint64_t>(segments.back().end.tick + 1000, 2'000'000);
+    Machine plain, blocks, motors;
+    for (Machine* machine : {&blocks, &motors}) machine->generator.set_kinematics(kinematics);
+    for (Machine* machine : {&plain, &blocks, &motors}) machine->generator.set_leads(leads);
+    ASSERT_NO_FATAL_FAILURE(plain.run_to(segments, end));
+    ASSERT_NO_FATAL_FAILURE(blocks.run_to(segments, end));
+    ASSERT_NO_FATAL_FAILURE(motors.run_axes_to(segments, end, i % 4 == 0 ? 20 : 1000, random));
+    EXPECT_GT(motors.board.steps().size(), 20u);
+    EXPECT_EQ(motors.board.sorted_steps(), blocks.board.sorted_steps());
+    const test::Native half = native(middle_of_step(0));
+    const auto axis = [&plain](int a) { return plain.board.position(a); };
+    EXPECT_EQ(motors.board.position(0), axis(0) + axis(1) - half);
+    EXPECT_EQ(motors.board.position(1), axis(0) - axis(1) + half);
+    EXPECT_EQ(motors.board.position(2), axis(2));
+    EXPECT_EQ(motors.board.position(3), axis(2) + axis(3) - half);
+    EXPECT_EQ(motors.generator.state().axis[0].position_q64,
+              plain.generator.state().axis[0].position_q64);
+  }
+}
+
 /// Stands for a while wherever the plan comes to rest.
 std::vector<Segment> with_pauses(std::vector<Segment> segments, std::mt19937_64& random) {
   std::uint64_t pause = 0;
