@@ -170,8 +170,7 @@ bool Controller::prepare(std::uint64_t clock) {
 
 bool Controller::commit() {
   // A hold or an alarm since prepare() has made the plan worthless.
-  const bool ready = drives_.ready(now_);
-  const bool wanted = ready && moving_ && !runner_.underrun();
+  const bool wanted = moving_ && !runner_.underrun();
   const Committed committed = wanted ? runner_.commit() : Committed::nothing;
   if (committed == Committed::no_way) refuse_way();
   // A stop is over when the machine stands and the last shot that was decided has been counted.
@@ -187,7 +186,8 @@ bool Controller::commit() {
     state_ = MachineState::idle;
   end_overrides();
   if (board_.parts == Parts::straight) program_.stage();
-  const bool lines = ready && program_.commit();
+  // A job has waited before it began to move.
+  const bool lines = drives_.ready(now_) && program_.commit();
   settle_program();
   return committed == Committed::part || lines;
 }

@@ -175,7 +175,7 @@ class Statement {
   bool line_number();
   [[gnu::cold]] bool io();
   bool no_io();
-  bool port(char letter, std::uint8_t known);
+  bool port(char letter, std::uint8_t known, std::uint32_t most);
   bool digital_output();
   bool analog_output();
   bool wait_input();

@@ -6,6 +6,8 @@ namespace {
 
 /// Q of an analogue output is a percentage: 10^-7 % to 65535 = all.
 constexpr std::int64_t full_e7 = 100 * one_e7;
+/// Of all maps of pins.
+constexpr std::uint32_t most_outputs = 1, most_inputs = 2;
 constexpr std::uint32_t last_event = static_cast<std::uint32_t>(InputEvent::off);
 
 }  // namespace
@@ -24,13 +26,14 @@ bool Statement::io() {
   }
 }
 
-/// Which one a P or E word says.
-bool Statement::port(char letter, std::uint8_t known) {
+/// Which one a P or E word says; `known`: what this board has of them.
+bool Statement::port(char letter, std::uint8_t known, std::uint32_t most) {
   const std::uint16_t column = block_.column(Group::io);
   if (known == 0) return fail(GcodeError::unsupported, column);
   std::uint32_t number = 0;
   if (!needed(letter, column) || !integer(letter, number)) return false;
-  if (number >= 8 || (known >> number & 1u) == 0) return fail_at(letter, GcodeError::out_of_range);
+  if (number >= most) return fail_at(letter, GcodeError::out_of_range);
+  if ((known >> number & 1u) == 0) return fail_at(letter, GcodeError::unsupported);
   plan_.io.port = static_cast<std::uint8_t>(number);
   return true;
 }
@@ -41,14 +44,14 @@ bool Statement::digital_output() {
   plan_.io.at_once = code >= 64;
   plan_.wait_us = 0;
   plan_.add(Stage::output);
-  return port('P', options_.outputs);
+  return port('P', options_.outputs, most_outputs);
 }
 
 bool Statement::analog_output() {
   plan_.io.at_once = block_.code(Group::io) == 68;
   plan_.wait_us = 0;
   plan_.add(Stage::output);
-  if (!port('E', options_.outputs)) return false;
+  if (!port('E', options_.outputs, most_outputs)) return false;
   if (!needed('Q', block_.column(Group::io)) || !take('Q')) return false;
   const std::int64_t part_e7 = scaled(block_.word('Q'), 1, 7);
   if (part_e7 < 0) return fail_at('Q', GcodeError::negative_value);
@@ -60,7 +63,7 @@ bool Statement::analog_output() {
 bool Statement::wait_input() {
   const std::uint16_t column = block_.column(Group::io);
   plan_.add(Stage::wait_input);
-  if (!port('P', options_.inputs)) return false;
+  if (!port('P', options_.inputs, most_inputs)) return false;
   std::uint32_t event = 0;
   if (block_.has('L') && !integer('L', event)) return false;
   if (event > last_event) return fail_at('L', GcodeError::out_of_range);

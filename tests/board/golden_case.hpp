@@ -34,6 +34,13 @@ struct GoldenWay {
   std::array<double, 2> light{};  ///< lowest and highest
 };
 
+/// A wire that the board changes, and where X is then; or one that the world sets, and when.
+struct GoldenEdge {
+  std::string wire;
+  double level = 0;
+  double x_or_ms = 0;
+};
+
 struct GoldenCase {
   std::string name;
   std::vector<std::string> covers;
@@ -41,6 +48,8 @@ struct GoldenCase {
   std::vector<GoldenWay> ways;
   std::vector<std::string> says;
   std::vector<MmPoint> shots;  ///< in order
+  std::vector<GoldenEdge> edges, sets;
+  int pin_map = 0;
   bool looks_at_light = false;
   std::optional<double> ms;
   double slack_ms = 0;
@@ -96,6 +105,11 @@ class GoldenReader {
       return static_cast<bool>(words >> at[0] >> at[1] >> at[2]);
     }
     if (what == "time") return take_time(now, words);
+    if (what == "map") return static_cast<bool>(words >> now.pin_map);
+    if (what == "edge" || what == "set") {
+      GoldenEdge& edge = (what == "edge" ? now.edges : now.sets).emplace_back();
+      return static_cast<bool>(words >> edge.wire >> edge.level >> edge.x_or_ms);
+    }
     return take_way(now, what, words);
   }
 

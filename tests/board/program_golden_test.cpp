@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <map>
 #include <regex>
 #include <set>
 
 #include "sim/virtual_board/motion_trace.hpp"
+#include "sim/world/pin_names.hpp"
 #include "tests/board/program_host.hpp"
 #include "tests/board/step_path.hpp"
 #include "tests/docs/page.hpp"
@@ -33,12 +35,54 @@ std::vector<GoldenCase> all_cases() {
   return all;
 }
 
+sim::Pin pin_of(const std::string& name) {
+  for (std::size_t i = 0; i < sim::pin_count; ++i)
+    if (sim::pin_names[i] == name) return static_cast<sim::Pin>(i);
+  throw std::invalid_argument("no wire " + name);
+}
+
+job::Profile profile_of(const GoldenCase& golden, Id machine, int value) {
+  job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
+  profile.settings.set_milli(Id::pin_map, golden.pin_map * 1000);
+  profile.settings.set_milli(machine, value * 1000);
+  return profile;
+}
+
+/// What the outputs of programs do, and where X is then.
+class OutputRecord final : private sim::PinListener {
+ public:
+  explicit OutputRecord(sim::VirtualBoard& board) : board_(board) {
+    for (const sim::Pin pin : {sim::Pin::air, sim::Pin::aux_out}) board.bus().listen(pin, *this);
+  }
+  struct Edge {
+    sim::Pin pin;
+    double level;
+    std::int32_t x;
+  };
+  std::vector<Edge> of(sim::Pin pin) const {
+    std::vector<Edge> edges;
+    std::copy_if(edges_.begin(), edges_.end(), std::back_inserter(edges),
+                 [pin](const Edge& edge) { return edge.pin == pin; });
+    return edges;
+  }
+
+ private:
+  void pin_changed(sim::Pin pin, bool level, sim::Picoseconds /*at*/) override {
+    const double value = pin == sim::Pin::aux_out ? board_.bus().aux() / 65535.0 : level;
+    edges_.push_back({pin, value, board_.world().drives().position()[0]});
+  }
+  sim::VirtualBoard& board_;
+  std::vector<Edge> edges_;
+};
+
 /// One case on a board of its own.
 class GoldenRun {
  public:
   GoldenRun(const GoldenCase& golden, Id machine, int value)
-      : case_(golden), profile_(lamp_profile(100, settings::LampMode::free_beat)) {
-    profile_.settings.set_milli(machine, value * 1000);
+      : case_(golden), profile_(profile_of(golden, machine, value)) {
+    for (const GoldenEdge& set : golden.sets)
+      rig_.board.world().schedule(pin_of(set.wire), set.level != 0,
+                                  static_cast<sim::Picoseconds>(set.x_or_ms * 1e9));
   }
 
   void run() {
@@ -51,6 +95,7 @@ class GoldenRun {
     places_ = record.places();
     expect_answers();
     expect_ways();
+    expect_edges();
     expect_time(trace);
     for (const std::string& text : case_.says)
       EXPECT_THAT(host_.said(), testing::Contains(testing::HasSubstr(text)));
@@ -128,6 +173,20 @@ class GoldenRun {
     EXPECT_NEAR(most, way.light[1], way.light[1] == 0 ? 0 : 0.01) << what;
   }
 
+  void expect_edges() const {
+    std::map<std::string, std::vector<GoldenEdge>> wires{{"air", {}}, {"aux_out", {}}};
+    for (const GoldenEdge& edge : case_.edges) wires[edge.wire].push_back(edge);
+    for (const auto& [wire, wanted] : wires) {
+      if (case_.edges.empty()) break;
+      const std::vector<OutputRecord::Edge> edges = outputs_.of(pin_of(wire));
+      ASSERT_EQ(edges.size(), wanted.size()) << wire;
+      for (std::size_t i = 0; i < edges.size(); ++i) {
+        EXPECT_NEAR(edges[i].level, wanted[i].level, 1e-4) << wire << " " << i;
+        EXPECT_NEAR(edges[i].x, wanted[i].x_or_ms * 200, 1) << wire << " " << i;
+      }
+    }
+  }
+
   /// Each at its place to the step, on a beat of its own.
   void expect_shots() const {
     const auto& shots = rig_.board.lattice_shots();
@@ -159,6 +218,7 @@ class GoldenRun {
   const GoldenCase& case_;
   job::Profile profile_;
   Rig rig_{profile_};
+  OutputRecord outputs_{rig_.board};
   ProgramHost host_{rig_};
   std::vector<PassedPlace> places_;
 };

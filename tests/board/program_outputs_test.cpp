@@ -294,7 +294,7 @@ TEST(ProgramOutputs, AreAllOffBehindTheEnd) {
 TEST(ProgramOutputs, AreKnownInTheMapThatHasThem) {
   Machine cut(boards::PinMap::cut);
   EXPECT_THAT(cut.host.ask("M62 P0\nM68 E0 Q5\nM66 P0 L0\nM66 P1 L0\n"),
-              ElementsAre("error:20", "error:20", "error:39", "[MSG:Input 1 off]", "ok"));
+              ElementsAre("error:20", "error:20", "error:20", "[MSG:Input 1 off]", "ok"));
   Machine m;
   EXPECT_THAT(
       m.host.ask("M62\nM62 P1\nM62 P0.5\nM62 P0 M63\nM67 E0\nM67 E0 Q101\nM67 E0 Q-1\n"

@@ -107,7 +107,7 @@ TEST_F(ErrorsInPrograms, CoolantIsSwitchedByHand) {
   EXPECT_THAT(status, HasSubstr("|A:M"));
   EXPECT_THAT(host_.ask("M9\n$G\n"), Contains(HasSubstr(" M9 ")));
   EXPECT_THAT(host_.status(), Not(HasSubstr("|A:")));
-  // In motion and in a hold too, not in an alarm.
+  // In motion and in a hold too, not in an alarm, which has switched both off.
   host_.send("G1 X20 F1200\n");
   host_.run_ms(50);
   host_.send(mist_byte);
@@ -120,7 +120,8 @@ TEST_F(ErrorsInPrograms, CoolantIsSwitchedByHand) {
   rig_.board.world().schedule(sim::Pin::estop, true, rig_.board.now());
   host_.run_ms(2);
   host_.send(flood_byte);
-  EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr(" M7 M8 ")));
+  EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr(" M9 ")));
+  EXPECT_THAT(host_.status(), Not(HasSubstr("|A:")));
 }
 
 }  // namespace

@@ -143,6 +143,7 @@ TEST_F(ChipOutputs, WaitForTheInput) {
   rig_.listen();
   EXPECT_THAT(rig_.heard, HasSubstr("[MSG:Input 0 on]"));
   set(Pin::aux_in, true);
+  rig_.run(5 * ps_per_ms);
   rig_.type("M66 P0 L3 Q0.05\n");
   rig_.run(100 * ps_per_ms);
   rig_.listen();
@@ -172,6 +173,20 @@ TEST_F(ChipDrivesAtRest, AreReleasedAndTakeNoStepBeforeTheyHold) {
   EXPECT_EQ(rig_.board.world().drives().position()[0], 100);
   EXPECT_EQ(rig_.board.world().drives().total_faults(), 0u);
   EXPECT_FALSE(level(Pin::enable));
+}
+
+TEST(ChipDrives, HoldBeforeAJobOfPoints) {
+  job::Profile profile = chip_profile();
+  profile.settings.set_milli(Id::idle_delay, 50'000);
+  const job::Job job = job::make_job(chip_points(30, 3), profile, {});
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  rig.run(150 * ps_per_ms);
+  EXPECT_FALSE(rig.board.bus().level(Pin::enable));
+  RunningJob running(rig, job, 1);
+  ASSERT_EQ(running.finish(), link::JobEnd::done);
+  EXPECT_EQ(rig.shots().size(), job.targets.size());
+  EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
 }
 
 }  // namespace
