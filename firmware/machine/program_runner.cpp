@@ -60,6 +60,7 @@ bool ProgramRunner::take(const motion::LineTarget& line) {
   LineInbox& inbox = planning_.lines().inbox();
   if (orders_.cancel || broken_off_ || inbox.full()) return false;
   inbox.push(line);
+  if (line.pulses) pulses_taken_ = true;
   drained_ = stands_ = false;
   return true;
 }
@@ -83,7 +84,9 @@ bool ProgramRunner::add_pixels(std::uint16_t power, std::uint32_t count) {
 
 bool ProgramRunner::set_pulses(std::uint32_t milli_per_mm, std::uint32_t length_ns) {
   if (milli_per_mm == orders_.pulses_milli && length_ns == pulse_ns_) return true;
-  if (!idle() || held()) return false;
+  // Lines that were taken have others, or a batch begins without them.
+  if (!idle() && (pulses_taken_ || !planning_.hand_over().at_home())) return false;
+  pulses_taken_ = false;
   orders_.pulses_milli = milli_per_mm;
   pulse_ns_ = length_ns;
   const std::uint32_t us = length_ns / 1000;

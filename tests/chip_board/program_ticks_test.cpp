@@ -52,15 +52,25 @@ std::string wave(int lines, double x, double y) {
   return text;
 }
 
+/// Pixels with a power each, in one line.
+std::string row(int pixels, double x, double pixel_mm) {
+  std::string text = fmt::format("G1 X{:.3f} S", x + pixels * pixel_mm);
+  for (int i = 0; i < pixels; ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : ":", i % 5 == 0 ? 0 : 100 + 377 * i % 900);
+  return text + "\n";
+}
+
 /// Some seconds with all kinds of motion and light.
 std::string mixed_program() {
-  return "G21 G90 G17 G94\nG0 X30 Y10\n"
+  return "G21 G90 G17 G94\nM127 P3.3\nM128 P71\nG0 X30 Y10\n"
          "M3 S400\nG1 X38 F9000\nG2 X46 Y18 I0 J8\nG3 X38 Y26 R8\nG1 X34 S900\n"
          "G0 X20 Y26\nM4 S1000\nG1 X20 Y20 F6000\nG5 I0 J-4 P0 Q4 X26 Y12\n"
          "G2 X26 Y12 I2 J0 Z-1\nG1 F5000\n" +
          wave(scaled(80), 26, 12) +
          "G4 P0.02\nG91 G1 X-3 Y1 Z1 F4000\nG18 G3 X-8 Z0 R6\nM5\nG90 G17 G0 X0 Y0\n"
-         "M3 S700\nG1 X2 F8000\nM2\n";
+         "M3 S700\nG1 X2 F8000\n" +
+         row(scaled(60), 2, 0.13) + "M4\n" + row(scaled(60), 2 + scaled(60) * 0.13, -0.1) +
+         "M126 P1\nG1 X20 S350\nG2 X28 Y8 I0 J8\nG1 X15 Y3 F12000\nM126 P0\nX0\nM2\n";
 }
 
 struct Program {
