@@ -363,6 +363,30 @@ TEST(BeamAxis, PulsesBeginAtWholeNumbersOfCells) {
     ASSERT_NO_FATAL_FAILURE(expect_pulses(i % 3 == 0, static_cast<std::uint64_t>(i)));
 }
 
+/// Where one segment ends just before an edge and the next, by a rounding, begins just behind it,
+/// the pulse is not lost; nor does it come twice where it is the other way round.
+TEST(BeamAxis, AnEdgeBetweenTwoSegmentsIsPassedOnce) {
+  for (const double jump : {3e-5, -3e-5}) {
+    Lines make(4, 0);
+    std::mt19937_64 random(4);
+    auto machine = std::make_unique<Machine>(0);
+    machine->generator.set_position({});
+    machine->generator.beam().set_pulse(20);
+    std::vector<BeamLine> lines{make.next(1, true, false, false), make.next(1, false, true, false)};
+    // One edge, at the joint but for half of the jump; the next one would be behind the end.
+    set_beam(lines[0], 0, 0.4 - jump / 2, 0.6, pulse_place_bits, BeamKind::pulses);
+    set_beam(lines[1], 0, 0.4, 1 + jump / 2, pulse_place_bits, BeamKind::pulses);
+    for (BeamLine& line : lines) line.segments.front().beam.power = 1000;
+    lines[0].segments.front().beam_begins = true;
+    ASSERT_NO_FATAL_FAILURE(machine->run(lines, make.end_tick() + 100, false, random));
+    const std::vector<bool>& gate = machine->board.gate;
+    int pulses = 0;
+    for (std::size_t t = 1; t < gate.size(); ++t) pulses += gate[t] && !gate[t - 1] ? 1 : 0;
+    EXPECT_EQ(pulses, 1) << jump;
+    EXPECT_EQ(std::count(gate.begin(), gate.end(), true), 20) << jump;
+  }
+}
+
 /// Faster than the board can follow they are taken together, and the light is no longer than that
 /// of all.
 TEST(BeamAxis, EdgesThatAreTooFastAreTakenTogether) {
