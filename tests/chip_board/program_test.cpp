@@ -128,7 +128,8 @@ TEST(ChipProgram, KeepsItsPathHoweverFastItIsAsked) {
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   ProgramSender sender(rig.board);
-  const auto lines = static_cast<std::size_t>(scaled(1500));
+  // The first tenth of a second fills the buffers.
+  const auto lines = static_cast<std::size_t>(scaled(3000));
   const Picoseconds begin = rig.now();
   run(sender, spiral(lines, 0.02, 30'000), begin + 60 * ps_per_s);
   // Two steps of 5 um, and what the junction deviation and chords make.

@@ -92,7 +92,7 @@ class RealTime {
   /// The next ticks into the rings.
   [[gnu::noinline]] std::uint32_t fill(machine::Controller& core, std::uint32_t ticks);
   /// The lattice, whose first tick comes so many clocks later, and with it a period of LASER PWM.
-  [[gnu::cold]] void go(std::uint64_t at_us, std::uint32_t first_tick_clocks);
+  void go(std::uint64_t at_us, std::uint32_t first_tick_clocks);
   [[gnu::cold]] void stop_dead(machine::Controller& core);
   [[gnu::cold]] void input_changed(machine::Controller& core, machine::Input input, bool active,
                                    std::size_t i);
