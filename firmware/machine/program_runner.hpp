@@ -148,7 +148,7 @@ class ProgramRunner {
   stepper::MotionState rest_;       ///< where the brake ends
   std::uint32_t power_percent_ = 100;
   std::uint32_t pulse_ns_ = 0;
-  bool pulses_taken_ = false;  ///< by lines, since others were set
+  bool pulses_taken_ = false;         ///< by lines, since others were set
   std::uint32_t pace_percent_ = 100;  ///< of the overrides, so that planning keeps ahead
   LineOrders orders_, given_;         ///< wanted; those of the last batch
   std::uint32_t lines_ = 0;           ///< known to the planner after the last batch

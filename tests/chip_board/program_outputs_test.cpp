@@ -140,6 +140,7 @@ TEST_F(ChipOutputs, WaitForTheInput) {
   EXPECT_TRUE(level(Pin::air));
   set(Pin::aux_in, false);
   EXPECT_TRUE(run_until(Pin::air, false, 5 * ps_per_ms));
+  rig_.run(5 * ps_per_ms);  // what it says travels by USB
   rig_.listen();
   EXPECT_THAT(rig_.heard, HasSubstr("[MSG:Input 0 on]"));
   set(Pin::aux_in, true);
