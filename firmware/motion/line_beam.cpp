@@ -62,8 +62,11 @@ void LineBeam::begin(const Line& line, LineReal length, const LineWay& way, int 
 }
 
 void LineBeam::write(const Line& line, LineReal left, stepper::Segment& segment) {
-  segment.shines = segment.beam_begins = false;
-  if (!line.pixels && !line.pulses) return;
+  segment.beam_begins = false;
+  segment.shines = line.pixels || (line.pulses && line.power != 0);
+  if (line.pulses && !segment.shines) place_.unseen = true;
+  // What lies in the place of the beam says else whether there is a shot.
+  if (!segment.shines) return;
   const LineReal cells_left = left * place_.per_length;
   if (line.pixels) {
     const auto left_q16 = static_cast<std::uint64_t>(cells_left.fixed(stepper::pixel_place_bits));
@@ -73,7 +76,6 @@ void LineBeam::write(const Line& line, LineReal left, stepper::Segment& segment)
     segment.beam.cell_ticks = cell_ticks_;
     segment.beam_kind =
         line.laser == LinePower::constant ? BeamKind::pixels : BeamKind::pixels_by_speed;
-    segment.shines = true;
   } else {
     segment.beam.place =
         place_.end_q24 - static_cast<std::uint32_t>(cells_left.fixed(stepper::pulse_place_bits));
@@ -81,8 +83,7 @@ void LineBeam::write(const Line& line, LineReal left, stepper::Segment& segment)
     segment.beam.power = line.power;
     segment.beam_kind = BeamKind::pulses;
     segment.beam_begins = place_.unseen;
-    segment.shines = line.power != 0;
-    place_.unseen = !segment.shines;
+    place_.unseen = false;
   }
   segment.beam.ratio = ratio_;
   segment.beam_axis = axis_ & 3u;

@@ -312,7 +312,7 @@ TEST(CoreXy, DrivesHaveTheirTimesWhereMotorsTurn) {
   ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
   EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
-  EXPECT_GT(log.reversals(0).size(), 10u);
+  EXPECT_GT(log.reversals(0).size(), static_cast<std::size_t>(scaled(100)) / 10);
 }
 
 /// From the next start on; what cannot be is refused.
