@@ -152,6 +152,7 @@ TEST(ReversalGuard, GivesTheSameTicksToWhoAsksAlwaysAndToWhoAsksWhenNeeded) {
 
 /// Behind the last turn an axis at less than half a step a tick has caught up after the guard and
 /// as many ticks more as it can fall behind in it, and from there on it steps as Bresenham has it.
+/// A turn in the midst of a guard waits for the rest of that first: DIR may change twice.
 TEST(ReversalGuard, IsOverAfterItsTimes) {
   std::mt19937_64 random(3);
   std::size_t outside = 0;
@@ -170,7 +171,8 @@ TEST(ReversalGuard, IsOverAfterItsTimes) {
       if (motion[i].heading != 0 && motion[i].heading != heading) {
         heading = motion[i].heading;
         const std::int64_t behind = i == 0 ? 0 : std::abs(out[i - 1].owed);
-        over = std::max(over, tick + 2 * (guard_ticks + behind) + 4);
+        const int guards = i != 0 && out[i - 1].asked ? 2 : 1;
+        over = std::max(over, tick + 2 * (guards * guard_ticks + behind) + 4);
       }
       if (tick < over) continue;
       ++outside;
