@@ -39,11 +39,11 @@ class Parking {
   }
   /// The program is to go on: false if nothing of parking stands in its way.
   bool call_back() { return called_back_ = stage_ != Stage::off; }
-  /// A door has opened once more: true if the tool had been called back, and stays away now.
+  /// A door has opened once more: the tool stays away. True if it is on its way back, which is to be
+  /// broken off; before that there is nothing but the program's own way to rest, or the way up.
   bool stay_away() {
-    const bool was = called_back_;
     called_back_ = false;
-    return was;
+    return comes_back();
   }
   Stage stage() const { return stage_; }
   /// On its way back, or about to be.

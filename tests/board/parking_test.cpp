@@ -137,6 +137,32 @@ TEST_F(Parking, DoorsAtRandomMoments) {
   }
 }
 
+/// Opened, closed, called back and opened again while the program still brakes: it comes to rest on
+/// its path, and parks once.
+TEST_F(Parking, ADoorThatOpensAgainWhileTheProgramBrakes) {
+  for (int round = 0; round < 12; ++round) {
+    SCOPED_TRACE(fmt::format("round {}", round));
+    set_up();
+    host_->send("G1 X10 Y5 Z-1 F6000\nG1 X0 Y0 Z0\nG4 P0\n");
+    host_->run_ms(60);
+    set_door(true);
+    host_->run_ms(round);
+    set_door(false);
+    host_->send("~");
+    host_->run_ms(round % 3);
+    set_door(true);
+    ASSERT_TRUE(wait_for_state("Door:1"));
+    EXPECT_EQ(loads()[2], 30 * steps_per_mm);
+    EXPECT_NEAR(loads()[0], 2 * loads()[1], 1);
+    set_door(false);
+    host_->send("~");
+    ASSERT_TRUE(host_->stand());
+    EXPECT_EQ(loads(), (StepPosition{}));
+    EXPECT_EQ(rig_->board.controller().program().starvations(), 0u);
+    EXPECT_EQ(judge_->fault(), "");
+  }
+}
+
 TEST_F(Parking, ResetAndEstopOnTheWay) {
   std::mt19937_64 random(8);
   for (int round = 0; round < scaled(20); ++round) {

@@ -19,7 +19,7 @@ TEST(SwitchOnBoard, StopsTheMachineAtTheStepThatWorkedIt) {
   // 5 um steps at 100 mm/s: one in 50 us, five while the main loop comes round once.
   const job::Profile profile = guarded();
   for (int run = 0; run < scaled(20); ++run) {
-    const std::int32_t place = 1500 + 37 * run;
+    const std::int32_t place = 1500 + 37 * run % 2300;
     sim::WorldConfig world = world_for(profile);
     sim::ContactConfig contact = sim::ContactConfig::above(0, place);
     contact.bounce = {.make_us = 500, .break_us = 500};
