@@ -172,15 +172,20 @@ class Fuzz : public testing::Test {
     EXPECT_NE(host.status(), "");
   }
   /// In which every axis comes to rest, by its settings, in moves of no more than 0.1 mm or a step,
-  /// even with no more acceleration than its jerk gives at once.
+  /// even with no more acceleration than jerk gives at once: the same part of it on every axis, as
+  /// lines have it (line_rise.hpp).
   static double longest_stop_s(const settings::Values& values) {
     constexpr double at_once_s = motion::flat_rise_ticks * 1e-6;
+    double share = 1;
+    for (int a = 0; a < values.whole(Id::axes); ++a) {
+      const double jerk_mm_s3 = values.milli(Id::jerk_x, a);
+      const double accel_mm_s2 = values.milli(Id::acceleration_x, a) / 1e3;
+      if (jerk_mm_s3 != 0) share = std::min(share, jerk_mm_s3 * at_once_s / accel_mm_s2);
+    }
     double longest = 0;
     for (int a = 0; a < values.whole(Id::axes); ++a) {
       const double way_mm = std::max(0.1, 1e3 / values.milli(Id::steps_per_mm_x, a));
-      const double jerk_mm_s3 = values.milli(Id::jerk_x, a);
-      double accel_mm_s2 = values.milli(Id::acceleration_x, a) / 1e3;
-      if (jerk_mm_s3 != 0) accel_mm_s2 = std::min(accel_mm_s2, jerk_mm_s3 * at_once_s);
+      const double accel_mm_s2 = share * values.milli(Id::acceleration_x, a) / 1e3;
       longest = std::max(longest, 2 * std::sqrt(way_mm / accel_mm_s2));
     }
     return longest;
