@@ -454,9 +454,6 @@ class Controller {
   Parking parking_;
   Guard guard_;
   Homing homing_;
-  std::uint8_t homing_alarm_ = 0;  ///< to be raised when it stands
-  std::uint64_t homing_wait_ = 0;  ///< clock until which it waits
-  bool homing_runs_start_up_ = false;
   ProbeResult probe_;
 
   wire::MachineState state_ = wire::MachineState::idle;

@@ -9,7 +9,6 @@ using wire::MachineState;
 
 constexpr std::string_view axis_letters = "XYZA";
 constexpr AxisSet every_axis = (1u << max_axes) - 1;
-constexpr std::uint64_t clocks_per_ms = 1000 * clocks_per_us;
 
 /// The settings of a machine whose axis A is what the sides of a gantry are apart.
 settings::Values with_racking(const settings::Values& own, int ganged_axis) {
@@ -49,19 +48,17 @@ GcodeError Controller::begin_homing(std::string_view axes) {
   if (state_ == MachineState::alarm) unlock();
   state_ = MachineState::home;
   stopped_ = false;
-  homing_alarm_ = 0;
-  homing_wait_ = 0;
-  homing_runs_start_up_ = axes.empty();
   return GcodeError::none;
 }
 
 /// Goes on where the machine stands.
 void Controller::work_homing() {
-  if (!program_.idle() || !motion_.at_rest() || now_ < homing_wait_) return;
-  if (homing_alarm_ != 0) {
+  if (!program_.idle() || !motion_.at_rest()) return;
+  if (homing_.alarm() != 0) {
     const Masked masked(mask_);
-    return raise_alarm(homing_alarm_);
+    return raise_alarm(homing_.alarm());
   }
+  if (homing_.waits(now_)) return;
   const stepper::MotionState at = motion_.generator().state();
   StepPosition steps{};
   for (int a = 0; a < max_axes; ++a) steps[index(a)] = at.axis[index(a)].step();
@@ -69,8 +66,7 @@ void Controller::work_homing() {
     case Homing::Next::move:
       return go_homing();
     case Homing::Next::wait:
-      homing_wait_ = now_ + homing_.wait_ms() * clocks_per_ms;
-      return;
+      return homing_.wait_from(now_);
     case Homing::Next::set_position: {
       end_program();
       const Masked masked(mask_);
@@ -103,7 +99,7 @@ void Controller::go_homing() {
 /// It ends with an alarm, as soon as the machine stands.
 void Controller::break_off_homing(std::uint8_t alarm) {
   guard_.drop();
-  if (homing_alarm_ == 0) homing_alarm_ = alarm;
+  homing_.give_up(alarm);
   program_.break_off();
 }
 
@@ -114,15 +110,15 @@ void Controller::end_homing() {
   end_program();
   reader_.lose_position();
   state_ = MachineState::idle;
-  if (homing_runs_start_up_) start_up_next_ = 0;
+  if (homing_.of_machine()) start_up_next_ = 0;
   answer(GcodeError::none);
 }
 
-/// An alarm has come.
+/// An alarm has come. Behind a reset nobody waits for an answer.
 void Controller::drop_homing() {
   if (!homing_.active()) return;
   homing_.end();
-  answer(GcodeError::locked);
+  if (!reset_due_) answer(GcodeError::locked);
 }
 
 }  // namespace lamplock::machine

@@ -272,6 +272,7 @@ void Controller::end_program() {
 
 // Called with beat and fill interrupts masked, as all of commit() is.
 [[gnu::hot]] void Controller::settle_program() {
+  if (reset_due_ && homing_.active()) return;  // that ends first, with its alarm
   if (beat_locked()) return settle_points();
   if (reset_due_) {
     if (motion_.at_rest() && !shots_.undecided()) finish_reset();

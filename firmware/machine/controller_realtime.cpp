@@ -44,7 +44,6 @@ void Controller::cancel_jog() {
 /// 0x18. In a job it may be one flipped bit: nothing is lost but time. Else it throws away what was
 /// typed and what is left of the program, and what still moves comes to rest on its path first.
 void Controller::reset() {
-  if (homing_.active()) return break_off_homing(alarm_homing_reset);
   if (wire_job() && state_ == MachineState::run) return hold(HoldReason::reset);
   if (wire_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
   link_.drop_line();
@@ -55,6 +54,7 @@ void Controller::reset() {
   shots_.permit(false, idle_reason());
   outputs_off();
   reset_due_ = true;
+  if (homing_.active()) return break_off_homing(alarm_homing_reset);
   // Of a job that was stopped nothing is left but to come to rest.
   if ((!program_.begun() && !beat_locked()) || !moves) return settle_program();
   if (beat_locked()) {

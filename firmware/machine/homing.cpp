@@ -15,6 +15,9 @@ constexpr std::int64_t seek_halves = 3, locate_pull_offs = 5;
 // How far one side of a gantry goes on alone: DUAL_AXIS_HOMING_FAIL_... of grbl 1.1.
 constexpr std::int32_t travels_per_bend = 20;
 constexpr std::int32_t least_bend_milli_mm = 2'500, most_bend_milli_mm = 25'000;
+constexpr std::uint32_t clocks_per_ms = 1000 * clocks_per_us;
+static_assert(settings::range(Id::homing_debounce).max_milli / 1000 <=
+              static_cast<int>(0xffffffff / clocks_per_ms));
 constexpr int gang_motor = Kinematics::gang_motor;
 /// Speed along the path over that of each axis, where so many go equally fast: sqrt(n), in 2^-16.
 constexpr std::array<std::uint32_t, max_axes + 1> roots_q16{0, 65536, 92682, 113512, 131072};
@@ -38,14 +41,15 @@ bool Homing::begin(const settings::Values& values, InputSet inputs, AxisSet want
     phase_masks_[index(i)] = without(static_cast<AxisSet>(mask & axes), any);  // each once
     any = static_cast<AxisSet>(any | phase_masks_[index(i)]);
   }
-  if (std::has_single_bit(unsigned{wanted})) {
+  of_machine_ = !std::has_single_bit(unsigned{wanted});
+  if (!of_machine_) {
     phase_masks_ = {axes};
     any = axes;
   }
   downwards_ = static_cast<AxisSet>(values.whole(Id::homing_direction));
   seek_um_min_ = static_cast<std::uint32_t>(values.milli(Id::homing_seek));
   locate_um_min_ = static_cast<std::uint32_t>(values.milli(Id::homing_feed));
-  wait_ms_ = static_cast<std::uint32_t>(values.whole(Id::homing_debounce));
+  wait_clocks_ = static_cast<std::uint32_t>(values.whole(Id::homing_debounce)) * clocks_per_ms;
   pull_off_milli_mm_ = values.milli(Id::homing_pull_off);
   passes_ = values.whole(Id::homing_passes);
   for (int a = 0; a < max_axes; ++a) {
@@ -60,6 +64,8 @@ bool Homing::begin(const settings::Values& values, InputSet inputs, AxisSet want
   phase_ = -1;
   left_ = 0;
   stage_ = Stage::phase;
+  alarm_ = 0;
+  wait_end_ = 0;
   active_ = any != 0;
   return active_;
 }

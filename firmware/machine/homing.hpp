@@ -1,7 +1,7 @@
 // Homing: finds the limit switches, and with them where the machine is.
 //
 // In:  settings; each time the machine stands: where, which switches are engaged, what the guard of
-//      the last move has met.
+//      the last move has met; that it is given up, and why.
 // Out: the next move and what its guard watches, a wait, a position; or how it has ended.
 // Who: the controller, main loop; nothing here takes time.
 //
@@ -44,7 +44,7 @@ class Homing {
   /// What is to be done next.
   enum class Next : std::uint8_t {
     move,               ///< as move() says
-    wait,               ///< for wait_ms(), standing
+    wait,               ///< standing, while waits()
     set_position,       ///< the machine stands at position(), then ask again
     done,               ///< all axes; end() is due, as behind what follows
     still_engaged,      ///< a switch does not let go
@@ -70,13 +70,22 @@ class Homing {
   void end() { active_ = false; }
   /// From begin() to end().
   bool active() const { return active_; }
+  /// All axes were asked for, not a single one.
+  bool of_machine() const { return of_machine_; }
+  /// It goes no further: this alarm is due when the machine stands. The first one counts.
+  void give_up(std::uint8_t alarm) {
+    if (alarm_ == 0) alarm_ = alarm;
+  }
+  /// That alarm; 0 = it goes on.
+  std::uint8_t alarm() const { return alarm_; }
   /// The axis that is squared, or -1.
   int squared_axis() const { return squared_axis_; }
 
   /// To be asked when the machine stands and a wait is over.
   Next next(const Rest& rest);
   const Move& move() const { return move_; }
-  std::uint32_t wait_ms() const { return wait_ms_; }
+  void wait_from(std::uint64_t clock) { wait_end_ = clock + wait_clocks_; }
+  bool waits(std::uint64_t clock) const { return clock < wait_end_; }
   const StepPosition& position() const { return position_; }
 
  private:
@@ -106,7 +115,7 @@ class Homing {
   std::array<AxisSet, phases> phase_masks_{};
   AxisSet downwards_ = 0;
   bool chain_ = false;
-  std::uint32_t seek_um_min_ = 0, locate_um_min_ = 0, wait_ms_ = 0;
+  std::uint32_t seek_um_min_ = 0, locate_um_min_ = 0, wait_clocks_ = 0;
   std::int32_t pull_off_milli_mm_ = 0, longest_travel_milli_mm_ = 0;
   std::int32_t passes_ = 1;
   PerAxis<std::int32_t> steps_per_mm_milli_{}, low_milli_mm_{}, high_milli_mm_{};
@@ -114,7 +123,9 @@ class Homing {
   std::int8_t squared_axis_ = -1;
   AxisSet sides_ = 0;  ///< that axis and A
 
-  bool active_ = false;
+  bool active_ = false, of_machine_ = false;
+  std::uint8_t alarm_ = 0;
+  std::uint64_t wait_end_ = 0;  ///< clock
   Stage stage_ = Stage::phase;
   int phase_ = 0;
   AxisSet left_ = 0;        ///< of the present phase mask, not homed

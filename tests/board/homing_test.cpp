@@ -14,6 +14,7 @@ namespace {
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::StartsWith;
 
 constexpr std::int32_t end_steps = 50 * 200, pull_off_steps = 200;
@@ -190,11 +191,91 @@ TEST(HomingFaults, DoorResetAndEstopAtAnyMoment) {
     m.host.run_ms(300);
     const char* alarms[] = {"ALARM:7", "ALARM:6", "ALARM:10"};
     EXPECT_THAT(m.host.said(), Contains(alarms[what]));
-    EXPECT_THAT(m.host.answers(), ElementsAre("error:9"));
+    if (what == 1)
+      EXPECT_THAT(m.host.answers(), IsEmpty());  // a reset is answered by its banner
+    else
+      EXPECT_THAT(m.host.answers(), ElementsAre("error:9"));
     const StepPosition stood = m.loads();
     m.host.run_ms(300);
     EXPECT_EQ(m.loads(), stood);
     EXPECT_THAT(m.host.status(), StartsWith("<Alarm|"));
+  }
+}
+
+std::size_t steps_made(const Rig& rig) {
+  std::size_t steps = 0;
+  for (int axis = 0; axis < 3; ++axis) steps += rig.monitor.steps(axis).size();
+  return steps;
+}
+
+/// As grbl has it: the alarm, then the banner, once the machine stands. What waits is gone, the
+/// line that is half there too, and nobody answers it; homing anew works.
+TEST(HomingFaults, AResetDropsWhatWaitsAndIsToldOfOnce) {
+  std::mt19937_64 random(17);
+  job::Profile profile = homing_profile();
+  profile.settings.set_milli(Id::laser_mode, 1000);
+  int resets = 0, while_moving = 0;
+  for (int round = 0; round < scaled(40); ++round) {
+    SCOPED_TRACE(fmt::format("round {}", round));
+    const SwitchPlan plan{.start = {300, -2000, 5000, 0}};
+    MachineWithSwitches m(profile, plan);
+    m.host.send(random() % 3 == 0 ? "$HY\n" : "$H\n");
+    m.host.send("M3 S1000\nG1 X20 F6000\n$100=160\nM8\nG0 X-");
+    m.host.run(static_cast<sim::Picoseconds>(random() % 2'500'000) * ps_per_us);
+    if (!m.host.answers().empty()) continue;  // it was over by then
+    ++resets;
+    const std::size_t before = steps_made(m.rig);
+    m.host.send(reset_byte);
+    if (random() % 2 == 0) m.host.send(reset_byte);
+    m.host.run_ms(100);  // 100 mm/s at 2 m/s2 brakes in 50 ms
+    const StepPosition stood = m.loads();
+    if (steps_made(m.rig) != before) ++while_moving;
+    m.host.run_ms(400);
+    EXPECT_EQ(m.loads(), stood);
+    EXPECT_THAT(m.host.said(),
+                ElementsAre("ALARM:6", "Grbl 1.1h ['$' for help]", "[MSG:'$H'|'$X' to unlock]"));
+    EXPECT_THAT(m.host.status(), StartsWith("<Alarm|"));
+    EXPECT_EQ(m.rig.board.world().beam().openings(), 0u);
+    EXPECT_FALSE(m.rig.board.bus().level(sim::Pin::air));
+    EXPECT_EQ(m.rig.board.world().drives().total_faults(), 0u);
+    EXPECT_THAT(m.host.ask("$X\n"), ElementsAre("[MSG:Caution: Unlocked]", "ok"));
+    EXPECT_THAT(m.host.status(), StartsWith("<Idle|"));
+    EXPECT_EQ(m.loads(), stood);
+    // Behind a switch by more than a pull-off it is ALARM:8, and nearer than before.
+    const int most = 4;
+    for (int i = 0; i < most && m.home().back() != "ok"; ++i) {
+    }
+    EXPECT_EQ(m.host.answers().back(), "ok");
+    expect_homed(m, plan, 7);
+    EXPECT_EQ(m.rig.board.controller().values().milli(Id::steps_per_mm_x),
+              profile.settings.milli(Id::steps_per_mm_x));
+  }
+  EXPECT_GT(while_moving, 0);
+  EXPECT_GT(resets, while_moving) << "never while it waited";
+}
+
+/// The e-stop, or a door, comes while it still brakes: one alarm, and the banner all the same.
+TEST(HomingFaults, AnEStopBehindAResetIsToldOfAndTheResetToo) {
+  std::mt19937_64 random(19);
+  for (int round = 0; round < scaled(12); ++round) {
+    SCOPED_TRACE(fmt::format("round {}", round));
+    MachineWithSwitches m(homing_profile(), {});
+    m.host.send("$HX\n");
+    ASSERT_TRUE(m.wait_for([&] { return m.loads()[0] > 2000; }));
+    m.host.send(reset_byte);
+    const bool estop = round % 2 == 0;
+    const auto later = static_cast<sim::Picoseconds>(2000 + random() % 28'000) * ps_per_us;
+    m.rig.board.world().schedule(estop ? sim::Pin::estop : sim::Pin::door, true,
+                                 m.rig.board.now() + later);
+    m.host.run_ms(300);
+    EXPECT_THAT(m.host.answers(), IsEmpty());
+    std::vector<std::string> alarms, banners;
+    for (const std::string& line : m.host.said()) {
+      if (line.starts_with("ALARM:")) alarms.push_back(line);
+      if (line.starts_with("Grbl")) banners.push_back(line);
+    }
+    EXPECT_THAT(alarms, ElementsAre(estop ? "ALARM:10" : "ALARM:6"));
+    EXPECT_EQ(banners.size(), 1u);
   }
 }
 
