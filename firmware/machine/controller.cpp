@@ -241,7 +241,8 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
   if (input == Input::limit_z && second_switch_at_z(kinematics, stored_)) input = Input::limit_a;
   const InputSet bit = set_of(input);
   inputs_ = static_cast<InputSet>(active ? inputs_ | bit : inputs_ & ~unsigned{bit});
-  if (guard_.see(input, active, kinematics.loads_of(at))) program_.break_off();
+  if (!parking_.holds_machine() && guard_.see(input, active, kinematics.loads_of(at)))
+    program_.break_off();
   input_wait_.see(input, active);
   switch (input) {
     case Input::estop:
@@ -253,20 +254,9 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
       break;
     case Input::door:
       door_open_ = active;
-      if (active && parking_.stay_away()) program_.break_off_aside();
-      if (active && state_ == MachineState::home) {
-        break_off_homing(alarm_homing_door);
-      } else if (active && jogging_) {
-        cancel_jog();
-      } else if (active && (state_ == MachineState::run || state_ == MachineState::hold)) {
-        state_ = MachineState::door;
-        hold_reason_ = HoldReason::none;
-        if (moving_) runner_.brake();
-        moving_ = false;
-        program_.hold();
-        shots_.permit(false, BeatReason::door);
-        begin_parking();
-      } else if (!active && job_ && state_ == MachineState::door) {
+      if (active) {
+        open_door();
+      } else if (job_ && state_ == MachineState::door) {
         state_ = MachineState::hold;  // a closed door waits for somebody to say go on
         hold_reason_ = HoldReason::host;
       }
@@ -289,6 +279,7 @@ void Controller::stopped_at(const StepPosition& motors) {
   program_.halt();
   reader_.lose_position();
   runner_.generator().set_motors(motors);
+  forget_racking();
 }
 
 void Controller::raise_alarm(std::uint8_t number) {

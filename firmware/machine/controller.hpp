@@ -394,7 +394,8 @@ class Controller {
   static void change_override(std::uint8_t& percent, int by);
   void end_overrides_of_program();
   void toggle_check();
-  // Parking (controller_parking.cpp).
+  // Doors and parking (controller_parking.cpp).
+  void open_door();
   void begin_parking();
   void work_parking();
   bool come_back();
@@ -405,6 +406,8 @@ class Controller {
   void break_off_homing(std::uint8_t alarm);
   void end_homing();
   void drop_homing();
+  StepPosition steps_at_rest() const;
+  [[gnu::cold]] void forget_racking();
   bool work_probe();
   void begin_probe();
   bool end_probe();

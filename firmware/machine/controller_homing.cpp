@@ -59,10 +59,7 @@ void Controller::work_homing() {
     return raise_alarm(homing_.alarm());
   }
   if (homing_.waits(now_)) return;
-  const stepper::MotionState at = motion_.generator().state();
-  StepPosition steps{};
-  for (int a = 0; a < max_axes; ++a) steps[index(a)] = at.axis[index(a)].step();
-  switch (homing_.next({steps, inputs_, guard_})) {
+  switch (homing_.next({steps_at_rest(), inputs_, guard_})) {
     case Homing::Next::move:
       return go_homing();
     case Homing::Next::wait:
@@ -114,10 +111,26 @@ void Controller::end_homing() {
   answer(GcodeError::none);
 }
 
+StepPosition Controller::steps_at_rest() const {
+  const stepper::MotionState at = motion_.generator().state();
+  StepPosition steps{};
+  for (int a = 0; a < max_axes; ++a) steps[index(a)] = at.axis[index(a)].step();
+  return steps;
+}
+
+/// However the sides of a gantry stand, nothing but homing moves one against the other.
+void Controller::forget_racking() {
+  if (motion_.generator().kinematics().ganged_axis() < 0) return;
+  StepPosition steps = steps_at_rest();
+  steps[Kinematics::gang_motor] = 0;
+  motion_.generator().set_position(steps);
+}
+
 /// An alarm has come. Behind a reset nobody waits for an answer.
 void Controller::drop_homing() {
   if (!homing_.active()) return;
   homing_.end();
+  forget_racking();
   if (!reset_due_) answer(GcodeError::locked);
 }
 

@@ -5,10 +5,11 @@ namespace lamplock::machine {
 
 using wire::MachineState;
 
-/// Everything that programs have switched, and what they wanted to. Beat and fill masked.
+/// Everything that programs have switched, the laser as well, and what they wanted to: no light
+/// before it is asked for again. Beat and fill masked.
 void Controller::outputs_off() {
   program_outputs_.all_off();
-  reader_.stop_coolant();
+  reader_.switch_off();
   input_wait_.end();
 }
 

@@ -31,7 +31,7 @@ void Controller::on_line_too_long() { on_line(lost_line); }
 
 [[gnu::hot]] void Controller::work_lines() {
   if (homing_.active()) return work_homing();
-  for (int i = 0; i < most_lines; ++i) {
+  for (int i = 0; i < most_lines && !homing_.active(); ++i) {
     if (reader_.line_open() && !finish_line()) break;
     if (reset_due_ || program_.cancelling() || program_.batch_waits()) break;
     // Behind a cancelled jog, until the machine stands where the next line begins.

@@ -47,6 +47,8 @@ void Controller::reset() {
   if (wire_job() && state_ == MachineState::run) return hold(HoldReason::reset);
   if (wire_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
   link_.drop_line();
+  guard_.drop();
+  if (parking_.holds_machine()) program_.break_off_aside();
   parking_.end();
   const bool moves = !motion_.at_rest();
   reader_.clear();
@@ -125,8 +127,14 @@ void Controller::on_realtime(std::uint8_t byte) {
   if (byte == '?') return send_status_line();
   const Masked masked(mask_);
   switch (byte) {
-    case '!':
     case byte_door:
+      // In a job it may be one flipped bit.
+      if (!wire_job() && state_ != MachineState::idle) {
+        open_door();
+        break;
+      }
+      [[fallthrough]];
+    case '!':
       hold(HoldReason::realtime);
       break;
     case '~':
@@ -137,7 +145,10 @@ void Controller::on_realtime(std::uint8_t byte) {
       reset();
       break;
     case byte_jog_cancel:
-      if (jogging_) cancel_jog();
+      if (jogging_)
+        cancel_jog();
+      else
+        lines_at_cancel_ = reader_.lines();  // jogs that wait are dropped
       break;
     default:
       if (!toggle_coolant(byte)) override_byte(byte);

@@ -146,13 +146,15 @@ Homing::Next Homing::begin_phase(const Rest& rest) {
 
 /// How far an approach goes.
 std::int64_t Homing::way_milli_mm() const {
-  if (pass_ != 0) return std::int64_t{pull_off_milli_mm_} * locate_pull_offs;
-  if (!side_left()) return std::int64_t{longest_travel_milli_mm_} * seek_halves / 2;
+  const std::int64_t way = pass_ != 0 ? std::int64_t{pull_off_milli_mm_} * locate_pull_offs
+                                      : std::int64_t{longest_travel_milli_mm_} * seek_halves / 2;
+  if (!side_left()) return way;
   const std::int32_t travel = high_milli_mm_[gang_motor] - low_milli_mm_[gang_motor];
   const std::int32_t bend = travel / travels_per_bend;
-  return bend < least_bend_milli_mm  ? least_bend_milli_mm
-         : bend > most_bend_milli_mm ? most_bend_milli_mm
-                                     : bend;
+  const std::int32_t most = bend < least_bend_milli_mm  ? least_bend_milli_mm
+                            : bend > most_bend_milli_mm ? most_bend_milli_mm
+                                                        : bend;
+  return way < most ? way : most;
 }
 
 /// Those that have not found their switch yet go on; one side of a gantry alone.

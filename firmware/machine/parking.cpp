@@ -31,8 +31,9 @@ void Parking::begin(const settings::Values& values) {
   called_back_ = false;
   const std::int32_t steps_per_mm = values.milli(Id::steps_per_mm_z);
   pull_out_steps_ = steps_from_milli(values.milli(Id::parking_pull_out), steps_per_mm);
-  target_q64_ =
-      stepper::middle_of_step(steps_from_milli(values.milli(Id::parking_target), steps_per_mm));
+  const std::int32_t target = steps_from_milli(values.milli(Id::parking_target), steps_per_mm);
+  const std::int32_t highest = work_space(values).max[axis];
+  target_q64_ = stepper::middle_of_step(target < highest ? target : highest);
   slow_q62_ = speed_of(Id::parking_slow, values);
   fast_q62_ = speed_of(Id::parking_fast, values);
 }

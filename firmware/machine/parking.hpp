@@ -39,13 +39,15 @@ class Parking {
   }
   /// The program is to go on: false if nothing of parking stands in its way.
   bool call_back() { return called_back_ = stage_ != Stage::off; }
-  /// A door has opened once more: the tool stays away. True if it is on its way back, which is to be
-  /// broken off; before that there is nothing but the program's own way to rest, or the way up.
+  /// A door has opened once more: the tool stays away. True if it is on its way back, which is to
+  /// be broken off; before that there is nothing but the program's own way to rest, or the way up.
   bool stay_away() {
     called_back_ = false;
     return comes_back();
   }
   Stage stage() const { return stage_; }
+  /// It has the machine: the program is at rest.
+  bool holds_machine() const { return stage_ != Stage::off && stage_ != Stage::stopping; }
   /// On its way back, or about to be.
   bool comes_back() const { return stage_ == Stage::returning || stage_ == Stage::lowering; }
 

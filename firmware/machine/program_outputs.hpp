@@ -41,11 +41,15 @@ class ProgramOutputs {
   }
   /// Lines that would have come are not taken.
   void drop_next() { next_waits_ = false; }
-  /// A line begins: false while there is no room for what it takes along.
-  bool attach() {
+  /// A line begins: false while there is no room for what it takes along. `idle`: every line before
+  /// was run, and those that moved nothing have left their changes behind, which this one outdates.
+  bool attach(bool idle) {
     if (!next_waits_) return true;
-    if (queue_.full()) return false;
-    queue_.push(0, next_aux_);
+    if (queue_.full()) {
+      if (!idle) return false;
+      queue_.clear();
+    }
+    queue_.push(next_aux_);
     next_waits_ = false;
     return true;
   }

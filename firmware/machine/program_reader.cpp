@@ -186,7 +186,7 @@ bool ProgramReader::prepare_beam() {
 [[gnu::hot]] bool ProgramReader::take_changes() {
   if (jogs_) return true;
   if (lock_ == BeatLock::off) {
-    if (!outputs_.attach()) return false;
+    if (!outputs_.attach(runner_.idle())) return false;
     target_.changes = outputs_.mark();
     return true;
   }

@@ -128,8 +128,8 @@ class ProgramReader {
     interpreter_.toggle_mist();
     put_air();
   }
-  /// It is off, and so the modal state says.
-  void stop_coolant() { interpreter_.stop_coolant(); }
+  /// Spindle and coolant are off, and so the modal state says.
+  void switch_off() { interpreter_.switch_off(); }
   bool astray() const { return astray_; }
   /// Where it is, if that was lost; nothing is under way.
   void find_position(const stepper::MotionState& at, const settings::Values& values);

@@ -96,24 +96,35 @@ bool ProgramRunner::set_pulses(std::uint32_t milli_per_mm, std::uint32_t length_
 }
 
 void ProgramRunner::cancel() {
-  if (begun_ && !idle()) orders_.cancel = true;
+  if (begun_ && !idle() && !broken_off_) orders_.cancel = true;
 }
 
 void ProgramRunner::break_off() {
   if (!begun_ || broken_off_) return;
   planning_.hand_over().recall();
-  segments_.clear();
   brakes_ = 0;
   staged_ = lost_ = stands_ = false;
   resting_ = drained_ = broken_off_ = true;
-  orders_.held = orders_.cancel = false;
+  orders_.cancel = false;
+  brake_at_once(rest_.tick);
+}
+
+/// Every axis at its limit, instead of what is handed out; but not where that comes to rest sooner,
+/// at `rest_tick`: with little jerk a brake that is begun anew takes longer than one under way.
+void ProgramRunner::brake_at_once(std::uint64_t rest_tick) {
   const stepper::MotionState head = generator_.state();
-  end_tick_ = head.tick;
-  if (!generator_.running()) return;
+  if (!generator_.running()) {
+    segments_.clear();
+    end_tick_ = head.tick;
+    return;
+  }
   const stepper::Segment brake =
       motion::make_brake(head, brake_limits_, generator_.accelerations_q62());
+  const bool rests_sooner = rest_tick > head.tick && rest_tick <= brake.end.tick;
+  end_tick_ = rests_sooner ? rest_tick : brake.end.tick;
+  if (rests_sooner) return;
+  segments_.clear();
   generator_.replace(brake);
-  end_tick_ = brake.end.tick;
   clock_.set_motion_end(end_tick_);
 }
 
@@ -128,15 +139,7 @@ void ProgramRunner::run_aside(const stepper::Segment& motion) {
   clock_.set_motion_end(end_tick_);
 }
 
-void ProgramRunner::break_off_aside() {
-  segments_.clear();
-  if (!generator_.running()) return;
-  const stepper::Segment brake =
-      motion::make_brake(generator_.state(), brake_limits_, generator_.accelerations_q62());
-  generator_.replace(brake);
-  end_tick_ = brake.end.tick;
-  clock_.set_motion_end(end_tick_);
-}
+void ProgramRunner::break_off_aside() { brake_at_once(end_tick_); }
 
 bool ProgramRunner::stands_aside() const {
   const bool knows = drained_ || given_.held;
@@ -144,7 +147,7 @@ bool ProgramRunner::stands_aside() const {
 }
 
 bool ProgramRunner::wants_batch() const {
-  if (drained_ && !orders_.cancel) return false;
+  if (broken_off_ || (drained_ && !orders_.cancel)) return false;
   // Held, at rest and told so: nothing comes of another one.
   if (resting_ && given_.held && orders_ == given_ && !lost_) return false;
   return resting_ || lost_ || end_tick_ < generator_.head() + horizon_ticks;

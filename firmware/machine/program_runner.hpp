@@ -76,8 +76,9 @@ class ProgramRunner {
   bool held() const { return orders_.held; }
   /// Comes to rest on the path and forgets all lines; none are taken until idle().
   void cancel();
-  /// Comes to rest at once, each axis as it can, beside the path if need be: what was taken is
-  /// gone, and nothing is taken until the next begin(), which is due when idle(). Masked.
+  /// Comes to rest at once, each axis as it can, beside the path if need be, or where it is braked
+  /// to already if that is sooner: what was taken is gone, and nothing is taken until the next
+  /// begin(), which is due when idle(). A hold stays. Masked.
   [[gnu::cold]] void break_off();
   bool broken_off() const { return broken_off_; }
 
@@ -127,6 +128,7 @@ class ProgramRunner {
   void write(std::uint32_t i, stepper::Segment& segment) const;
   void miss();
   void finish_batch();
+  void brake_at_once(std::uint64_t rest_tick);
 
   lamp::BeatClock& clock_;
   stepper::SegmentQueue& segments_;

@@ -105,8 +105,24 @@ std::int64_t falling_from(std::int64_t accel) {
   return whole_units(accel / (twice - 1) * twice);
 }
 
-/// A brake from a speed and an acceleration. Its acceleration falls first; or, where the axis
-/// brakes already, last.
+/// A brake that has begun: its acceleration stays for so long, and falls then.
+AxisProfile brake_that_goes_on(std::int64_t v0, std::uint32_t stay, std::uint32_t fall) {
+  AxisProfile p;
+  p.speed_q62 = v0;
+  p.lead_ticks = stay;
+  p.tail_ticks = fall;
+  p.tail_ramp = falling_ramp;
+  // The fall changes the speed by 4/7 of its time at the acceleration before it.
+  const std::int64_t sevenths = 7 * std::int64_t{stay} + 4 * std::int64_t{fall};
+  p.lead_accel_q62 = whole_units(-v0 / sevenths * 7);
+  p.tail_accel_q62 =
+      whole_units((-v0 - p.lead_accel_q62 * static_cast<std::int64_t>(p.lead_ticks)) /
+                  static_cast<std::int64_t>(fall / 2));
+  return p;
+}
+
+/// A brake from a speed and an acceleration. Its acceleration falls first; or last, where the axis
+/// brakes already and is at rest sooner so.
 AxisProfile make_jerk_brake(std::int64_t v0, std::int64_t accel, const AxisBrake& axis) {
   AxisProfile p;
   p.speed_q62 = v0;
@@ -119,17 +135,11 @@ AxisProfile make_jerk_brake(std::int64_t v0, std::int64_t accel, const AxisBrake
     p.lead_ramp = falling_ramp;
     const std::int64_t after = p.cruise_speed_q62();
     if (v0 != 0 && (v0 < 0) != (accel < 0) && (after == 0 || (after < 0) == (v0 < 0))) {
-      p.lead_ticks = braking_ticks(after, abs64(accel));
-      p.lead_ramp = 0;
-      p.tail_ticks = fall;
-      p.tail_ramp = falling_ramp;
-      // The fall changes the speed by 4/7 of its time at the acceleration before it.
-      const std::int64_t sevenths = 7 * std::int64_t{p.lead_ticks} + 4 * std::int64_t{fall};
-      p.lead_accel_q62 = whole_units(-v0 / sevenths * 7);
-      p.tail_accel_q62 =
-          whole_units((-v0 - p.lead_accel_q62 * static_cast<std::int64_t>(p.lead_ticks)) /
-                      static_cast<std::int64_t>(fall / 2));
-      return p;
+      const AxisProfile held = brake_that_goes_on(v0, braking_ticks(after, abs64(accel)), fall);
+      if (after == 0) return held;
+      add_brake(p, axis);
+      set_turns(p);
+      return p.ticks() < held.ticks() ? p : held;
     }
   }
   add_brake(p, axis);

@@ -70,8 +70,11 @@ class Interpreter {
   void toggle_flood() { state_->modal.flood = !state_->modal.flood; }
   void toggle_mist() { state_->modal.mist = !state_->modal.mist; }
 
-  /// They are off, whoever has seen to that.
-  void stop_coolant() { state_->modal.flood = state_->modal.mist = false; }
+  /// Spindle and coolant are off, whoever has seen to that.
+  void switch_off() {
+    state_->modal.flood = state_->modal.mist = false;
+    state_->modal.spindle = Spindle::off;
+  }
 
   /// After power-up and soft reset: modal state as it is by default, nothing left to do. Position
   /// and parameters stay.

@@ -22,7 +22,6 @@ namespace lamplock::stepper {
 struct OutputChange {
   std::uint32_t due_tick = 0;  ///< lower half of its number
   std::uint16_t level = 0;     ///< 65535 = on
-  std::uint8_t port = 0;
 };
 
 class ChangeQueue {
@@ -30,50 +29,56 @@ class ChangeQueue {
   static constexpr std::uint32_t capacity = 16;
 
   // Main loop.
-  bool full() const { return end_ - applied_ == capacity; }
-  bool empty() const { return applied_ == end_; }
+  bool full() const { return load(end_) - load(applied_) == capacity; }
+  bool empty() const { return load(applied_) == load(end_); }
   /// There must be room.
-  void push(std::uint8_t port, std::uint16_t level) {
-    OutputChange& change = changes_[end_ % capacity];
-    change.port = port;
-    change.level = level;
-    end_ = end_ + 1;
+  void push(std::uint16_t level) {
+    changes_[load(end_) % capacity].level = level;
+    store(end_, load(end_) + 1);
   }
   /// For the line that begins behind what was pushed; 0 = nothing waits for one.
   std::uint8_t mark() const {
-    return granted_ == end_ ? std::uint8_t{0} : static_cast<std::uint8_t>(is_mark | end_);
+    const std::uint32_t end = load(end_);
+    return load(granted_) == end ? std::uint8_t{0} : static_cast<std::uint8_t>(is_mark | end);
   }
   /// Drops them all.
   void clear() {
-    granted_ = end_;
-    applied_ = end_;
+    store(granted_, load(end_));
+    store(applied_, load(end_));
   }
 
   // Fill interrupt.
   /// What waits up to there is due at `tick`.
   void grant(std::uint8_t mark, std::uint64_t tick) {
-    const std::uint32_t count = (mark - granted_) & places;
-    if (mark == 0 || count > end_ - granted_) return;
+    const std::uint32_t granted = load(granted_), count = (mark - granted) & places;
+    if (mark == 0 || count > load(end_) - granted) return;
     for (std::uint32_t i = 0; i < count; ++i)
-      changes_[(granted_ + i) % capacity].due_tick = static_cast<std::uint32_t>(tick);
-    granted_ = granted_ + count;
+      changes_[(granted + i) % capacity].due_tick = static_cast<std::uint32_t>(tick);
+    store(granted_, granted + count);
   }
 
   // Beat interrupt.
   /// The tick of some change is known.
-  bool waits() const { return applied_ != granted_; }
+  bool waits() const { return load(applied_) != load(granted_); }
   /// The next one, if waits().
-  const OutputChange& front() const { return changes_[applied_ % capacity]; }
-  void pop() { applied_ = applied_ + 1; }
+  const OutputChange& front() const { return changes_[load(applied_) % capacity]; }
+  void pop() { store(applied_, load(applied_) + 1); }
 
  private:
   static constexpr std::uint32_t is_mark = 0x80, places = is_mark - 1;
   static_assert(2 * capacity <= places);
 
+  static void store(std::uint32_t& word, std::uint32_t value) {
+    __atomic_store_n(&word, value, __ATOMIC_SEQ_CST);
+  }
+  static std::uint32_t load(const std::uint32_t& word) {
+    return __atomic_load_n(&word, __ATOMIC_SEQ_CST);
+  }
+
   std::array<OutputChange, capacity> changes_{};
-  volatile std::uint32_t end_ = 0;      ///< written by the main loop
-  volatile std::uint32_t granted_ = 0;  ///< by fill
-  volatile std::uint32_t applied_ = 0;  ///< by beat
+  std::uint32_t end_ = 0;      ///< written by the main loop
+  std::uint32_t granted_ = 0;  ///< by fill
+  std::uint32_t applied_ = 0;  ///< by beat
 };
 
 }  // namespace lamplock::stepper

@@ -48,6 +48,8 @@ class MotionJudge final : public sim::TickListener {
   /// The planner's own rounding, well under a percent.
   static constexpr double margin = 1.002;
 
+  /// Homing tells axes that stand where they are.
+  void expect_homing() { homes_ = true; }
   const std::string& fault() const { return fault_; }
   /// Seconds from the first tick that moved to the last one, of the present motion.
   double moved_s() const { return static_cast<double>(last_ - first_) * tick_s; }
@@ -68,7 +70,8 @@ class MotionJudge final : public sim::TickListener {
       Axis& axis = at_[index(a)];
       const Int128 place = run.position_after(skipped);
       // At rest it may settle in the middle of its step.
-      const bool settles = axis.speed == 0 && place.hi() == axis.place.hi();
+      const bool settles = homes_ ? axis.speed <= 2 * rules_[index(a)].accel
+                                  : axis.speed == 0 && place.hi() == axis.place.hi();
       if (known_ && !(place == axis.place) && !settles) note(a, played.from, "jumps", 0, 0);
       axis.place = run.position_after(skipped + ticks);
       if (!played.block.moving || run.stands()) {
@@ -148,7 +151,7 @@ class MotionJudge final : public sim::TickListener {
   Kinematics kinematics_;
   PerAxis<Rules> rules_{};
   PerAxis<Axis> at_{};
-  bool known_ = false;
+  bool known_ = false, homes_ = false;
   std::uint64_t first_ = 0, last_ = 0, moving_ticks_ = 0;
   double hardest_ = 0;
   std::deque<Sample> samples_;

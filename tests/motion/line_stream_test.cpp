@@ -54,7 +54,6 @@ TEST_P(Overrides, AndHoldsAtRandomMomentsKeepLimitsAndEndWhereTheyShould) {
         rig.planner().set_rapid_percent(static_cast<std::uint32_t>(25u << random() % 3));
       if (random() % (4 * every) == 0) {
         rig.planner().hold();
-        const double v = rig.segments().empty() ? 0 : rig.speed_mm_s(rig.segments().back());
         const double t = rig.seconds();
         const std::size_t before = rig.segments().size();
         rig.run();
@@ -62,7 +61,9 @@ TEST_P(Overrides, AndHoldsAtRandomMomentsKeepLimitsAndEndWhereTheyShould) {
         ASSERT_TRUE(rig.planner().at_rest());
         ASSERT_TRUE(rig.at().at_rest());
         const double ticks = 3e-6 * static_cast<double>(rig.segments().size() - before);
-        if (!jerk) {
+        if (!jerk && rig.segments().size() != before) {
+          // Where it begins to brake: whole ticks make a little of a corner of every junction.
+          const double v = rig.start_mm_s(rig.segments()[before]);
           ASSERT_LE(rig.seconds() - t, v / least_accel(m) * 1.004 + ticks);
         }
         rig.planner().resume();

@@ -16,7 +16,7 @@ using test::scaled;
 TEST(ChangeQueue, HasNoMarkWhileNothingWaits) {
   ChangeQueue queue;
   EXPECT_EQ(queue.mark(), 0);
-  queue.push(0, 1);
+  queue.push(1);
   const std::uint8_t mark = queue.mark();
   EXPECT_NE(mark, 0);
   EXPECT_FALSE(queue.waits());
@@ -50,7 +50,7 @@ TEST(ChangeQueue, GrantsEachChangeWithItsLineOrTheNext) {
             EXPECT_EQ(pushed - applied, ChangeQueue::capacity);
             break;
           }
-          queue.push(0, static_cast<std::uint16_t>(pushed++));
+          queue.push(static_cast<std::uint16_t>(pushed++));
           lines.push_back({queue.mark(), pushed});
           break;
         case 2:

@@ -1,0 +1,160 @@
+// Two or three events close together, in the midst of whatever the machine does: a key while it
+// brakes from another one, a reset behind a hold of a probe, a door on the way back from a door.
+// However they follow each other, every axis keeps its limits, and a reset, an unlock and a jog
+// later the machine does what the jog says and nothing else, in the dark.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "tests/board/machine_with_switches.hpp"
+#include "tests/board/motion_judge.hpp"
+
+namespace lamplock::test {
+namespace {
+
+enum class Machine { plain, jerk, core_xy, gantry };
+
+constexpr int side = Kinematics::gang_motor;
+
+/// What it is doing, lines that take seconds.
+constexpr std::array<std::string_view, 5> activities{
+    "M3 S1000\nG1 X20 Y5 Z-1 F3000\nG2 X20 Y-5 J-5 I0\nG1 X0 Y0 Z0\nG4 P0.1\nG1 X9\n",
+    "$J=G91 X40 Y10 F6000\n$J=G91 X5 F6000\n",
+    "M3 S500\nG1 X2 F3000\nG38.3 Z-20 X10 F1500\nG1 X8 F1000\n", "$H\n",
+    "M62 P0\nG1 X10 F6000\nM3 S800\nG1 X-40 Y30 F6000\nM63 P0\nG0 X0 Y0\n"};
+constexpr std::size_t homing = 3;
+
+class Events {
+ public:
+  Events(std::uint64_t seed, Machine kind) : random_(seed), profile_(profile_of(kind)) {
+    SwitchPlan plan;
+    plan.switches = {7000, 7000, 7000, 7000};  // inside of the work space
+    plan.bounce = {.make_us = 300, .break_us = 300};
+    std::vector<sim::WireConfig> more;
+    if (kind == Machine::gantry) {
+      plan.start[side] = 160;
+      plan.switches[side] = plan.switches[1];
+      more.push_back(limit_switch(side, plan));
+    }
+    machine_ = std::make_unique<MachineWithSwitches>(profile_, plan, std::move(more));
+    activity_ = random_() % activities.size();
+    judge_ = std::make_unique<MotionJudge>(machine_->rig.board, judged(kind), true);
+    if (activity_ == homing) judge_->expect_homing();
+    machine_->host.ask("$X\n");
+  }
+
+  void run() {
+    machine_->host.send(activities[activity_]);
+    run_ms(700);
+    for (std::uint64_t n = 2 + random_() % 2; n > 0; --n) {
+      make();
+      run_ms(random_() % 3 == 0 ? 400 : 60);
+    }
+    ASSERT_EQ(judge_->fault(), "") << told_;
+    comes_to_rest();
+    ASSERT_EQ(judge_->fault(), "") << told_;
+    jogs_in_the_dark();
+    ASSERT_EQ(judge_->fault(), "") << told_;
+  }
+
+ private:
+  static job::Profile profile_of(Machine kind) {
+    job::Profile profile = homing_profile();
+    settings::Values& s = profile.settings;
+    s.set_milli(Id::laser_mode, 1000);
+    s.set_milli(Id::hard_limits, 0);  // a switch may bounce while the machine leaves it
+    s.set_milli(Id::parking, 1000);
+    s.set_milli(Id::parking_fast, 6'000'000);
+    if (kind == Machine::jerk)
+      for (int a = 0; a < 3; ++a) s.set_milli(settings::for_axis(Id::jerk_x, a), 50'000);
+    if (kind == Machine::core_xy) s.set_milli(Id::kinematics, 1000);
+    if (kind == Machine::gantry) s.set_milli(Id::ganged_axis, 2000);
+    return profile;
+  }
+  /// Both sides of a gantry; homing goes wherever its switches are.
+  settings::Values judged(Machine kind) const {
+    settings::Values values = profile_.settings;
+    if (activity_ == homing) values.set_milli(Id::soft_limits, 0);
+    if (kind == Machine::gantry) values.set_milli(Id::axes, 4000);
+    return values;
+  }
+  void run_ms(double most) {
+    machine_->host.run_ms(std::uniform_real_distribution<>(0, most)(random_));
+  }
+  void set(sim::Pin pin, bool level) {
+    sim::World& world = machine_->rig.board.world();
+    world.schedule(pin, level, machine_->rig.board.now());
+  }
+  void make() {
+    static constexpr std::array<std::uint8_t, 7> bytes{'!', '~', 0x18, 0x84, 0x85, 0x91, '!'};
+    const std::uint64_t which = random_() % (bytes.size() + 4);
+    told_ += fmt::format("{} at {:.3f} ms; ", which,
+                         static_cast<double>(machine_->rig.board.now()) * 1e-9);
+    if (which < bytes.size()) return machine_->host.send(bytes[which]);
+    if (which < bytes.size() + 2) return set(sim::Pin::door, which == bytes.size());
+    set(sim::Pin::probe, which == bytes.size() + 2);
+  }
+
+  void comes_to_rest() {
+    set(sim::Pin::door, false);
+    set(sim::Pin::probe, false);
+    machine_->host.run_ms(1);
+    machine_->host.run_ms(300);  // a reset before has said so
+    const std::size_t before = banners();
+    machine_->host.send(std::uint8_t{0x18});
+    reset_ = machine_->rig.board.now();
+    ASSERT_TRUE(machine_->wait_for([&] { return banners() != before; })) << told_;
+    EXPECT_LT(machine_->rig.board.now() - reset_, 1000 * ps_per_ms) << told_;
+    machine_->host.ask("$X\n");
+    ASSERT_EQ(machine_->rig.state(), MachineState::idle) << told_;
+  }
+  std::size_t banners() const {
+    const auto& said = machine_->host.said();
+    return static_cast<std::size_t>(
+        std::count_if(said.begin(), said.end(),
+                      [](const std::string& line) { return line.starts_with("Grbl"); }));
+  }
+  void jogs_in_the_dark() {
+    MachineWithSwitches& m = *machine_;
+    const StepPosition before = m.host.position();
+    const std::int32_t side_before = m.loads()[side];
+    ASSERT_THAT(m.host.ask("$J=G91 G21 X-0.5 F600\n", 2), testing::ElementsAre("ok")) << told_;
+    m.host.run_ms(300);
+    StepPosition wanted = before;
+    wanted[0] -= 100;
+    EXPECT_EQ(m.host.position(), wanted) << told_;
+    EXPECT_EQ(m.loads()[side], side_before) << told_;
+    ASSERT_THAT(m.host.ask("G90 G1 Y0 F6000\n", 2), testing::ElementsAre("ok")) << told_;
+    set(sim::Pin::probe, true);  // nobody watches it any more
+    m.host.run_ms(2000);
+    EXPECT_EQ(m.host.position()[1], 0) << told_;
+    EXPECT_FALSE(m.rig.board.world().beam().shone(reset_ + ps_per_ms, m.rig.board.now())) << told_;
+  }
+
+  std::mt19937_64 random_;
+  job::Profile profile_;
+  std::unique_ptr<MachineWithSwitches> machine_;
+  std::unique_ptr<MotionJudge> judge_;
+  std::size_t activity_ = 0;
+  sim::Picoseconds reset_ = 0;
+  std::string told_;
+};
+
+class PairsOfEvents : public testing::TestWithParam<Machine> {};
+
+TEST_P(PairsOfEvents, LimitsAreKeptAndNothingIsLeftBehind) {
+  for (int i = 0; i < scaled(150); ++i) {
+    SCOPED_TRACE(fmt::format("round {}", i));
+    const auto seed = static_cast<std::uint64_t>(i) * 4 + static_cast<std::uint64_t>(GetParam());
+    Events(seed, GetParam()).run();
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfAMachine, PairsOfEvents,
+                         testing::Values(Machine::plain, Machine::jerk, Machine::core_xy,
+                                         Machine::gantry));
+
+}  // namespace
+}  // namespace lamplock::test
