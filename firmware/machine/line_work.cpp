@@ -41,6 +41,11 @@ Result LineWork::begin(const settings::Values& values, std::uint32_t beat_ticks,
   return Result::ok;
 }
 
+void LineWork::rejoin(const stepper::MotionState& at) {
+  // The batch before may not have been begun at all.
+  planner_.return_to(marked_ ? mark_ : planner_.mark(), at);
+}
+
 void LineWork::start(const LineOrders& orders) {
   orders_ = orders;
   count_ = 0;
@@ -56,8 +61,6 @@ void LineWork::obey() {
   if (orders_.pulses_milli != pulses_milli_)
     planner_.set_pulses(motion::LineReal(orders_.pulses_milli) / motion::LineReal(coarsest_milli_));
   pulses_milli_ = orders_.pulses_milli;
-  // The batch before may not have been begun at all.
-  if (orders_.rejoin) planner_.return_to(marked_ ? mark_ : planner_.mark(), orders_.at);
   if (orders_.cancel) {
     planner_.cancel();
     inbox_.clear();

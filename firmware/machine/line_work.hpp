@@ -1,6 +1,6 @@
 // A batch of lines of a program, planned by whoever plans.
 //
-// In:  lines (inbox), orders: overrides, hold, resume, cancel, or where to begin anew.
+// In:  lines (inbox), orders: overrides, hold, resume, cancel; where to begin anew.
 // Out: some segments, from where the batch before ended, and how the planner stands.
 // Called by the program runner while it is at home (hand_over.hpp), advance() by the main loop or
 // the core that plans: a batch of at most `most_segments` segments and `batch_ticks`, two to five
@@ -26,11 +26,9 @@ struct LineOrders {
   std::uint32_t pulses_milli = 0;  ///< a millimetre, of a laser's; for lines taken from now on
   bool held = false;
   bool cancel = false;  ///< come to rest, forget all lines
-  bool rejoin = false;  ///< the batch before was not run: the machine has come to rest at `at`
-  stepper::MotionState at;
   friend bool operator==(const LineOrders& a, const LineOrders& b) {
     return a.feed_percent == b.feed_percent && a.rapid_percent == b.rapid_percent &&
-           a.held == b.held && a.cancel == b.cancel && a.rejoin == b.rejoin;
+           a.held == b.held && a.cancel == b.cancel;
   }
 };
 
@@ -46,6 +44,8 @@ class LineWork {
                              const stepper::PowerTable& powers);
   LineInbox& inbox() { return inbox_; }
   const LineInbox& inbox() const { return inbox_; }
+  /// The batch before was not run: the machine has come to rest at `at`. Before start().
+  [[gnu::cold]] void rejoin(const stepper::MotionState& at);
   /// A new batch, with these orders.
   void start(const LineOrders& orders);
   /// What came of the batch will be run.

@@ -42,7 +42,7 @@ Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q
   lost_ = staged_ = broken_off_ = false;
   brakes_ = 0;
   end_tick_ = offset_ticks_ = 0;
-  orders_.held = orders_.cancel = orders_.rejoin = false;
+  orders_.held = orders_.cancel = false;
   given_ = orders_;
   lines_ = starvations_ = 0;
   return Result::ok;
@@ -170,11 +170,11 @@ void ProgramRunner::choose_pace() {
 }
 
 void ProgramRunner::hand_out() {
-  orders_.rejoin = lost_;
   if (lost_) {
     // The machine goes on from where the brake ends; in the planner's ticks.
-    orders_.at = rest_;
-    orders_.at.tick = rest_.tick - offset_ticks_;
+    stepper::MotionState at = rest_;
+    at.tick -= offset_ticks_;
+    planning_.lines().rejoin(at);
   }
   choose_pace();
   LineOrders paced = orders_;
@@ -182,7 +182,6 @@ void ProgramRunner::hand_out() {
   paced.rapid_percent = orders_.rapid_percent * pace_percent_ / full_pace;
   planning_.lines().start(paced);
   given_ = orders_;
-  orders_.rejoin = false;
   lost_ = staged_ = false;
   planning_.hand_over().hand_out();
 }

@@ -12,8 +12,9 @@
 //
 // What is handed out always ends at rest: behind it stands a brake, which the next batch replaces.
 // A batch that comes too late, because the other core or the main loop was slow, finds it begun:
-// the machine brakes beside its path then, by little, and goes on from there to the end of the line
-// that it was on. Nothing else leaves the path: holds and overrides are the planner's.
+// the machine brakes then, each axis by itself and dark, maybe beside its path, goes back dark to
+// where that began, and on from there as after a hold. Nothing else leaves the path: holds and
+// overrides are the planner's.
 //
 //   time:  past | filled (2 ms ahead) | committed, at most `horizon_ticks` | end_ | brake
 //
@@ -141,7 +142,7 @@ class ProgramRunner {
   bool drained_ = true;             ///< the planner has nothing left
   bool stands_ = true;              ///< idle()
   bool resting_ = true;             ///< what is handed out ends at rest, without a brake
-  bool lost_ = false;               ///< the brake was run: the next batch rejoins the path
+  bool lost_ = false;               ///< the brake was run: the next batch goes back to the path
   bool broken_off_ = false;         ///< the planner knows nothing of where the machine is
   bool staged_ = false;             ///< the batch lies in the queue, but for its first segment
   std::uint32_t brakes_ = 0;        ///< at the end of the queue: 0 or 1

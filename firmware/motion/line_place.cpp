@@ -2,6 +2,18 @@
 
 namespace lamplock::motion {
 
+LinePlace place_of(const stepper::MotionState& at) {
+  constexpr int half = 1 << (place_bits - 1);
+  LinePlace place;
+  for (std::size_t a = 0; a < max_axes; ++a) {
+    place.steps[a] = at.axis[a].step();
+    const auto top = static_cast<std::uint32_t>(at.axis[a].position_q64.lo() >> 32);
+    const int off = static_cast<int>(((top >> (31 - place_bits)) + 1) >> 1) - half;
+    place.off_q8[a] = static_cast<std::int8_t>(off < half ? off : half - 1);
+  }
+  return place;
+}
+
 WayParts way_between(const LinePlace& from, const LinePlace& to) {
   WayParts way;
   way.bits = place_bits;

@@ -57,17 +57,7 @@ constexpr Int128 position_of(const LinePlace& place, std::size_t a) {
 }
 
 /// The place nearest to where the machine is; it may be at an edge.
-inline LinePlace place_of(const stepper::MotionState& at) {
-  constexpr int half = 1 << (place_bits - 1);
-  LinePlace place;
-  for (std::size_t a = 0; a < max_axes; ++a) {
-    place.steps[a] = at.axis[a].step();
-    const auto top = static_cast<std::uint32_t>(at.axis[a].position_q64.lo() >> 32);
-    const int off = static_cast<int>(((top >> (31 - place_bits)) + 1) >> 1) - half;
-    place.off_q8[a] = static_cast<std::int8_t>(off < half ? off : half - 1);
-  }
-  return place;
-}
+LinePlace place_of(const stepper::MotionState& at);
 
 /// A displacement.
 struct WayParts {

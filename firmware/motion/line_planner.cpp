@@ -23,6 +23,15 @@ std::uint32_t within(std::uint32_t value, std::uint32_t low, std::uint32_t high)
 
 bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) < 0; }
 
+/// Off the edges of its step: the machine turns there.
+void keep_in_step(LinePlace& place) {
+  for (std::int8_t& off : place.off_q8)
+    off = static_cast<std::int8_t>(off < -most_off_q8  ? -most_off_q8
+                                   : off > most_off_q8 ? most_off_q8
+                                                       : off);
+  keep_in_motor_steps(place);
+}
+
 void set_bounds(const LineBounds& bounds, Line& line) {
   line.accel = LinePacked(bounds.accel);
   line.speed = LinePacked(bounds.speed);
@@ -50,7 +59,7 @@ void LinePlanner::start(const stepper::MotionState& at) {
 void LinePlanner::forget() {
   ring_.clear();
   lookahead_.reset();
-  begun_ = stop_ = settles_ = false;
+  begun_ = stop_ = settles_ = returns_ = false;
   ++forgets_;
   speed_ = {};
   last_ = {};
@@ -145,18 +154,20 @@ void LinePlanner::cap(const LineCap& cap) {
 
 void LinePlanner::begin_line() {
   const Line& line = ring_.at(ring_.begin());
-  way_.way = way_between(place_of(at_), line);
   way_.target = line;
+  if (returns_) way_.target = back_;
+  way_.way = way_between(place_of(at_), way_.target);
   longest_ = 0;
   for (int a = 1; a < max_axes; ++a)
     if (abs64(way_.way.parts[index(a)]) > abs64(way_.way.parts[index(longest_)])) longest_ = a;
-  length_ = line.length();
+  length_ = returns_ ? make_shape(way_.way, limits_).length : line.length();
   // It has none if the machine stands at its end since return_to().
   way_.per_length = is_zero(length_) ? LineReal() : LineReal::power(-way_.way.bits) / length_;
+  begun_ = whole_ = true;
+  if (returns_) return;
   // What feed and length say, for the time itself is not kept.
   time_left_ = line.timed ? length_ / line.feed.real() : LineReal();
   beam_.begin(line, length_, way_, longest_);
-  begun_ = whole_ = true;
 }
 
 LineReal LinePlanner::task_speed(const Line& line, const LineTask& task) const {
@@ -167,16 +178,22 @@ LineReal LinePlanner::task_speed(const Line& line, const LineTask& task) const {
 }
 
 LineTask LinePlanner::task() {
-  const Line& line = ring_.at(ring_.begin());
   LineTask task;
   task.length = whole_ ? length_ : length_left(way_, length_, longest_, at_);
   task.start = speed_;
-  task.end = square_root(lookahead_.exit_speed_2(ring_, factor_, limits_.rise));
-  task.accel = line.accel.real();
   task.rise = &limits_.rise;
-  task.speed = task_speed(line, task);
   task.stop = held_;
   task.slice_ticks = line_slice_ticks;
+  if (returns_) {
+    const LineBounds bounds = make_bounds(make_shape(way_.way, limits_), limits_);
+    task.accel = bounds.accel;
+    task.speed = bounds.speed * factor_.rapid;
+    return task;
+  }
+  const Line& line = ring_.at(ring_.begin());
+  task.end = square_root(lookahead_.exit_speed_2(ring_, factor_, limits_.rise));
+  task.accel = line.accel.real();
+  task.speed = task_speed(line, task);
   return task;
 }
 
@@ -186,22 +203,28 @@ bool LinePlanner::next(LineSegment& out) {
   if (!begun_) begin_line();
   const LineTask todo = task();
   const LineRun run = make_run(todo);
-  const Line& line = ring_.at(ring_.begin());
+  if (returns_) out = {};
   make_segment(at_, way_, run, axes_, !limits_.rise.none(), out.segment);
-  out.segment.ends_point = run.whole;
-  out.segment.point = line.line;
-  out.segment.changes = static_cast<std::uint8_t>(line.changes);
-  out.line = line.line;
-  out.ends_line = run.whole;
-  out.rapid = line.rapid;
-  out.settles = false;
-  out.power_start = power(line, run.start);
-  out.power_cruise = power(line, run.cruise);
-  out.power_end = power(line, run.end);
-  beam_.write(line, todo.length, out.segment);
+  out.settles = returns_;
+  const Line& line = ring_.at(ring_.begin());
+  out.line = out.segment.point = line.line;
+  if (!returns_) write(line, todo, run, out);
   at_ = out.segment.end;
   advance(run);
   return true;
+}
+
+/// What the line says of a segment of it.
+void LinePlanner::write(const Line& line, const LineTask& task, const LineRun& run,
+                        LineSegment& out) {
+  out.segment.ends_point = run.whole;
+  out.segment.changes = static_cast<std::uint8_t>(line.changes);
+  out.ends_line = run.whole;
+  out.rapid = line.rapid;
+  out.power_start = power(line, run.start);
+  out.power_cruise = power(line, run.cruise);
+  out.power_end = power(line, run.end);
+  beam_.write(line, task.length, out.segment);
 }
 
 void LinePlanner::advance(const LineRun& run) {
@@ -210,9 +233,13 @@ void LinePlanner::advance(const LineRun& run) {
   if (!is_zero(time_left_))
     time_left_ = difference(time_left_, LineReal(run.ticks()) * factor_.feed);
   if (!run.whole) return;
+  begun_ = false;
+  if (returns_) {
+    returns_ = false;
+    return;
+  }
   beam_.end(ring_.at(ring_.begin()));
   ring_.pop();
-  begun_ = false;
 }
 
 /// At rest after cancel(): to the middle of the step, then all is forgotten.
@@ -238,36 +265,46 @@ bool LinePlanner::settle(LineSegment& out) {
 
 LinePlanner::Mark LinePlanner::mark() const {
   const LineReal length = ring_.empty() ? LineReal() : ring_.at(ring_.begin()).length();
-  return {ring_.begin(), forgets_, length, beam_.place()};
+  return {ring_.begin(), forgets_, length, settles_ || returns_ ? back_ : place_of(at_),
+          beam_.place()};
 }
 
 void LinePlanner::return_to(const Mark& mark, const stepper::MotionState& at_rest) {
   at_ = at_rest;
   speed_ = {};
-  begun_ = false;
+  begun_ = returns_ = false;
   settles_ = true;
+  // Where it settles.
+  back_ = place_of(at_);
+  back_.off_q8 = {};
   // A cancel that was through by then stays so.
   if (mark.forgets == forgets_) {
     ring_.return_to(mark.begin);
-    if (!ring_.empty()) beam_.return_to(mark.beam, ring_.at(ring_.begin()), mark.length);
+    LinePlace place = mark.place;
+    if (ring_.empty()) {
+      settles_ = false;  // it stood there, and still does
+    } else {
+      beam_.return_to(mark.beam, ring_.at(ring_.begin()), mark.length);
+      keep_in_step(place);
+      returns_ = !is_zero(make_shape(way_between(back_, place), limits_).length);
+    }
+    back_ = place;
   }
   lookahead_.reset();
   measure_again();
 }
 
-/// The first line comes from elsewhere, the middle of a step (settles_): its length, what it
-/// allows, and the corner at its end.
+/// The first line comes from elsewhere, the middle of a step: its length, what it allows, and the
+/// corner at its end.
 void LinePlanner::measure_again() {
-  LinePlace here = place_of(at_);
-  here.off_q8 = {};
   if (ring_.empty()) {
-    end_ = here;
+    end_ = back_;
     last_ = {};
     reset_chords();
     return;
   }
   Line& line = ring_.at(ring_.begin());
-  const LineShape shape = make_shape(way_between(here, line), limits_);
+  const LineShape shape = make_shape(way_between(back_, line), limits_);
   line.set_length(shape.length);
   if (!is_zero(shape.length)) set_bounds(make_bounds(shape, limits_), line);
   if (ring_.size() == 1) {

@@ -25,8 +25,9 @@
 //   mark()  next() next() next()  ...too late, the machine brakes...  return_to(mark, where it
 //   stands)
 //
-// Then the lines are as they were, and the machine goes straight from where it stands to the end of
-// the line that was under way.
+// Then the lines are as they were, and the machine goes straight back, as a rapid and dark, to the
+// place where it was at the mark, and on from there: nothing of the path is left out, nor is
+// anything lit beside it.
 //
 // Lines end where the program says, to 1/256 step, and not in the middle of steps
 // (line_place.hpp): the staircase of steps is within half a step of the line everywhere, and a
@@ -59,7 +60,8 @@ struct LineSegment {
   std::uint32_t line = 0;  ///< that of the target
   bool ends_line = false;  ///< its end is the target
   bool rapid = false;
-  /// Less than a step, after cancel() or return_to(); may be longer than a slice.
+  /// Of no line: to the middle of a step after cancel() or return_to(), where it may be longer than
+  /// a slice, and the way back behind the latter.
   bool settles = false;
 };
 
@@ -84,15 +86,15 @@ class LinePlanner {
     std::uint32_t begin = 0;    ///< of the ring
     std::uint32_t forgets = 0;  ///< how often all was forgotten before
     LineReal length;            ///< of the first line
+    LinePlace place;            ///< where the path goes on
     LineBeam::Place beam;
   };
   Mark mark() const;
   /// The machine stands at `at_rest`, anywhere, and what next() made since the mark was not run.
-  /// Nothing was pushed since. All lines are there again, the first one from where the machine
-  /// stands (at the feed that its time asked for, if it is timed); overrides, hold and cancel set
-  /// since stay in force. The next segment may be a settling
-  /// to the middle of the step.
-  void return_to(const Mark& mark, const stepper::MotionState& at_rest);
+  /// Nothing was pushed since. All lines are there again, the first one from where it was at
+  /// the mark (at the feed that its time asked for, if it is timed); overrides, hold and cancel set
+  /// since stay in force. The next segments settle to the middle of the step and go back.
+  [[gnu::cold]] void return_to(const Mark& mark, const stepper::MotionState& at_rest);
 
   /// 10 to 200; acts on what is not handed out. Never above the machine's limits.
   void set_feed_percent(std::uint32_t percent);
@@ -127,7 +129,8 @@ class LinePlanner {
   void cap(const LineCap& cap);
   LineTask task();
   LineReal task_speed(const Line& line, const LineTask& task) const;
-  void measure_again();
+  void write(const Line& line, const LineTask& task, const LineRun& run, LineSegment& out);
+  [[gnu::cold]] void measure_again();
   bool end_cancel(LineSegment& out);
   bool settle(LineSegment& out);
   std::uint32_t settling_ticks() const;
@@ -141,6 +144,7 @@ class LinePlanner {
   LineLookahead lookahead_;
   bool held_ = false, cancelled_ = false;
   bool settles_ = false;       ///< it has to go to the middle of the step first
+  bool returns_ = false;       ///< and then to `back_`: the line under way is the one to there
   std::uint32_t forgets_ = 0;  ///< how often all was forgotten
 
   // The end of the ring.
@@ -149,6 +153,8 @@ class LinePlanner {
   bool stop_ = false;  ///< at its end
   LineReal recent_;    ///< mean length of the last lines, times as many
   LineChords short_chords_, long_chords_, gentle_chords_;
+
+  LinePlace back_;  ///< where it left the path
 
   // The line under way: the first in the ring.
   stepper::MotionState at_;

@@ -232,9 +232,10 @@ inline void LineRig::look_at_joint(const LineSegment& line) const {
     return;
   }
   const LineSegment& before = segments_.back();
-  const bool exact = !before.ends_line && !line.ends_line;
-  const double share =
-      exact ? 0 : 4.0 / line.segment.ticks + (before.ends_line ? 4.0 / before.segment.ticks : 0);
+  // A way back (settles) comes out exactly at its end, as a line does.
+  const auto fits = [](const LineSegment& s) { return s.ends_line || s.settles; };
+  const double share = (fits(line) || fits(before) ? 4.0 / line.segment.ticks : 0) +
+                       (fits(before) ? 4.0 / before.segment.ticks : 0);
   // What is left to rounding where speeds with pulses are looked for.
   const double noise = line_limits_.rise.none() ? 1e-7 : 0x1p-11;
   ASSERT_NEAR(start, end, std::max(start, end) * (share + noise) + 1e-6 + tick_of_accel());

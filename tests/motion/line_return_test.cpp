@@ -64,18 +64,18 @@ TEST_P(Returns, AtRandomMomentsLimitsAreKeptAndTheEndIsExact) {
 
 INSTANTIATE_TEST_SUITE_P(Jerk, Returns, testing::Bool());
 
-/// What is left of a path from where the machine stands; its own first line only to be begun at.
-std::vector<LineTarget> rest_of(const LineRig& rig, const std::vector<LineTarget>& targets,
-                                std::size_t first) {
+/// What is left of a path from a place on it; its own first line only to be begun at.
+std::vector<LineTarget> rest_of(const motion::LinePlace& place,
+                                const std::vector<LineTarget>& targets, std::size_t first) {
   LineTarget here;
   here.rapid = here.exact_stop = true;
-  for (std::size_t a = 0; a < max_axes; ++a) here.steps[a] = rig.at().axis[a].step();
+  static_cast<motion::LinePlace&>(here) = place;
   std::vector<LineTarget> rest{here};
   rest.insert(rest.end(), targets.begin() + static_cast<std::ptrdiff_t>(first), targets.end());
   return rest;
 }
 
-TEST(LineReturn, CornersBehindItAreJudgedFromWhereTheMachineStands) {
+TEST(LineReturn, CornersBehindItAreJudgedFromWhereItLeftThePath) {
   for (int i = 0; i < scaled(30); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9950);
@@ -87,16 +87,18 @@ TEST(LineReturn, CornersBehindItAreJudgedFromWhereTheMachineStands) {
     for (std::size_t k = 0; k < known; ++k) rig.push(targets[k]);
     const std::uint64_t count = 1 + random() % (known > 2 ? 40 : 4);
     for (std::uint64_t k = 0; k < count; ++k) rig.step();
-    if (rig.segments().empty()) continue;  // all that was known is shorter than a step
-    const LineSegment& last = rig.segments().back();
+    if (rig.segments().empty()) continue;  // lines of no length
+    const LineSegment last = rig.segments().back();
     const std::size_t first = last.line + (last.ends_line ? 1 : 0);
     rig.miss(random() % 9);
-    const std::size_t before = rig.segments().size();
+    std::size_t before = rig.segments().size();
+    stepper::MotionState here = rig.at();
     for (std::size_t k = known; k < targets.size(); ++k) rig.push(targets[k]);
-    const auto rest = rest_of(rig, targets, first);
-    const LineReference best(m, rest, false);
     rig.run();
     ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
+    for (; before < rig.segments().size() && rig.segments()[before].settles; ++before)
+      here = rig.segments()[before].segment.end;
+    const LineReference best(m, rest_of(motion::place_of(here), targets, first), false);
     for (std::size_t k = before; k < rig.segments().size(); ++k) {
       const LineSegment& s = rig.segments()[k];
       if (!s.ends_line) continue;
@@ -104,6 +106,62 @@ TEST(LineReturn, CornersBehindItAreJudgedFromWhereTheMachineStands) {
       ASSERT_LE(rig.speed_mm_s(s), best.end_mm_s(line) * (1 + 1e-4) + 0.05 * rig.tick_of_accel());
     }
   }
+}
+
+/// Straight back and dark, however often and whatever comes in between, and then on from there.
+TEST(LineReturn, GoesBackInTheDarkToWhereItLeftThePath) {
+  int ways = 0;
+  for (int i = 0; i < scaled(40); ++i) {
+    SCOPED_TRACE(testing::Message() << "path " << i);
+    LineRandom random(static_cast<std::uint64_t>(i) + 9930);
+    LineMachine m = random_machine(random);
+    if (i % 3 == 0) limit_jerk(random, m);
+    auto targets = random_lines(random, m, 60, between(random, 0.5, 20));
+    for (LineTarget& t : targets) {
+      t.laser = random() % 2 == 0 ? motion::LinePower::constant : motion::LinePower::proportional;
+      t.power = 40'000;
+    }
+    LineRig rig(m);
+    rig.look_at_ticks(20'000);
+    for (const LineTarget& t : targets) rig.push(t);
+    const std::uint64_t count = 1 + random() % 60;
+    for (std::uint64_t k = 0; k < count; ++k) rig.step();
+    const stepper::MotionState left = rig.at();
+    if (rig.planner().idle()) continue;
+    rig.miss(random() % 9);
+    // Too late again on the way, or held there.
+    std::size_t before = rig.segments().size();
+    for (std::uint64_t more = random() % 3; more != 0; --more) {
+      while (random() % 3 != 0 && rig.step() && rig.segments().back().settles) {
+      }
+      if (rig.segments().size() > before && !rig.segments().back().settles) break;
+      rig.miss(random() % 5, [&] {
+        if (random() % 2 == 0) rig.planner().hold();
+      });
+      ASSERT_EQ(rig.step(), !rig.planner().held());
+      rig.planner().resume();
+    }
+    while (rig.segments().size() == before || rig.segments().back().settles) {
+      ASSERT_TRUE(rig.step());
+      ASSERT_FALSE(testing::Test::HasFatalFailure());
+    }
+    for (; rig.segments()[before].settles; ++before) {
+      const LineSegment& s = rig.segments()[before];
+      ++ways;
+      ASSERT_FALSE(s.ends_line || s.segment.shines);
+      ASSERT_EQ(s.power_start + s.power_cruise + s.power_end, 0);
+    }
+    // Its own place but for the edges of the step.
+    const stepper::Segment& on = rig.segments()[before].segment;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(m.axes); ++a) {
+      const Int128 begin =
+          on.end.axis[a].position_q64 - (stepper::displacement_q62(on.axis[a]) << 2);
+      const Int128 off = begin - left.axis[a].position_q64;
+      ASSERT_LT(std::fabs(std::ldexp(static_cast<double>(native(off)), -64)), a < 2 ? 0.3 : 0.04)
+          << a;
+    }
+  }
+  EXPECT_GT(ways, 30);
 }
 
 TEST(LineReturn, ATimedLineTakesWhatWasLeftOfItsTime) {
@@ -121,10 +179,14 @@ TEST(LineReturn, ATimedLineTakesWhatWasLeftOfItsTime) {
     while (rig.seconds() < 0.5 * seconds) rig.step();
     const double before = rig.seconds();
     rig.miss(1 + random() % 8);
-    const double missed = rig.seconds() - before;
+    while (rig.step() && rig.segments().back().settles) {
+    }
+    const LineSegment& first = rig.segments().back();
+    ASSERT_FALSE(first.settles);
+    // What the brake and the way back took comes on top.
+    const double missed = static_cast<double>(first.segment.start_tick) * 1e-6 - before;
     rig.run();
     ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
-    // What the brake and the way to the middle of the step took comes on top.
     ASSERT_NEAR(rig.seconds(), seconds + missed, 0.002 * seconds + 0.01);
   }
 }

@@ -2,6 +2,7 @@
 
 #include "firmware/boards/rp2040/fire/beam_output.hpp"
 #include "firmware/boards/rp2040/last_run.hpp"
+#include "firmware/boards/rp2040/program_pins.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 #include "firmware/boards/rp2040/registers/pio.hpp"
 #include "shared/boards/pico_pins.hpp"
@@ -24,6 +25,7 @@ void make_outputs_safe() {
   force_low(boards::gpio(Role::shot_enable));
   force_low(boards::gpio(Role::lamp_trigger));
   BeamOutput::close();
+  ProgramPins::end_pwm();
   pio1().ctrl = 0;  // TICK
   pio0().ctrl = 0;
 }

@@ -7,7 +7,7 @@
 //      peripheral is off for all of them.
 // Who: apply(): beat interrupt, when the lattice has come to a change, and the main loop with it
 //      masked. The e-stop's interrupt takes all of them down with the shutters, whose pins they are
-//      in another map (BeamOutput::close()), but for AUX OUT as PWM, which apply() ends.
+//      in another map (BeamOutput::close()), and AUX OUT as PWM by end_pwm().
 //
 // Touches the pins only where something else is wanted than the last time. Maps have all of these
 // pins, AIR alone, or none.
@@ -59,6 +59,14 @@ class ProgramPins {
     applied_ = wanted;
     put(outputs);
   }
+  /// AUX OUT is low as PWM, too (e-stop, priority 0): what is compared is in force from the next
+  /// wrap on, which is due with the next clock, and until then the counter is above all of it.
+  /// Other maps leave this slice alone.
+  [[gnu::always_inline]] static void end_pwm() {
+    PwmSliceRegisters& slice = pwm().slice[pwm_slice(aux_gpio)];
+    slice.cc = 0;
+    slice.ctr = laser_pwm_counts - 1;
+  }
   /// The pins may be off by another hand.
   void forget() { applied_ = nothing; }
 
@@ -68,6 +76,7 @@ class ProgramPins {
   static_assert(air_gpio == *boards::find_gpio(boards::PinMap::cut, boards::Role::air));
   static constexpr unsigned aux_gpio =
       *boards::find_gpio(boards::PinMap::cut_io, boards::Role::aux_out);
+  static_assert(pwm_slice(aux_gpio) != pwm_slice(boards::gpio(boards::Role::laser_pwm)));
   static constexpr unsigned z_gpio =
       *boards::find_gpio(boards::PinMap::cut_io, boards::Role::z_enable);
   static constexpr std::uint32_t nothing = ~0u;  ///< no wanted value

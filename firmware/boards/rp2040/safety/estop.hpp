@@ -1,12 +1,13 @@
 // The e-stop: everything off within a fraction of a microsecond, whatever the rest is doing.
 //
 // In:  rising edge of the e-stop pin (normally closed contact: high = pressed or wire broken).
-// Out: FIRE and TICK stand still; Q-switch, trigger, gate, ARM, PWM and shutters low; a flag
-//      for the main loop, which tells the core and starts the lattice again without motion; when
-//      that was, since lamp edges go on while the main loop is still away.
+// Out: FIRE and TICK stand still; Q-switch, trigger, gate, ARM, PWM, shutters and the outputs of
+//      programs low; a flag for the main loop, which tells the core and starts the lattice again
+//      without motion; when that was, since lamp edges go on while the main loop is still away.
 // Who: interrupt() from IO_IRQ_BANK0, alone at priority 0, nothing masks it longer than 1 us.
-//      Budget: 1.25 us with entry and return. The first 8 of its 14 stores switch everything off,
-//      the last of them 64 cycles (0.5 us) after the handler's first instruction.
+//      Budget: 1.25 us with entry and return. The first 8 of its 16 stores switch all energy off,
+//      the last of them 64 cycles (0.5 us) after the handler's first instruction; AUX OUT as PWM
+//      follows with the next two.
 //
 // The pads stay low until release_pads(), when the core has left the e-stop state; the trigger's
 // until the lattice runs again.
@@ -17,6 +18,7 @@
 #include "firmware/boards/rp2040/fire/beam_output.hpp"
 #include "firmware/boards/rp2040/fire/fire_unit.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
+#include "firmware/boards/rp2040/program_pins.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 #include "firmware/boards/rp2040/registers/timer.hpp"
 #include "shared/boards/pico_pins.hpp"
@@ -41,6 +43,7 @@ class Estop {
     force_low(boards::gpio(boards::Role::shot_enable));
     force_low(boards::gpio(boards::Role::laser_pwm));
     BeamOutput::close();
+    ProgramPins::end_pwm();
     if (!cut_) cut_us_ = timer().timerawl;
     cut_ = true;
   }
