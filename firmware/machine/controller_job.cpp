@@ -139,6 +139,7 @@ lamp::ShotRules Controller::shot_rules(const settings::Values& values) const {
 
 Result Controller::on_begin(const wire::JobHeader& header) {
   refused_value_ = 0;
+  if (header.mode > wire::highest_join_mode) return Result::unsupported;
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
   if (loader_requested_) return Result::busy;
   if (door_open_) return Result::door_open;
