@@ -5,9 +5,9 @@ namespace lamplock::machine {
 
 using wire::MachineState;
 
-/// A door has opened: programs park, jobs of points stay where they are.
+/// A door has opened: programs park, jobs stay where they are.
 void Controller::begin_parking() {
-  if (program_.begun() && !wire_job() && !beat_locked()) parking_.begin(values_);
+  if (program_.begun() && !framed_job() && !beat_locked()) parking_.begin(values_);
 }
 
 /// The program is to go on. True if the tool has to come back first.

@@ -62,6 +62,11 @@ class LineWork {
   bool drained() const { return planner_.idle() && inbox_.empty(); }
   /// Behind this batch the machine is at rest.
   bool ends_at_rest() const { return planner_.at_rest(); }
+  /// Number of the first line that does not end before this batch does; 0 = none is known.
+  std::uint32_t first_line() const {
+    if (!ring_.empty()) return ring_.at(ring_.begin()).line;
+    return inbox_.empty() ? 0 : inbox_.front().line;
+  }
   /// Lines known to the planner.
   std::uint32_t lines() const { return planner_.lines(); }
 

@@ -196,9 +196,7 @@ void ProgramRunner::miss() {
 }
 
 /// What was filled is not played yet: 2 ms of it. Ticks have got their length before they are.
-bool ProgramRunner::is_still() const {
-  return output_.at_rest() && clock_.next_tick() >= end_tick_ + timed_ticks;
-}
+bool ProgramRunner::is_still() const { return output_.at_rest() && played(end_tick_); }
 
 bool ProgramRunner::stands() const { return drained_ && is_still(); }
 
@@ -312,6 +310,16 @@ std::uint32_t ProgramRunner::free() const {
 
 std::uint32_t ProgramRunner::line() const {
   return begun_ && generator_.running() ? generator_.segment().point : 0;
+}
+
+std::uint32_t ProgramRunner::first_line_at_rest() const {
+  // A batch that was not run has taken its lines with it.
+  if (lost_ || staged_ || !planning_.hand_over().at_home() || !is_still()) return 0;
+  return planning_.lines().first_line();
+}
+
+bool ProgramRunner::played(std::uint64_t tick) const {
+  return clock_.next_tick() >= tick + timed_ticks;
 }
 
 }  // namespace lamplock::machine

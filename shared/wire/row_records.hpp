@@ -51,14 +51,14 @@ inline constexpr std::size_t max_row_line_size = 5 + 2 + 4 * max_axes;
 /// A record of runs but for these: head, count.
 inline constexpr std::size_t runs_record_size = 2;
 
-/// Appends one line and updates the state. False, and nothing written or changed, if it goes
-/// nowhere or too far or by an axis the machine lacks, if it has light without runs or feed, or
+/// Appends one line and updates the state. False, and nothing written or changed, if it goes too
+/// far or by an axis the machine lacks, if it has light without runs or feed or goes nowhere, or
 /// runs without light, or does not fit the writer.
 constexpr bool put_row_line(ByteWriter& out, RowState& state, const RowLine& line, int axes) {
   StepPosition deltas{};
   if (!detail::deltas_between(state.steps, line.steps, axes, deltas)) return false;
-  if (line.steps == state.steps || line.light != (state.runs != 0)) return false;
-  if (line.light && line.feed_milli == 0) return false;
+  if (line.light != (state.runs != 0)) return false;
+  if (line.light && (line.feed_milli == 0 || line.steps == state.steps)) return false;
   if (out.room() < max_row_line_size) return false;
   if (line.light && line.feed_milli != state.feed_milli) {
     out.put(head_feed);
@@ -117,8 +117,8 @@ constexpr Result take_row_line(ByteReader& in, std::uint8_t head, int axes, RowS
   line.steps = state.steps;
   line.light = (head & kind_mask) == kind_point;
   line.feed_milli = line.light ? state.feed_milli : 0;
-  if (line.light != (state.runs != 0) || state.steps == before) return Result::bad_value;
-  if (line.light && line.feed_milli == 0) return Result::bad_value;
+  if (line.light != (state.runs != 0)) return Result::bad_value;
+  if (line.light && (line.feed_milli == 0 || state.steps == before)) return Result::bad_value;
   state.runs = state.cells = 0;
   return Result::ok;
 }
