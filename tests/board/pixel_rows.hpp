@@ -145,8 +145,8 @@ inline CellLight cell_light(const Raster& raster, const PinMonitor& monitor, con
   constexpr double step_s = 0.1 / Raster::steps_per_pixel / Raster::speed_mm_s;
   // Beside an edge light may be the neighbour's.
   constexpr int margin = 2;
-  // A change of light is a tick beside its place; at a rest it is dark for about a step.
-  constexpr double tolerance_s = 1.5 * step_s;
+  // A change of light is a tick beside its place; about a rest it is dark for a step or two.
+  constexpr double tolerance_s = 2.5 * step_s;
   const LightMap map(raster, monitor, beam);
   CellLight result;
   double all = 0;

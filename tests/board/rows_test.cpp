@@ -2,6 +2,7 @@
 // do; dark at once where it has to be.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "tests/board/board_cable.hpp"
 #include "tests/board/pixel_rows.hpp"
@@ -105,6 +106,355 @@ TEST(Rows, OfGreyPixelsKeepTheirSpeed) {
     EXPECT_GT(judgement.slowest_mm_s, 0.98 * Raster::speed_mm_s);
     EXPECT_EQ(rows.host.status().starvations, 0u);
   }
+}
+
+/// Lost, flipped and doubled bytes, invented holds and resets, cut cables.
+TEST(Rows, AreBurntOnceWhateverTheCableDoes) {
+  const Faults all{.drop = 5e-4,
+                   .flip = 5e-4,
+                   .duplicate = 5e-4,
+                   .replay = 0.05,
+                   .stray_realtime = 1e-3,
+                   .cuts = 8,
+                   .cut_span = std::chrono::milliseconds(2000)};
+  const Faults kinds[] = {all, {.drop = 2e-3}, {.cuts = 10, .cut_span = all.cut_span}};
+  for (int i = 0; i < scaled(6); ++i) {
+    const auto seed = static_cast<std::uint64_t>(i);
+    RowRig rows(Raster(seed + 30, 5, 300, i % 2 == 0 ? 1 : 5),
+                {.faults = kinds[i % 3],
+                 .seed = seed,
+                 .most_runs = i % 2 == 0 ? wire::most_runs_a_line : 60,
+                 .most_bytes = i % 4 < 2 ? wire::max_payload : 60});
+    SCOPED_TRACE(testing::Message() << "seed " << i);
+    ASSERT_TRUE(rows.host.run(100));
+    rows.expect_burnt();
+    EXPECT_GT(rows.cable.faults_made(), 5);
+  }
+}
+
+/// Held at random moments, by the host or by a byte, at another speed behind that.
+TEST(Rows, GoOnInTheCellWhereTheyWereHeld) {
+  for (int i = 0; i < scaled(6); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 50), 4, 300, i % 2 == 0 ? 1 : 5));
+    int holds = 0;
+    const auto wait = [&](std::uint64_t most_ms) {
+      for (auto ms = 2 * (random() % most_ms); ms != 0 && !rows.host.done(); --ms) rows.host.step();
+    };
+    while (!rows.host.done() && rows.rig.board.now() < 60 * ps_per_s) {
+      wait(100);
+      if (random() % 2 == 0) {
+        rows.host.command(wire::Command::hold);
+        wait(200);
+        if (rows.host.status().state == MachineState::hold) ++holds;
+        rows.host.command(wire::Command::resume);
+        wait(20);
+      } else {
+        rows.cable.type(random() % 2 == 0 ? "!" : "\x18");
+      }
+      rows.host.command(wire::Command::job_speed, 20 + static_cast<std::uint32_t>(random() % 121));
+    }
+    ASSERT_TRUE(rows.host.done()) << i;
+    ASSERT_FALSE(rows.host.refused());
+    rows.expect_burnt();
+    EXPECT_GT(holds, 2);
+  }
+}
+
+/// A host that is slow, or silent for a while: the machine waits, dark, and goes on.
+TEST(Rows, WaitForWhatComesLate) {
+  for (int i = 0; i < scaled(4); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 60), 12, 300, 1),
+                {.most_runs = 20, .most_bytes = 60});
+    int rests = 0;
+    while (!rows.host.done() && rows.rig.board.now() < 60 * ps_per_s) {
+      rows.host.starve(random() % 2 == 0);
+      for (auto k = 100 + random() % 1500; k != 0; --k) rows.host.step();
+      const bool starved = rows.rig.board.controller().program().idle();
+      if (!starved || rows.host.done()) continue;
+      ++rests;
+      EXPECT_FALSE(rows.rig.board.bus().level(sim::Pin::laser_gate));
+      EXPECT_EQ(rows.rig.state(), MachineState::run);
+    }
+    ASSERT_TRUE(rows.host.done());
+    rows.expect_burnt();
+    EXPECT_GT(rests, 0);
+  }
+}
+
+/// Nobody speaks to the machine any more: held, at rest and dark.
+TEST(Rows, AreHeldByTheDeadMan) {
+  RowRig rows(Raster(3, 40, 300, 5));
+  job::state_setting(rows.machine, Id::dead_man, 300, "test");
+  Rig rig(rows.machine);
+  BoardCable cable(rig);
+  RowHost host(cable, rows.lines, row_header(rows.machine));
+  for (int k = 0; k < 2000; ++k) host.step();
+  ASSERT_EQ(rig.state(), MachineState::run);
+  rig.run(700 * ps_per_ms);
+  EXPECT_EQ(rig.status().state, MachineState::hold);
+  EXPECT_EQ(rig.status().hold_reason, HoldReason::dead_man);
+  const sim::Picoseconds dark = rig.board.now();
+  rig.run(ps_per_s);
+  EXPECT_FALSE(rig.board.world().beam().shone(dark, rig.board.now()));
+  EXPECT_FALSE(rig.monitor.stepped(dark, rig.board.now()));
+}
+
+struct Ending {
+  const char* name;
+  std::function<void(RowRig&)> act;
+  sim::Picoseconds dark_after;
+  MachineState state;
+};
+
+/// Stopped at random moments: dark from there on, and what is told to be done is.
+TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
+  const Ending endings[] = {
+      {"stop", [](RowRig& rows) { rows.host.command(wire::Command::stop); }, 3 * ps_per_ms,
+       MachineState::idle},
+      {"e-stop",
+       [](RowRig& rows) {
+         rows.rig.board.world().schedule(sim::Pin::estop, true, rows.rig.board.now() + ps_per_us);
+       },
+       20 * ps_per_us, MachineState::estop},
+      {"door",
+       [](RowRig& rows) {
+         rows.rig.board.world().schedule(sim::Pin::door, true, rows.rig.board.now() + ps_per_us);
+       },
+       3 * ps_per_ms, MachineState::door}};
+  for (int i = 0; i < scaled(18); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    const Ending& ending = endings[i % 3];
+    SCOPED_TRACE(testing::Message() << ending.name << ' ' << i);
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 80), 12, 200, 5), {.most_runs = 30});
+    rows.host.do_not_resume();
+    for (auto k = 400 + random() % 2400; k != 0; --k) rows.host.step();
+    ASSERT_EQ(rows.rig.state(), MachineState::run);
+    ending.act(rows);
+    const sim::Picoseconds at = rows.rig.board.now();
+    for (int k = 0; k < 600; ++k) rows.host.step();
+    EXPECT_FALSE(rows.rig.board.world().beam().shone(at + ending.dark_after, rows.rig.board.now()));
+    EXPECT_FALSE(rows.rig.board.bus().level(sim::Pin::laser_gate));
+    EXPECT_EQ(rows.rig.state(), ending.state);
+    EXPECT_EQ(rows.host.status().state, ending.state);
+    EXPECT_FALSE(rows.host.refused());
+  }
+}
+
+/// Another job goes on at the line that was told: those before it were burnt, once.
+TEST(Rows, GoOnAtTheFirstLineNotRun) {
+  for (int i = 0; i < scaled(12); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    SCOPED_TRACE(i);
+    // A row is a line or two.
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 90), 10, 200, 3),
+                {.most_runs = i % 2 == 0 ? wire::most_runs_a_line : 70});
+    rows.host.do_not_resume();
+    for (auto k = 2000 + random() % 3000; k != 0; --k) rows.host.step();
+    if (i % 3 == 0) rows.host.command(wire::Command::hold);
+    for (int k = 0; k < 400; ++k) rows.host.step();
+    rows.host.command(wire::Command::stop);
+    for (int k = 0; k < 400; ++k) rows.host.step();
+    const wire::Status told = rows.host.status();
+    ASSERT_EQ(told.state, MachineState::idle);
+    ASSERT_GT(told.first_unfired, 2u);
+    ASSERT_LT(told.first_unfired, rows.lines.size());
+    // Where a line was burnt in part it is burnt from its beginning; elsewhere nothing is.
+    wire::JobHeader header = row_header(rows.machine);
+    header.first_index = told.first_unfired;
+    header.origin_steps = rows.lines[told.first_unfired - 1].line.steps;
+    RowHost next(rows.cable, rows.lines, header, 78);
+    ASSERT_TRUE(next.run(60));
+    EXPECT_EQ(next.status().first_unfired, rows.lines.size());
+    rows.rig.run(5 * ps_per_ms);
+    const CellLight light =
+        cell_light(rows.raster, rows.rig.monitor, rows.rig.board.world().beam());
+    EXPECT_EQ(light.dark, 0);
+    EXPECT_LE(light.twice, rows.raster.columns());
+    EXPECT_LT(std::abs(light.elsewhere), 1e-3);
+    const std::int32_t row = header.origin_steps[1] / Raster::steps_per_pixel;
+    const CellLight behind =
+        cell_light(rows.raster, rows.rig.monitor, rows.rig.board.world().beam(),
+                   static_cast<std::size_t>(row) + 1);
+    EXPECT_EQ(behind.twice, 0);
+  }
+}
+
+/// What is done is never told too early, and soon enough.
+TEST(Rows, TellHowFarTheyAre) {
+  RowRig rows(Raster(7, 6, 200, 3), {.most_runs = 40});
+  std::uint32_t told = 0;
+  while (!rows.host.done() && rows.rig.board.now() < 60 * ps_per_s) {
+    rows.host.step();
+    const std::uint32_t first = rows.rig.status().first_unfired;
+    ASSERT_GE(first, told);
+    ASSERT_LE(first, rows.lines.size());
+    if (first > told && first < rows.lines.size()) {
+      // The machine is on this line, or has just left the one before.
+      const StepPosition& from = rows.lines[first - 1].line.steps;
+      const StepPosition& to = rows.lines[first].line.steps;
+      const auto at = [&](int axis) {
+        const auto& steps = rows.rig.monitor.steps(axis);
+        return steps.empty() ? 0 : steps.back().position;
+      };
+      constexpr int slack = 3 * 60 + 20;  // 3 ms at the highest speed
+      for (int axis = 0; axis < 2; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        EXPECT_GE(at(axis), std::min(from[a], to[a]) - slack);
+        EXPECT_LE(at(axis), std::max(from[a], to[a]) + slack);
+      }
+    }
+    told = first;
+  }
+  EXPECT_EQ(told, rows.lines.size());
+}
+
+/// The first line has light, and the machine is elsewhere: there first, dark.
+TEST(Rows, BeginAtTheOriginOfTheirFirstLine) {
+  RowRig rows(Raster(8, 2, 100, 3));
+  ProgramHost by_hand(rows.rig);
+  by_hand.ask("G21 G90 G0 X-30 Y20\n");
+  ASSERT_TRUE(by_hand.stand());
+  wire::JobHeader header = row_header(rows.machine);
+  header.origin_steps = rows.lines[0].line.steps;
+  header.first_index = 1;
+  RowHost host(rows.cable, rows.lines, header);
+  ASSERT_TRUE(host.run(30));
+  rows.expect_burnt();
+  // And programs know where the machine is.
+  by_hand.ask("G0 X0\n");
+  ASSERT_TRUE(by_hand.stand());
+  EXPECT_EQ(by_hand.position()[0], 0);
+  EXPECT_EQ(by_hand.position()[1], rows.lines.back().line.steps[1]);
+}
+
+TEST(Rows, OfADryJobAreTheSameWayInTheDark) {
+  const Raster raster(9, 3, 200, 3);
+  RowRig lit(raster), dark(raster);
+  ASSERT_TRUE(lit.host.run(30));
+  wire::JobHeader header = row_header(dark.machine);
+  header.dry = true;
+  RowHost host(dark.cable, dark.lines, header);
+  ASSERT_TRUE(host.run(30));
+  EXPECT_EQ(dark.rig.board.world().beam().openings(), 0u);
+  const auto &x = lit.rig.monitor.steps(0), &y = dark.rig.monitor.steps(0);
+  ASSERT_EQ(x.size(), y.size());
+  for (std::size_t i = 0; i < x.size(); ++i) ASSERT_EQ(x[i].position, y[i].position);
+}
+
+/// BEGIN, or the first frame, is refused.
+Result refusal(const job::Profile& machine, const std::vector<std::uint8_t>& records,
+               std::uint32_t* value = nullptr, std::uint32_t total = 100) {
+  Rig rig(machine);
+  rig.run(ps_per_ms);
+  machine::Controller& core = rig.board.controller();
+  wire::JobHeader header = row_header(machine);
+  header.mode = wire::mode_rows;
+  header.points_total = total;
+  Result result = core.on_begin(header);
+  if (result == Result::ok) result = core.on_data(records);
+  if (value != nullptr) *value = core.refused_value();
+  if (result != Result::ok) {
+    rig.run(100 * ps_per_ms);
+    EXPECT_TRUE(rig.monitor.nothing_happened());
+    EXPECT_EQ(rig.status().received, 0u);
+  }
+  return result;
+}
+
+TEST(Rows, ThatCannotBeAreRefusedWhole) {
+  job::Profile machine = raster_machine();
+  const std::vector<std::uint8_t> good{0xC3, 0, 0, 0, 1, 0xC4, 1, 0xE0, 0xFF, 0x01, 100};
+  const auto and_then = [&good](std::vector<std::uint8_t> bytes) {
+    bytes.insert(bytes.begin(), good.begin(), good.end());
+    return bytes;
+  };
+  EXPECT_EQ(refusal(machine, good), Result::ok);
+  std::uint32_t value = 0;
+  EXPECT_EQ(refusal(machine, and_then({0xC0, 0, 1, 0, 0})), Result::bad_frame);
+  EXPECT_EQ(refusal(machine, and_then({0x01})), Result::bad_frame);
+  EXPECT_EQ(refusal(machine, and_then({0x01, 1})), Result::bad_value);
+  EXPECT_EQ(refusal(machine, and_then({0x43, 0, 0, 1, 0}), &value), Result::out_of_bounds);
+  EXPECT_EQ(value, 1u);
+  EXPECT_EQ(refusal(machine, good, &value, 0), Result::bad_value);
+  std::vector<std::uint8_t> lines;
+  for (std::size_t i = 0; i < wire::most_lines_a_frame; ++i)
+    lines.insert(lines.end(), {0x41, static_cast<std::uint8_t>(i % 2 == 0 ? 1 : 255)});
+  EXPECT_EQ(refusal(machine, lines), Result::ok);
+  lines.insert(lines.end(), {0x41, 1});
+  EXPECT_EQ(refusal(machine, lines), Result::bad_value);
+  machine.settings.set_milli(Id::laser_mode, 0);
+  EXPECT_EQ(refusal(machine, good, &value), Result::bad_value);
+  EXPECT_EQ(value, settings::number(Id::laser_mode));
+}
+
+/// More than there is room for is not taken, whatever STATUS told; it is when there is room.
+TEST(Rows, AreNotTakenWithoutRoom) {
+  Rig rig(raster_machine());
+  rig.run(ps_per_ms);
+  machine::Controller& core = rig.board.controller();
+  wire::JobHeader header = row_header(raster_machine());
+  header.mode = wire::mode_rows;
+  header.points_total = 1000;
+  ASSERT_EQ(core.on_begin(header), Result::ok);
+  EXPECT_EQ(rig.status().free_runs, 1024u);
+  std::vector<std::uint8_t> frame{0xC3, 0, 0x87, 0x93, 3, 0xC4, 200};
+  frame.resize(frame.size() + 400, 0);
+  frame.insert(frame.end(), {0x01, 100});
+  for (std::uint32_t taken = 1; taken <= 5; ++taken) {
+    ASSERT_EQ(core.on_data(frame), Result::ok);
+    EXPECT_EQ(rig.status().free_runs, 1024 - 201 * taken);
+    EXPECT_EQ(rig.status().received, taken);
+  }
+  const std::uint32_t free_points = rig.status().free_points;
+  EXPECT_EQ(core.on_data(frame), Result::no_space);
+  EXPECT_EQ(rig.status().free_points, free_points);
+  EXPECT_EQ(rig.status().received, 5u);
+  rig.run(ps_per_s);
+  EXPECT_EQ(rig.status().free_runs, 1024u);
+  EXPECT_EQ(rig.status().first_unfired, 5u);
+  EXPECT_EQ(core.on_data(frame), Result::ok);
+  // Lines without light need no runs, but room they need.
+  std::vector<std::uint8_t> rapids;
+  for (std::size_t i = 0; i < wire::most_lines_a_frame; ++i)
+    rapids.insert(rapids.end(), {0x41, static_cast<std::uint8_t>(i % 2 == 0 ? 1 : 255)});
+  while (core.on_data(rapids) == Result::ok) {
+  }
+  EXPECT_LT(rig.status().free_points, wire::most_lines_a_frame);
+}
+
+/// Lines of text meanwhile: programs are refused, questions answered; nothing changes the job.
+TEST(Rows, TakeNoProgramsMeanwhile) {
+  RowRig rows(Raster(4, 4, 200, 3));
+  for (int k = 0; k < 500; ++k) rows.host.step();
+  ASSERT_EQ(rows.rig.state(), MachineState::run);
+  rows.cable.type("G0 X50\n$J=G91 X5 F100\n$G\n$32=0\n");
+  for (int k = 0; k < 40; ++k) rows.host.step();
+  std::vector<std::string> answers;
+  for (const std::string& text : rows.host.texts())
+    if (text == "ok" || text.starts_with("error:")) answers.push_back(text);
+  EXPECT_EQ(answers, (std::vector<std::string>{"error:8", "error:8", "ok", "error:8"}));
+  ASSERT_TRUE(rows.host.run(30));
+  rows.expect_burnt();
+}
+
+/// No shots, and a lamp's frequency is nothing to change; with a lamp the lattice follows it.
+TEST(Rows, FireNoShotsBesideALamp) {
+  const Raster raster(5, 3, 200, 3);
+  job::Profile machine = raster_machine();
+  machine.settings.set_milli(Id::lamp_mode, 1000);
+  Rig rig(machine);
+  BoardCable cable(rig);
+  RowHost host(cable, PixelLines(raster).lines(), row_header(machine));
+  for (int k = 0; k < 300; ++k) host.step();
+  ASSERT_EQ(rig.state(), MachineState::run);
+  EXPECT_EQ(rig.board.controller().on_command({wire::Command::lamp_frequency, 50'000}),
+            Result::unsupported);
+  ASSERT_TRUE(host.run(30));
+  EXPECT_TRUE(rig.monitor.fires().empty());
+  const CellLight light = cell_light(raster, rig.monitor, rig.board.world().beam());
+  EXPECT_EQ(light.right, raster.pixels());
 }
 
 }  // namespace
