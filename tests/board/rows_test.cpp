@@ -56,9 +56,6 @@ struct RowRig {
   RowHost host;
 };
 
-/// Power in proportion to the speed is right to about a count of LASER PWM.
-constexpr int flicker = 40;
-
 /// What the laser does, change by change.
 std::vector<std::uint16_t> powers_of(const sim::Beam& beam) {
   std::vector<std::uint16_t> powers;
