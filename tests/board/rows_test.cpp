@@ -179,6 +179,23 @@ TEST(Rows, GoOnInTheCellWhereTheyWereHeld) {
   }
 }
 
+/// A feed override, behind what was handed out.
+TEST(Rows, RunAtTheSpeedOfTheirJob) {
+  RowRig rows(Raster(20, 3, 200, 3));
+  rows.host.command(wire::Command::job_speed, 50);
+  ASSERT_TRUE(rows.host.run(30));
+  rows.expect_burnt();
+  const Raster::Judgement judgement =
+      rows.raster.judge(rows.rig.monitor, rows.rig.board.world().beam(), 0, flicker);
+  EXPECT_NEAR(judgement.slowest_mm_s, Raster::speed_mm_s / 2.0, 1);
+  // It ends with the job.
+  ProgramHost by_hand(rows.rig);
+  std::string status;
+  for (int i = 0; i < 30 && status.find("|Ov:") == std::string::npos; ++i)
+    status = by_hand.status();
+  EXPECT_NE(status.find("|Ov:100,100,100"), std::string::npos) << status;
+}
+
 /// A host that is slow, or silent for a while: the machine waits, dark, and goes on.
 TEST(Rows, WaitForWhatComesLate) {
   for (int i = 0; i < scaled(4); ++i) {
@@ -251,6 +268,12 @@ TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
     rows.host.do_not_resume();
     for (auto k = 400 + random() % 2400; k != 0; --k) rows.host.step();
     ASSERT_EQ(rows.rig.state(), MachineState::run);
+    // The next line has just been told to be run, which must not be too soon.
+    const std::uint32_t line = rows.rig.status().first_unfired;
+    if (i % 2 == 0) {
+      while (rows.rig.status().first_unfired == line)
+        rows.host.step(std::chrono::microseconds(250));
+    }
     ending.act(rows);
     const sim::Picoseconds at = rows.rig.board.now();
     for (int k = 0; k < 600; ++k) rows.host.step();
@@ -438,6 +461,17 @@ TEST(Rows, AreNotTakenWithoutRoom) {
   }
   const std::uint32_t free_points = rig.status().free_points;
   EXPECT_EQ(core.on_data(frame), Result::no_space);
+  // Of 19 places each line wants one for itself.
+  const auto two_lines = [](std::uint8_t runs) {
+    std::vector<std::uint8_t> bytes;
+    for (int i = 0; i < 2; ++i) {
+      bytes.insert(bytes.end(), {0xC4, runs});
+      bytes.resize(bytes.size() + 2 * runs, 0);
+      bytes.insert(bytes.end(), {0x01, 100});
+    }
+    return bytes;
+  };
+  EXPECT_EQ(core.on_data(two_lines(9)), Result::no_space);
   EXPECT_EQ(rig.status().free_points, free_points);
   EXPECT_EQ(rig.status().received, 5u);
   rig.run(ps_per_s);
@@ -451,6 +485,51 @@ TEST(Rows, AreNotTakenWithoutRoom) {
   while (core.on_data(rapids) == Result::ok) {
   }
   EXPECT_LT(rig.status().free_points, wire::most_lines_a_frame);
+}
+
+/// Spoilt frames whose check sum was right: whole or not at all, nothing beyond the work space, and
+/// a stop ends what came of it.
+TEST(Rows, OfGarbageAreTakenWholeOrNotAtAll) {
+  int taken = 0;
+  for (int i = 0; i < scaled(40); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    const job::Profile machine = raster_machine();
+    Rig rig(machine);
+    rig.run(ps_per_ms);
+    machine::Controller& core = rig.board.controller();
+    wire::JobHeader header = row_header(machine);
+    header.mode = wire::mode_rows;
+    const auto lines = PixelLines(Raster(random(), 4, 60, 3), 40).lines();
+    header.points_total = static_cast<std::uint32_t>(lines.size());
+    auto frames = row_frames(lines, header, 100);
+    ASSERT_EQ(core.on_begin(header), Result::ok);
+    for (RowFrame& frame : frames) {
+      for (auto k = random() % 3; k != 0; --k)
+        frame.payload[random() % frame.payload.size()] = static_cast<std::uint8_t>(random());
+      const wire::Status before = rig.status();
+      const Result result = core.on_data(frame.payload);
+      const wire::Status after = rig.status();
+      if (result == Result::ok) {
+        ++taken;
+        EXPECT_LT(before.free_runs - after.free_runs, 60u);
+      } else {
+        EXPECT_EQ(after.received, before.received);
+        EXPECT_EQ(after.free_points, before.free_points);
+        EXPECT_EQ(after.free_runs, before.free_runs);
+      }
+      rig.run(static_cast<sim::Picoseconds>(random() % 100) * ps_per_ms);
+    }
+    const StepLimits space = work_space(machine.settings);
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const PinMonitor::Step& step : rig.monitor.steps(axis))
+        ASSERT_TRUE(space.contains(axis, step.position));
+    }
+    core.on_command({wire::Command::stop, 0});
+    rig.run(ps_per_s);
+    EXPECT_EQ(rig.state(), MachineState::idle);
+    EXPECT_FALSE(rig.board.bus().level(sim::Pin::laser_gate));
+  }
+  EXPECT_GT(taken, scaled(40));
 }
 
 /// Lines of text meanwhile: programs are refused, questions answered; nothing changes the job.
