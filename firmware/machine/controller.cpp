@@ -108,6 +108,7 @@ void Controller::set_trigger() {
 
 Result Controller::change_beat(std::uint32_t milli_hz) {
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  if (rows_.runs()) return Result::unsupported;  // no beat to follow
   if (!wire_job()) return Result::no_job;
   settings::Values values = values_;
   refused_value_ = settings::number(Id::lamp_frequency);
@@ -165,7 +166,10 @@ bool Controller::prepare(std::uint64_t clock) {
   shots_.permit(go && !dry_, idle_reason());
   shots_.beam().update(!runner_.at_rest() || shots_.point_pending(), clock);
   if (!job_) runner_.read_outcomes();
-  return program_.begun() ? program_.prepare() : job_ && runner_.prepare(go);
+  if (!program_.begun()) return job_ && runner_.prepare(go);
+  const bool plans = program_.prepare();
+  if (rows_.active()) rows_.look();
+  return plans;
 }
 
 bool Controller::commit() {
@@ -231,7 +235,7 @@ BeatReason Controller::idle_reason() const {
 
 void Controller::check_dead_man() {
   const std::int32_t milli_ms = values_.milli(Id::dead_man);
-  if (milli_ms == 0 || state_ != MachineState::run || !wire_job()) return;
+  if (milli_ms == 0 || state_ != MachineState::run || !framed_job()) return;
   const std::uint64_t limit = static_cast<std::uint64_t>(milli_ms) * clocks_per_us;
   if (now_ - last_byte_ > limit) hold(HoldReason::dead_man);
 }
@@ -256,7 +260,7 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
       door_open_ = active;
       if (active) {
         open_door();
-      } else if (job_ && state_ == MachineState::door) {
+      } else if ((job_ || rows_.runs()) && state_ == MachineState::door) {
         state_ = MachineState::hold;  // a closed door waits for somebody to say go on
         hold_reason_ = HoldReason::host;
       }
@@ -359,11 +363,13 @@ void Controller::stop() {
   if (moving_) runner_.brake();
   moving_ = false;
   job_ = false;
+  if (rows_.runs()) stop_rows();
   next_beat_milli_hz_ = 0;
   hold_reason_ = HoldReason::none;
 }
 
 Result Controller::on_data(std::span<const std::uint8_t> records) {
+  if (rows_.known()) return take_rows(records);
   if (!wire_job()) return Result::no_job;
   const Result r = decoder_.decode(records, runner_.queue(), work_space_);
   refused_value_ = decoder_.refused_index();
@@ -371,6 +377,7 @@ Result Controller::on_data(std::span<const std::uint8_t> records) {
 }
 
 Result Controller::on_end(std::uint32_t total) {
+  if (rows_.known()) return end_rows(total);
   if (!wire_job()) return Result::no_job;
   return total == points_total_ && runner_.queue().end() == total ? Result::ok : Result::bad_value;
 }
@@ -395,6 +402,7 @@ Result Controller::on_command(const wire::CommandRequest& request) {
       break;
     case wire::Command::job_speed:
       if (request.value == 0 || request.value > highest_job_speed) return Result::bad_value;
+      if (rows_.runs()) return set_speed_of_rows(request.value);
       runner_.set_job_speed(request.value);
       break;
   }

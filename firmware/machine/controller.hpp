@@ -70,6 +70,7 @@
 #include "firmware/machine/program_reader.hpp"
 #include "firmware/machine/program_runner.hpp"
 #include "firmware/machine/program_text.hpp"
+#include "firmware/machine/row_job.hpp"
 #include "firmware/machine/status_report.hpp"
 #include "firmware/machine/text.hpp"
 #include "firmware/program/pulse_decoder.hpp"
@@ -301,7 +302,9 @@ class Controller {
   std::uint32_t refused_value() const { return refused_value_; }
   /// What interrupts change of it, the lamp's lock, is read at once: not masked.
   wire::Standing standing() const {
-    return {state_, hold_reason_, alarm_, clock_.locked(), runner_.queue().free()};
+    wire::Standing standing{state_, hold_reason_, alarm_, clock_.locked(), runner_.queue().free()};
+    if (rows_.active()) add_rows(standing);
+    return standing;
   }
   void fill_status(wire::Status& status) const;
 
@@ -347,7 +350,7 @@ class Controller {
   // Lines and programs (controller_program.cpp).
   /// The laser of a program, on its way and while it comes to rest there; a door ends it at once.
   bool laser_may_shine() const {
-    return program_.begun() && !reset_due_ && !jogging_ && !door_open_ &&
+    return program_.begun() && !reset_due_ && !jogging_ && !door_open_ && rows_.may_shine() &&
            (state_ == wire::MachineState::run || state_ == wire::MachineState::hold);
   }
   bool program_unfinished() const {
@@ -355,8 +358,10 @@ class Controller {
   }
   /// Moves of a program are points on the beat, run by the job runner.
   bool beat_locked() const { return reader_.lock() != program::BeatLock::off; }
-  /// A job that came in frames.
+  /// A job of points that came in frames.
   bool wire_job() const { return job_ && !beat_locked(); }
+  /// The same, or one of rows.
+  bool framed_job() const { return wire_job() || rows_.runs(); }
   /// Looked at in every round of the main loop.
   bool lines_due() const {
     return reader_.line_open() || reader_.lines_wait() || start_up_next_ < start_up_lines ||
@@ -394,6 +399,15 @@ class Controller {
   static void change_override(std::uint8_t& percent, int by);
   void end_overrides_of_program();
   void toggle_check();
+  // Jobs of rows (controller_rows.cpp).
+  Result begin_rows(const wire::JobHeader& header, const settings::Values& values,
+                    std::uint32_t tick_q16);
+  Result take_rows(std::span<const std::uint8_t> records);
+  Result end_rows(std::uint32_t total);
+  void stop_rows();
+  Result set_speed_of_rows(std::uint32_t percent);
+  void settle_rows();
+  [[gnu::cold]] void add_rows(wire::Standing& standing) const;
   // Doors and parking (controller_parking.cpp).
   void open_door();
   void begin_parking();
@@ -446,6 +460,7 @@ class Controller {
   Planning planning_;
   JobRunner runner_;
   ProgramRunner program_{clock_, motion_, planning_};
+  RowJob rows_{program_};
   ProgramOutputs program_outputs_{motion_.changes()};
   ProgramReader reader_{program_, runner_, program_outputs_};
   InputWait input_wait_;
@@ -462,7 +477,7 @@ class Controller {
   wire::MachineState state_ = wire::MachineState::idle;
   wire::HoldReason hold_reason_ = wire::HoldReason::none;
   std::uint8_t alarm_ = 0;
-  bool job_ = false;  ///< a job, or a row of points of a program, has begun and was not ended
+  bool job_ = false;  ///< one of points, or a row of them of a program, begun and not ended
   bool dry_ = false;
   bool jogging_ = false;
   bool stopped_ = false;               ///< by an error: lines of programs are refused ($981)

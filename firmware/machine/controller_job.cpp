@@ -148,6 +148,11 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   if (shots_.undecided()) return Result::busy;  // a shot of the last job may still come
   settings::Values values;
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
+  const bool of_rows = header.mode == wire::mode_rows;
+  if (of_rows && stored_.whole(Id::laser_mode) == 0) {
+    refused_value_ = settings::number(Id::laser_mode);
+    return Result::bad_value;
+  }
   const lamp::ShotRules rules = shot_rules(values);
   RunOptions options;
   end_program();
@@ -160,13 +165,21 @@ Result Controller::on_begin(const wire::JobHeader& header) {
     shots_.begin_job(rules);
     options.shortest_tick_q16 = runner_.shortest_tick_q16();
   }
-  options.mode = static_cast<motion::JoinMode>(header.mode);
-  options.dry = dry_ = header.dry;
-  options.points_total = points_total_ = header.points_total;
-  options.least_beats = static_cast<std::int32_t>(rules.least_beats);
-  runner_.begin(options, values, header.first_index);
-  decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_.channels);
-  job_ = true;
+  dry_ = header.dry;
+  points_total_ = header.points_total;
+  if (of_rows) {
+    const Result r = begin_rows(header, values, options.shortest_tick_q16);
+    if (r != Result::ok) return r;
+  } else {
+    options.mode = static_cast<motion::JoinMode>(header.mode);
+    options.dry = header.dry;
+    options.points_total = header.points_total;
+    options.least_beats = static_cast<std::int32_t>(rules.least_beats);
+    rows_.forget();
+    runner_.begin(options, values, header.first_index);
+    decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_.channels);
+    job_ = true;
+  }
   state_ = MachineState::run;
   hold_reason_ = HoldReason::none;
   last_byte_ = now_;

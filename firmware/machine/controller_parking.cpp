@@ -21,9 +21,9 @@ void Controller::open_door() {
   begin_parking();
 }
 
-/// Programs park, jobs of points stay where they are.
+/// Programs park, jobs stay where they are.
 void Controller::begin_parking() {
-  if (program_.begun() && !wire_job() && !beat_locked()) parking_.begin(values_);
+  if (program_.begun() && !framed_job() && !beat_locked()) parking_.begin(values_);
 }
 
 /// The program is to go on. True if the tool has to come back first.

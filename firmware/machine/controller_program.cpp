@@ -35,7 +35,7 @@ void Controller::on_line_too_long() { on_line(lost_line); }
     if (reader_.line_open() && !finish_line()) break;
     if (reset_due_ || program_.cancelling() || program_.batch_waits()) break;
     // Behind a cancelled jog, until the machine stands where the next line begins.
-    if (reader_.astray() && !program_.idle()) break;
+    if (reader_.astray() && !program_.idle() && !rows_.active()) break;
     if (run_start_up_line()) continue;
     if (start_up_next_ < start_up_lines && start_up_waits()) break;
     if (!reader_.lines_wait()) break;
@@ -166,6 +166,7 @@ void Controller::stop_after(GcodeError error) {
 
 /// A program may run, but for the planner: in a job, an alarm or asleep it may not.
 [[gnu::hot]] bool Controller::start_program() {
+  if (rows_.active()) return false;
   if (program_.begun()) {
     if (program_.idle()) reader_.find_position(motion_.generator().state(), values_);
     return true;
@@ -211,6 +212,7 @@ void Controller::begin_points(program::BeatLock lock) {
   }
   runner_.begin(options, values_, 0);
   link_.forget_session();
+  rows_.forget();
   dry_ = false;
   job_ = true;
 }
@@ -265,6 +267,7 @@ GcodeError Controller::begin_jog(std::string_view line) {
 /// Nothing is under way, or nothing of it goes on.
 void Controller::end_program() {
   program_.end();
+  rows_.end();
   if (!beat_locked()) return;
   reader_.set_lock(program::BeatLock::off);
   job_ = moving_ = false;
@@ -278,6 +281,7 @@ void Controller::end_program() {
     if (motion_.at_rest() && !shots_.undecided()) finish_reset();
     return;
   }
+  if (rows_.active()) return settle_rows();
   if (!program_.begun() || !program_.idle()) return;
   if (reader_.line_open() || state_ != MachineState::run || job_) return;
   jogging_ = false;

@@ -44,8 +44,8 @@ void Controller::cancel_jog() {
 /// 0x18. In a job it may be one flipped bit: nothing is lost but time. Else it throws away what was
 /// typed and what is left of the program, and what still moves comes to rest on its path first.
 void Controller::reset() {
-  if (wire_job() && state_ == MachineState::run) return hold(HoldReason::reset);
-  if (wire_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
+  if (framed_job() && state_ == MachineState::run) return hold(HoldReason::reset);
+  if (framed_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
   link_.drop_line();
   guard_.drop();
   if (parking_.holds_machine()) program_.break_off_aside();
@@ -58,7 +58,7 @@ void Controller::reset() {
   reset_due_ = true;
   if (homing_.active()) return break_off_homing(alarm_homing_reset);
   // Of a job that was stopped nothing is left but to come to rest.
-  if ((!program_.begun() && !beat_locked()) || !moves) return settle_program();
+  if ((!program_.begun() && !beat_locked()) || rows_.active() || !moves) return settle_program();
   if (beat_locked()) {
     if (moving_) runner_.brake();
     moving_ = false;
@@ -115,7 +115,7 @@ bool Controller::toggle_coolant(std::uint8_t byte) {
   if (byte != byte_flood && byte != byte_mist) return false;
   const bool may =
       state_ == MachineState::idle || state_ == MachineState::run || state_ == MachineState::hold;
-  if (!may || wire_job() || check_ || asleep_) return true;
+  if (!may || framed_job() || check_ || asleep_) return true;
   if (byte == byte_flood)
     reader_.toggle_flood();
   else
@@ -129,7 +129,7 @@ void Controller::on_realtime(std::uint8_t byte) {
   switch (byte) {
     case byte_door:
       // In a job it may be one flipped bit.
-      if (!wire_job() && state_ != MachineState::idle) {
+      if (!framed_job() && state_ != MachineState::idle) {
         open_door();
         break;
       }
@@ -139,7 +139,7 @@ void Controller::on_realtime(std::uint8_t byte) {
       break;
     case '~':
       // One flipped bit must not end a hold that the host has asked for by a frame.
-      if (hold_reason_ != HoldReason::host || !wire_job()) resume();
+      if (hold_reason_ != HoldReason::host || !framed_job()) resume();
       break;
     case byte_reset:
       reset();

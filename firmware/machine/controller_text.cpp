@@ -324,6 +324,7 @@ void Controller::fill_status(wire::Status& status) const {
   status.shots_made = shots_.checks().made;
   status.shots_not_made = shots_.checks().not_made;
   status.repeats = shots_.checks().repeats;
+  if (rows_.known()) rows_.fill_status(status);
 }
 
 void Controller::toggle_check() {

@@ -19,6 +19,7 @@ class LineInbox {
 
   // Main loop.
   bool full() const { return end_ - load(begin_) == capacity; }
+  std::uint32_t free() const { return capacity - size(); }
   /// There must be room.
   void push(const motion::LineTarget& line) {
     lines_[end_ % capacity] = line;

@@ -198,9 +198,7 @@ void ProgramRunner::miss() {
 }
 
 /// What was filled is not played yet: 2 ms of it. Ticks have got their length before they are.
-bool ProgramRunner::is_still() const {
-  return output_.at_rest() && clock_.next_tick() >= end_tick_ + timed_ticks;
-}
+bool ProgramRunner::is_still() const { return output_.at_rest() && played(end_tick_); }
 
 bool ProgramRunner::stands() const { return drained_ && is_still(); }
 
@@ -314,6 +312,22 @@ std::uint32_t ProgramRunner::free() const {
 
 std::uint32_t ProgramRunner::line() const {
   return begun_ && generator_.running() ? generator_.segment().point : 0;
+}
+
+std::uint32_t ProgramRunner::first_line_at_rest(bool& at_end) const {
+  // A batch that was not run has taken its lines with it.
+  if (lost_ || staged_ || !planning_.hand_over().at_home() || !is_still()) return 0;
+  StepPosition end{};
+  const std::uint32_t line = planning_.lines().first_line(end);
+  // A hold just in front of it leaves less than a step.
+  const stepper::MotionState at = generator_.state();
+  at_end = true;
+  for (std::size_t a = 0; a < max_axes; ++a) at_end = at_end && at.axis[a].step() == end[a];
+  return line;
+}
+
+bool ProgramRunner::played(std::uint64_t tick) const {
+  return clock_.next_tick() >= tick + timed_ticks;
 }
 
 }  // namespace lamplock::machine

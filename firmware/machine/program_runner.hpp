@@ -60,6 +60,12 @@ class ProgramRunner {
   /// So many pixels more with this power, full_power = all, of the next line that has them; false
   /// if there is no room now.
   [[gnu::cold]] bool add_pixels(std::uint16_t power, std::uint32_t count);
+  /// The same, as it came; there must be room.
+  void add_run(std::uint16_t run) { generator_.beam().table().put(run); }
+  /// Places for runs of pixels, and for a header before the first of each line.
+  std::uint32_t free_runs() const { return generator_.beam().table().free(); }
+  /// What was not run will not be: idle().
+  void forget_pixels() { generator_.beam().table().forget(); }
   /// That line is about to be taken: where its powers are.
   std::uint16_t end_pixels() { return generator_.beam().table().end_list(); }
   /// It will not come.
@@ -114,6 +120,14 @@ class ProgramRunner {
   std::uint32_t free() const;
   /// N word of the line that is run; 0 = none.
   std::uint32_t line() const;
+  /// The same of the first line that was not run to its end, while the machine stands; 0 where it
+  /// does not, or that is not known. `at_end`: it stands in the last step of that. Masked.
+  [[gnu::cold]] std::uint32_t first_line_at_rest(bool& at_end) const;
+  /// Lines that can be taken now.
+  std::uint32_t free_lines() const { return planning_.lines().inbox().free(); }
+  /// Tick that is filled next, of which line() is; and whether it has been put out since.
+  std::uint64_t head() const { return generator_.head(); }
+  [[gnu::cold]] bool played(std::uint64_t tick) const;
   /// How often a batch came too late.
   std::uint32_t starvations() const { return starvations_; }
 

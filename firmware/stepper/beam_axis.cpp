@@ -209,10 +209,10 @@ void BeamAxis::seek(std::uint32_t cell) {
   while (run_end_ <= wanted) {
     ++run_;
     run = table_.run(run_);
-    run_end_ += PowerTable::cells_in(run);
+    run_end_ += wire::run_cells(run);
   }
   table_.release(run_);
-  const std::uint32_t power = (PowerTable::power(run) * percent_q14_) >> percent_bits;
+  const std::uint32_t power = (wire::run_power(run) * percent_q14_) >> percent_bits;
   power_ = static_cast<std::uint16_t>(power < full_power ? power : full_power);
 }
 

@@ -10,15 +10,14 @@
 //   released | list that is run | lists that wait | list being written
 //            begin_             ^ header, runs    end_              written_
 //
-// A run has 16 bits: 11 for the power, a little more than the 2000 counts of a duty of LASER PWM,
-// and 5 for how many cells: 1 to 16, or a power of two from 32 to 65536. Longer runs are several.
-// 1024 runs are 100 mm of grey pixels of 0.1 mm, four times the way that 300 mm/s need to come to
-// rest at 2 m/s2.
+// A run is coded as on the wire (shared/wire/runs.hpp). 1024 runs are 100 mm of grey pixels of
+// 0.1 mm, four times the way that 300 mm/s need to come to rest at 2 m/s2.
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstdint>
+
+#include "shared/wire/runs.hpp"
 
 namespace lamplock::stepper {
 
@@ -30,17 +29,22 @@ class PowerTable {
   /// So many cells more of this power, 65535 = full, behind the list being written, which begins
   /// where there is none; false if there is no room now.
   bool add(std::uint16_t power, std::uint32_t cells) {
-    const std::uint32_t header = written_ == end_ ? 1 : 0;
-    if (header + runs_of(cells) > capacity - (written_ - load(begin_))) return false;
-    if (header != 0) cells_ = 0, ++written_;
-    cells_ += cells;
+    if (header() + wire::runs_of(cells) > free()) return false;
     while (cells != 0) {
-      const std::uint32_t code = code_of(cells);
-      at(written_++) = static_cast<std::uint16_t>(packed(power) << code_bits | code);
-      cells -= cells_of(code);
+      const std::uint16_t run = wire::longest_run(power, cells);
+      put(run);
+      cells -= wire::run_cells(run);
     }
     return true;
   }
+  /// As add() for a run as it came; there must be room for it, and for a header.
+  void put(std::uint16_t run) {
+    if (header() != 0) cells_ = 0, ++written_;
+    cells_ += wire::run_cells(run);
+    at(written_++) = run;
+  }
+  /// Places for runs, and for the header of each list.
+  std::uint32_t free() const { return capacity - (written_ - load(begin_)); }
   /// The list is complete; where it begins.
   std::uint16_t end_list() {
     const std::uint32_t header = end_;
@@ -59,13 +63,6 @@ class PowerTable {
 
   // The fill interrupt.
   std::uint16_t run(std::uint16_t place) const { return slots_[place % capacity]; }
-  static constexpr std::uint16_t power(std::uint16_t run) {
-    const std::uint32_t power = run >> code_bits;
-    return static_cast<std::uint16_t>(power << code_bits | power >> (power_bits - code_bits));
-  }
-  static constexpr std::uint32_t cells_in(std::uint16_t run) {
-    return cells_of(run & ((1u << code_bits) - 1));
-  }
   /// What lies before this place is not read any more.
   void release(std::uint16_t before) {
     const auto ahead = static_cast<std::uint16_t>(before - static_cast<std::uint16_t>(begin_));
@@ -73,26 +70,8 @@ class PowerTable {
   }
 
  private:
-  static constexpr int power_bits = 11, code_bits = 5;
-  static constexpr std::uint32_t short_codes = 16;
-
-  static constexpr std::uint32_t cells_of(std::uint32_t code) {
-    return code < short_codes ? code + 1 : 2 * short_codes << (code - short_codes);
-  }
-  /// The longest run that is no longer.
-  static constexpr std::uint32_t code_of(std::uint32_t cells) {
-    if (cells < 2 * short_codes) return (cells < short_codes ? cells : short_codes) - 1;
-    return short_codes + static_cast<std::uint32_t>(std::bit_width(cells / (2 * short_codes))) - 1;
-  }
-  static constexpr std::uint32_t runs_of(std::uint32_t cells) {
-    std::uint32_t runs = 0;
-    for (; cells != 0; ++runs) cells -= cells_of(code_of(cells));
-    return runs;
-  }
-  /// To the nearest of 2048.
-  static constexpr std::uint32_t packed(std::uint32_t power) {
-    return (power - (power >> power_bits) + short_codes) >> code_bits;
-  }
+  /// Places that the next run needs besides its own.
+  std::uint32_t header() const { return written_ == end_ ? 1 : 0; }
 
   static void store(std::uint32_t& word, std::uint32_t value) {
     __atomic_store_n(&word, value, __ATOMIC_SEQ_CST);

@@ -28,7 +28,7 @@ struct Override {
 struct JobHeader {
   std::uint32_t session = 0;
   std::uint8_t axes = 3;
-  std::uint8_t mode = 0;  ///< value of motion::JoinMode
+  std::uint8_t mode = 0;  ///< value of motion::JoinMode, or mode_rows
   bool dry = false;       ///< move, never fire
   std::uint32_t points_total = 0;
   std::uint32_t first_index = 0;    ///< index of the first point that will be sent
@@ -50,6 +50,8 @@ inline constexpr std::size_t max_job_header_size =
 static_assert(max_job_header_size <= max_payload);
 
 inline constexpr std::uint8_t highest_join_mode = 2;
+/// Lines of pixels for a continuous laser (row_records.hpp); without a beat.
+inline constexpr std::uint8_t mode_rows = 3;
 inline constexpr std::uint8_t dry_flag = 1;
 
 constexpr void write_job_header(ByteWriter& out, const JobHeader& header) {
@@ -92,8 +94,8 @@ constexpr Result read_job_header(std::span<const std::uint8_t> payload, JobHeade
     read.overrides[i].number = in.take<std::uint16_t>();
     read.overrides[i].value_milli = in.take<std::int32_t>();
   }
-  if (read.axes < 1 || read.axes > max_axes || read.mode > highest_join_mode ||
-      (flags & ~dry_flag) != 0 || read.first_index > read.points_total)
+  if (read.axes < 1 || read.axes > max_axes || read.mode > mode_rows || (flags & ~dry_flag) != 0 ||
+      read.first_index > read.points_total)
     return Result::bad_value;
   header = read;
   return Result::ok;

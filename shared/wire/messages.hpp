@@ -12,7 +12,7 @@
 namespace lamplock::wire {
 
 /// Raised whenever the two ends would misunderstand each other.
-inline constexpr std::uint16_t protocol_version = 2;
+inline constexpr std::uint16_t protocol_version = 3;
 
 /// First byte of a frame's content.
 enum class FrameType : std::uint8_t {

@@ -105,11 +105,11 @@ constexpr bool take_codes(ByteReader& in, std::uint8_t head, int axes,
   return (fourth & ~3) == fourth_axis_mark;
 }
 
-/// Takes the deltas of one target; the new position goes to `state` on ok only.
-constexpr Result take_position(ByteReader& in, std::uint8_t head, int axes, RecordState& state) {
+/// Takes the deltas of one target; `at`, the one before, becomes it on ok only.
+constexpr Result take_position(ByteReader& in, std::uint8_t head, int axes, StepPosition& at) {
   PerAxis<std::uint8_t> codes{};
   if (!take_codes(in, head, axes, codes)) return Result::bad_frame;
-  StepPosition steps = state.steps;
+  StepPosition steps = at;
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const std::int32_t delta = take_delta(in, codes[i]);
     // Wide, because a hostile delta may leave 32 bits: a position that wrapped would be inside.
@@ -118,8 +118,29 @@ constexpr Result take_position(ByteReader& in, std::uint8_t head, int axes, Reco
     if (steps[i] != wide) return Result::out_of_bounds;
   }
   if (!in.ok()) return Result::bad_frame;
-  state.steps = steps;
+  at = steps;
   return Result::ok;
+}
+
+/// Deltas from one target to the next; false if they cannot be coded.
+constexpr bool deltas_between(const StepPosition& from, const StepPosition& to, int axes,
+                              StepPosition& deltas) {
+  for (std::size_t i = 0; i < deltas.size(); ++i) {
+    if (!step_delta(from[i], to[i], deltas[i])) return false;
+    if (deltas[i] != 0 && static_cast<int>(i) >= axes) return false;
+  }
+  return true;
+}
+
+/// Appends head and deltas of one target.
+constexpr void put_position(ByteWriter& out, std::uint8_t kind, const StepPosition& deltas,
+                            int axes) {
+  std::uint8_t head = kind;
+  for (std::size_t i = 0; i < 3; ++i)
+    head = static_cast<std::uint8_t>(head | size_code(deltas[i]) << (2 * i));
+  out.put(head);
+  if (axes == max_axes) out.put(static_cast<std::uint8_t>(fourth_axis_mark | size_code(deltas[3])));
+  for (const std::int32_t delta : deltas) put_delta(out, delta);
 }
 
 /// Takes the values of a record that changes the state.
@@ -137,12 +158,8 @@ constexpr Result take_shots(ByteReader& in, RecordState& state) {
 /// far from the target before, has a fourth axis the machine lacks, or does not fit the writer.
 constexpr bool put_record(ByteWriter& out, RecordState& state, const Record& record, int axes) {
   StepPosition deltas{};
-  bool moves = false;
-  for (std::size_t i = 0; i < deltas.size(); ++i) {
-    if (!step_delta(state.steps[i], record.steps[i], deltas[i])) return false;
-    if (deltas[i] != 0 && static_cast<int>(i) >= axes) return false;
-    moves = moves || deltas[i] != 0;
-  }
+  if (!detail::deltas_between(state.steps, record.steps, axes, deltas)) return false;
+  const bool moves = record.steps != state.steps;
   if (out.room() < max_record_size) return false;
   if (!moves && record.shots == 0 && record.beats != 0) {
     out.put(head_dwell);
@@ -164,13 +181,7 @@ constexpr bool put_record(ByteWriter& out, RecordState& state, const Record& rec
     out.put(record.beats);
     state.beats = record.beats;
   }
-  std::uint8_t head = record.shots != 0 ? kind_point : kind_move;
-  for (std::size_t i = 0; i < 3; ++i)
-    head = static_cast<std::uint8_t>(head | detail::size_code(deltas[i]) << (2 * i));
-  out.put(head);
-  if (axes == max_axes)
-    out.put(static_cast<std::uint8_t>(fourth_axis_mark | detail::size_code(deltas[3])));
-  for (const std::int32_t delta : deltas) detail::put_delta(out, delta);
+  detail::put_position(out, record.shots != 0 ? kind_point : kind_move, deltas, axes);
   state.steps = record.steps;
   return true;
 }
@@ -186,7 +197,8 @@ constexpr Result walk_records(std::span<const std::uint8_t> bytes, int axes, Rec
     const std::uint8_t kind = head & kind_mask;
     Record record;
     if (kind == kind_point || kind == kind_move) {
-      if (const Result r = detail::take_position(in, head, axes, state); r != Result::ok) return r;
+      if (const Result r = detail::take_position(in, head, axes, state.steps); r != Result::ok)
+        return r;
       record = kind == kind_point
                    ? Record{state.steps, state.beats, state.shots, state.channel, state.energy}
                    : Record{state.steps, state.beats, 0, 0, 0};

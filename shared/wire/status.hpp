@@ -34,8 +34,9 @@ struct LinkCounters {
   friend constexpr bool operator==(const LinkCounters&, const LinkCounters&) = default;
 };
 
-/// A STATUS comes by itself when this many points have become free since the last one.
-inline constexpr std::uint32_t free_points_step = 128;
+/// A STATUS comes by itself when this many points, or in a job of rows this many lines or runs,
+/// have become free since the last one.
+inline constexpr std::uint32_t free_points_step = 128, free_lines_step = 8, free_runs_step = 128;
 
 /// What the host learns without asking for it.
 struct Standing {
@@ -43,13 +44,16 @@ struct Standing {
   HoldReason hold_reason = HoldReason::none;
   std::uint8_t alarm = 0;  ///< alarm number of grbl, 0 = none
   bool lamp_locked = false;
-  std::uint32_t free_points = 0;
+  std::uint32_t free_points = 0;  ///< or lines, in a job of rows
+  std::uint32_t free_runs = 0;    ///< of pixels, in a job of rows
+  bool rows = false;              ///< it is one; not told
   friend constexpr bool operator==(const Standing&, const Standing&) = default;
 
   /// True if the host, which was told `told`, has to learn this.
   constexpr bool is_news(const Standing& told) const {
-    return free_points >= told.free_points + free_points_step || state != told.state ||
-           hold_reason != told.hold_reason || alarm != told.alarm ||
+    const std::uint32_t step = rows ? free_lines_step : free_points_step;
+    return free_points >= told.free_points + step || free_runs >= told.free_runs + free_runs_step ||
+           state != told.state || hold_reason != told.hold_reason || alarm != told.alarm ||
            lamp_locked != told.lamp_locked;
   }
 };
@@ -77,7 +81,7 @@ struct Status : Standing {
   LinkCounters link;          ///< [link]
   friend constexpr bool operator==(const Status&, const Status&) = default;
 };
-inline constexpr std::size_t status_size = 206;
+inline constexpr std::size_t status_size = 210;
 static_assert(status_size <= max_payload);
 
 inline constexpr std::uint8_t lamp_locked_flag = 1;
@@ -97,7 +101,7 @@ constexpr void write_status(ByteWriter& out, const Status& status) {
   for (const std::uint32_t value :
        {status.shots_made, status.shots_not_made, status.repeats, status.link.bad_frames,
         status.link.duplicates, status.link.out_of_order, status.link.lost_lines,
-        status.link.transmit_overflows})
+        status.link.transmit_overflows, status.free_runs})
     out.put(value);
 }
 
@@ -127,7 +131,7 @@ constexpr bool read_status(const FrameHeader& header, std::span<const std::uint8
   for (std::uint32_t* value :
        {&read.shots_made, &read.shots_not_made, &read.repeats, &read.link.bad_frames,
         &read.link.duplicates, &read.link.out_of_order, &read.link.lost_lines,
-        &read.link.transmit_overflows})
+        &read.link.transmit_overflows, &read.free_runs})
     *value = in.take<std::uint32_t>();
   if (!in.exhausted() || read.state > MachineState::home) return false;
   status = read;

@@ -63,6 +63,20 @@ class Raster {
   }
 
   int pixels() const { return columns_ * static_cast<int>(rows_.size()); }
+  int columns() const { return columns_; }
+  std::size_t rows() const { return rows_.size(); }
+  bool backwards(std::size_t row) const { return row % 2 != 0; }
+  /// Thousandths of full power, in the order of passing them.
+  std::vector<int> passed(std::size_t row) const {
+    std::vector<int> pixels = rows_[row];
+    if (backwards(row)) std::reverse(pixels.begin(), pixels.end());
+    return pixels;
+  }
+  /// Where the i-th pixel that is passed begins, in pixels.
+  int edge(std::size_t row, int i) const { return backwards(row) ? columns_ - i : i; }
+  static std::uint16_t light_of(int power) {
+    return static_cast<std::uint16_t>((power * 65'535 + 500) / 1000);
+  }
   /// A line for each run, or lists of powers; every other row backwards.
   std::string program(bool lists = false) const {
     std::string text =
@@ -78,9 +92,10 @@ class Raster {
     double slowest_mm_s = 1e9;  ///< over a row
     int changes = 0;
   };
-  /// X and Y as the monitor of the bus saw them. The laser answers `lead` later than it is told.
-  Judgement judge(const PinMonitor& monitor, const sim::Beam& beam,
-                  sim::Picoseconds lead = 0) const {
+  /// X and Y as the monitor of the bus saw them. The laser answers `lead` later than it is told;
+  /// changes by no more than `rounding` are none.
+  Judgement judge(const PinMonitor& monitor, const sim::Beam& beam, sim::Picoseconds lead = 0,
+                  int rounding = 0) const {
     Judgement result;
     const auto& x = monitor.steps(0);
     const std::vector<sim::BeamChange> light = beam.changes();
@@ -93,7 +108,7 @@ class Raster {
       }
       const double seconds = static_cast<double>(way.times.back() - way.times.front()) * 1e-12;
       result.slowest_mm_s = std::min(result.slowest_mm_s, columns_ * 0.1 / seconds);
-      judge_row(row, way, light, lead, result);
+      judge_row(row, way, light, lead, rounding, result);
     }
     return result;
   }
@@ -106,15 +121,6 @@ class Raster {
   };
 
   static std::string mm(int pixels) { return fmt::format("{:.1f}", 0.1 * pixels); }
-  bool backwards(std::size_t row) const { return row % 2 != 0; }
-  /// In the order of passing them.
-  std::vector<int> passed(std::size_t row) const {
-    std::vector<int> pixels = rows_[row];
-    if (backwards(row)) std::reverse(pixels.begin(), pixels.end());
-    return pixels;
-  }
-  int edge(std::size_t row, int pixel) const { return backwards(row) ? columns_ - pixel : pixel; }
-
   std::string row_text(std::size_t row, bool lists) const {
     return fmt::format("G1 X{} S0\n{}X{} S0\nG0 Y{:.1f}\n", mm(edge(row, 0)),
                        lists ? list_text(row) : run_text(row),
@@ -171,12 +177,8 @@ class Raster {
     return way;
   }
 
-  static std::uint16_t light_of(int power) {
-    return static_cast<std::uint16_t>((power * 65'535 + 500) / 1000);
-  }
-
   void judge_row(std::size_t row, const Way& way, const std::vector<sim::BeamChange>& light,
-                 sim::Picoseconds lead, Judgement& result) const {
+                 sim::Picoseconds lead, int least_change, Judgement& result) const {
     const std::vector<int> pixels = passed(row);
     const auto told = [lead](sim::Picoseconds at) { return at - lead; };
     const auto after = [&light](sim::Picoseconds at) {
@@ -192,7 +194,7 @@ class Raster {
     for (auto c = after(told(way.times[1])); c != light.end() && c->at < told(way.times.back());
          ++c) {
       const int now = c->light();
-      if (now == before) continue;
+      if (std::abs(now - before) <= least_change) continue;
       before = now;
       ++result.changes;
       result.largest_shift = std::max(result.largest_shift, shift_of(way, pixels, c->at + lead));

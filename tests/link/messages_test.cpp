@@ -87,7 +87,7 @@ TEST(JobHeader, BadOnesAreRefusedAndChangeNothing) {
   other_version[0] = protocol_version + 1;
   EXPECT_EQ(read_job_header(other_version, header), Result::bad_version);
   for (const auto& [offset, value] :
-       {std::pair{2, 0}, {2, 5}, {3, 3}, {4, 2}, {13, 0x10}}) {  // axes, mode, flags, first > total
+       {std::pair{2, 0}, {2, 5}, {3, 4}, {4, 2}, {13, 0x10}}) {  // axes, mode, flags, first > total
     auto bad = good;
     bad[static_cast<std::size_t>(offset)] = static_cast<std::uint8_t>(value);
     EXPECT_EQ(read_job_header(bad, header), Result::bad_value) << offset;
@@ -109,7 +109,7 @@ TEST(Status, RoundTripAndSize) {
         &status.received, &status.first_unfired, &status.shots, &status.beats, &status.beats_before,
         &status.starvations, &status.shots_made, &status.shots_not_made, &status.repeats,
         &status.link.bad_frames, &status.link.duplicates, &status.link.out_of_order,
-        &status.link.lost_lines, &status.link.transmit_overflows})
+        &status.link.lost_lines, &status.link.transmit_overflows, &status.free_runs})
     *field = value++;
   for (auto& beats : status.beats_by_reason) beats = value++;
   for (auto& beats : status.beats_outside) beats = value++;

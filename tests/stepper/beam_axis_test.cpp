@@ -438,15 +438,15 @@ TEST(PowerTable, KeepsRunsInOrder) {
     for (const auto& [power, count] : runs) {
       for (std::uint32_t left = count; left != 0;) {
         const std::uint16_t run = table->run(++place);
-        ASSERT_NEAR(PowerTable::power(run), power, 17);
-        ASSERT_LE(PowerTable::cells_in(run), left);
-        left -= PowerTable::cells_in(run);
+        ASSERT_NEAR(wire::run_power(run), power, 17);
+        ASSERT_LE(wire::run_cells(run), left);
+        left -= wire::run_cells(run);
       }
     }
     if (random() % 3 == 0) table->release(place);
   }
-  EXPECT_EQ(PowerTable::power(0xffff), 65'535);
-  EXPECT_EQ(PowerTable::power(0x001f), 0);
+  EXPECT_EQ(wire::run_power(0xffff), 65'535);
+  EXPECT_EQ(wire::run_power(0x001f), 0);
 }
 
 TEST(PowerTable, IsFullBeforeItLosesAnything) {
@@ -456,7 +456,7 @@ TEST(PowerTable, IsFullBeforeItLosesAnything) {
   EXPECT_EQ(added, PowerTable::capacity - 1);  // the header
   const std::uint16_t list = table->end_list();
   for (std::uint32_t i = 0; i < added; ++i) {
-    ASSERT_NEAR(PowerTable::power(table->run(static_cast<std::uint16_t>(list + 1 + i))),
+    ASSERT_NEAR(wire::run_power(table->run(static_cast<std::uint16_t>(list + 1 + i))),
                 static_cast<std::uint16_t>(i * 37), 17);
   }
   EXPECT_FALSE(table->add(1, 1));

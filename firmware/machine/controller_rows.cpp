@@ -1,0 +1,71 @@
+// Jobs of rows of pixels: how they begin and end, and what the host is told.
+#include "firmware/machine/controller.hpp"
+
+namespace lamplock::machine {
+
+using wire::MachineState;
+
+/// As begin_lines(); what was under way has ended.
+Result Controller::begin_rows(const wire::JobHeader& header, const settings::Values& values,
+                              std::uint32_t tick_q16) {
+  job_ = false;
+  {
+    const Masked masked(mask_);
+    runner_.read_outcomes();  // what is left of a job shall not send the machine back
+  }
+  if (const Result r = program_.begin(values, tick_q16); r != Result::ok) return r;
+  StepPosition at{};
+  const stepper::MotionState state = motion_.generator().state();
+  for (int axis = 0; axis < header.axes; ++axis) at[index(axis)] = state.axis[index(axis)].step();
+  for (int axis = header.axes; axis < max_axes; ++axis)
+    at[index(axis)] = header.origin_steps[index(axis)];
+  rows_.begin(header, at);
+  return Result::ok;
+}
+
+Result Controller::take_rows(std::span<const std::uint8_t> records) {
+  // Why they are not taken STATUS tells.
+  if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::no_space;
+  const Result r = rows_.take(records, work_space_);
+  refused_value_ = rows_.refused_index();
+  return r;
+}
+
+Result Controller::end_rows(std::uint32_t total) {
+  if (total == points_total_ && rows_.complete()) return Result::ok;
+  return rows_.runs() ? Result::bad_value : Result::no_job;
+}
+
+/// Comes to rest on its way, dark from here on.
+void Controller::stop_rows() {
+  rows_.stop();
+  program_.resume();
+  program_.cancel();
+}
+
+/// A feed override, in force with the next batch.
+Result Controller::set_speed_of_rows(std::uint32_t percent) {
+  constexpr std::uint32_t least_override = 10;
+  overrides_.feed = static_cast<std::uint8_t>(percent < least_override ? least_override : percent);
+  use_overrides();
+  return Result::ok;
+}
+
+/// The machine stands, and no line comes any more.
+void Controller::settle_rows() {
+  if (!rows_.over() || program_.cancelling()) return;
+  // Held at its very end: the host has to let it go.
+  if (rows_.runs() && state_ != MachineState::run) return;
+  end_program();
+  end_overrides_of_program();
+  state_ = MachineState::idle;
+}
+
+void Controller::add_rows(wire::Standing& standing) const {
+  const program::RowRoom room = rows_.room();
+  standing.free_points = room.lines;
+  standing.free_runs = room.runs;
+  standing.rows = true;
+}
+
+}  // namespace lamplock::machine

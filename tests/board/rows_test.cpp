@@ -1,0 +1,569 @@
+// Jobs of rows on the virtual board: the light of each cell, once, whatever the cable and the user
+// do; dark at once where it has to be.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "tests/board/board_cable.hpp"
+#include "tests/board/pixel_rows.hpp"
+#include "tests/board/program_host.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using wire::HoldReason;
+
+wire::JobHeader row_header(const job::Profile& machine) {
+  wire::JobHeader header;
+  header.axes = static_cast<std::uint8_t>(machine.settings.whole(Id::axes));
+  return header;
+}
+
+/// How a raster is sent.
+struct Sending {
+  Faults faults = {};
+  std::uint64_t seed = 1;
+  std::size_t most_runs = wire::most_runs_a_line;
+  std::size_t most_bytes = wire::max_payload;
+};
+
+/// A machine, a cable and a sender of a raster.
+struct RowRig {
+  explicit RowRig(const Raster& picture, const Sending& sending = {})
+      : raster(picture),
+        lines(PixelLines(picture, sending.most_runs).lines()),
+        rig(machine),
+        cable(rig, sending.faults, sending.seed),
+        host(cable, lines, row_header(machine), 77, sending.most_bytes) {}
+
+  /// Every cell got its light, nothing else did, and no shot was fired.
+  void expect_burnt() {
+    rig.run(5 * ps_per_ms);
+    const CellLight light = cell_light(raster, rig.monitor, rig.board.world().beam());
+    EXPECT_EQ(light.dark, 0);
+    EXPECT_EQ(light.twice, 0);
+    EXPECT_EQ(light.right, raster.pixels());
+    EXPECT_LT(std::abs(light.elsewhere), 1e-3);
+    EXPECT_TRUE(rig.monitor.fires().empty());
+    EXPECT_FALSE(rig.board.bus().level(sim::Pin::laser_gate));
+  }
+
+  /// The machine was where a line ends.
+  bool has_reached(std::uint32_t line) const {
+    const StepPosition& end = lines[line].line.steps;
+    const auto &x = rig.monitor.steps(0), &y = rig.monitor.steps(1);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const auto next_y = std::upper_bound(
+          y.begin(), y.end(), x[i].at,
+          [](sim::Picoseconds at, const PinMonitor::Step& step) { return at < step.at; });
+      const int at_y = next_y == y.begin() ? 0 : (next_y - 1)->position;
+      if (x[i].position == end[0] && at_y == end[1]) return true;
+    }
+    // Lines along Y alone.
+    return std::any_of(y.begin(), y.end(),
+                       [&end](const PinMonitor::Step& step) { return step.position == end[1]; }) &&
+           line != 0 && lines[line].line.steps[0] == lines[line - 1].line.steps[0];
+  }
+
+  job::Profile machine = raster_machine();
+  Raster raster;
+  std::vector<PixelLine> lines;
+  Rig rig;
+  BoardCable cable;
+  RowHost host;
+};
+
+/// What the laser does, change by change.
+std::vector<std::uint16_t> powers_of(const sim::Beam& beam) {
+  std::vector<std::uint16_t> powers;
+  for (const sim::BeamChange& change : beam.changes())
+    if (powers.empty() || std::abs(powers.back() - change.light()) > flicker)
+      powers.push_back(change.light());
+  return powers;
+}
+
+/// The same picture as lists of powers in G-code.
+TEST(Rows, ShineAsListsOfPowersDo) {
+  for (int i = 0; i < scaled(4); ++i) {
+    const Raster raster(static_cast<std::uint64_t>(i + 1), 3, 150 + 50 * (i % 8),
+                        i % 2 == 0 ? 1 : 6);
+    std::string text = raster.program(true);
+    text.replace(text.find("M3"), 2, "M4");
+    Rig by_text(raster_machine());
+    ProgramHost host(by_text);
+    ASSERT_TRUE(host.stream(text));
+    RowRig rows(raster);
+    ASSERT_TRUE(rows.host.run(30));
+    rows.expect_burnt();
+    const sim::Beam& beam = rows.rig.board.world().beam();
+    const Raster::Judgement judgement = raster.judge(rows.rig.monitor, beam, 0, flicker);
+    EXPECT_EQ(judgement.lit_as_wanted, raster.pixels());
+    EXPECT_LE(judgement.largest_shift, 1);
+    const auto text_powers = powers_of(by_text.board.world().beam()), powers = powers_of(beam);
+    ASSERT_EQ(powers.size(), text_powers.size());
+    constexpr int tolerance = 200;  // the speed of a line is right to 0.3 %
+    for (std::size_t k = 0; k < powers.size(); ++k)
+      ASSERT_NEAR(powers[k], text_powers[k], tolerance) << "change " << k;
+  }
+}
+
+/// 3000 runs a second, in lines of any length that the board can take.
+TEST(Rows, OfGreyPixelsKeepTheirSpeed) {
+  for (int i = 0; i < scaled(3); ++i) {
+    const std::size_t most_runs[] = {wire::most_runs_a_line, 300, 100};
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 10), 3, 700, 1),
+                {.most_runs = most_runs[i % 3]});
+    ASSERT_TRUE(rows.host.run(30));
+    rows.expect_burnt();
+    const Raster::Judgement judgement =
+        rows.raster.judge(rows.rig.monitor, rows.rig.board.world().beam(), 0, flicker);
+    EXPECT_EQ(judgement.lit_as_wanted, rows.raster.pixels());
+    EXPECT_LE(judgement.largest_shift, 1);
+    EXPECT_GT(judgement.slowest_mm_s, 0.98 * Raster::speed_mm_s);
+    EXPECT_EQ(rows.host.status().starvations, 0u);
+  }
+}
+
+/// Lost, flipped and doubled bytes, invented holds and resets, cut cables.
+TEST(Rows, AreBurntOnceWhateverTheCableDoes) {
+  const Faults all{.drop = 5e-4,
+                   .flip = 5e-4,
+                   .duplicate = 5e-4,
+                   .replay = 0.05,
+                   .stray_realtime = 1e-3,
+                   .cuts = 8,
+                   .cut_span = std::chrono::milliseconds(2000)};
+  const Faults kinds[] = {all, {.drop = 2e-3}, {.cuts = 10, .cut_span = all.cut_span}};
+  for (int i = 0; i < scaled(6); ++i) {
+    const auto seed = static_cast<std::uint64_t>(i);
+    RowRig rows(Raster(seed + 30, 5, 300, i % 2 == 0 ? 1 : 5),
+                {.faults = kinds[i % 3],
+                 .seed = seed,
+                 .most_runs = i % 2 == 0 ? wire::most_runs_a_line : 60,
+                 .most_bytes = i % 4 < 2 ? wire::max_payload : 60});
+    SCOPED_TRACE(testing::Message() << "seed " << i);
+    ASSERT_TRUE(rows.host.run(100));
+    rows.expect_burnt();
+    EXPECT_GT(rows.cable.faults_made(), 5);
+  }
+}
+
+/// Held at random moments, by the host or by a byte, at another speed behind that.
+TEST(Rows, GoOnInTheCellWhereTheyWereHeld) {
+  for (int i = 0; i < scaled(6); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 50), 4, 300, i % 2 == 0 ? 1 : 5));
+    int holds = 0;
+    const auto wait = [&](std::uint64_t most_ms) {
+      for (auto ms = 2 * (random() % most_ms); ms != 0 && !rows.host.done(); --ms) rows.host.step();
+    };
+    while (!rows.host.done() && rows.rig.board.now() < 60 * ps_per_s) {
+      wait(100);
+      if (random() % 2 == 0) {
+        rows.host.command(wire::Command::hold);
+        wait(200);
+        if (rows.host.status().state == MachineState::hold) ++holds;
+        rows.host.command(wire::Command::resume);
+        while (!rows.host.command_taken()) rows.host.step();
+      } else {
+        rows.cable.type(random() % 2 == 0 ? "!" : "\x18");
+      }
+      // Above that there would have to be more than full power.
+      const auto percent = static_cast<std::uint32_t>(20 + random() % 81);
+      rows.host.command(wire::Command::job_speed, percent);
+    }
+    ASSERT_TRUE(rows.host.done()) << i;
+    ASSERT_FALSE(rows.host.refused());
+    rows.expect_burnt();
+    EXPECT_GT(holds, 2);
+  }
+}
+
+/// A feed override, behind what was handed out.
+TEST(Rows, RunAtTheSpeedOfTheirJob) {
+  RowRig rows(Raster(20, 3, 200, 3));
+  rows.host.command(wire::Command::job_speed, 50);
+  ASSERT_TRUE(rows.host.run(30));
+  rows.expect_burnt();
+  const Raster::Judgement judgement =
+      rows.raster.judge(rows.rig.monitor, rows.rig.board.world().beam(), 0, flicker);
+  EXPECT_NEAR(judgement.slowest_mm_s, Raster::speed_mm_s / 2.0, 1);
+  // It ends with the job.
+  ProgramHost by_hand(rows.rig);
+  std::string status;
+  for (int i = 0; i < 30 && status.find("|Ov:") == std::string::npos; ++i)
+    status = by_hand.status();
+  EXPECT_NE(status.find("|Ov:100,100,100"), std::string::npos) << status;
+}
+
+/// A host that is slow, or silent for a while: the machine waits, dark, and goes on.
+TEST(Rows, WaitForWhatComesLate) {
+  for (int i = 0; i < scaled(4); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 60), 12, 300, 1),
+                {.most_runs = 20, .most_bytes = 60});
+    int rests = 0;
+    for (int k = 0; !rows.host.done() && k < 100; ++k) {
+      const bool starve = k % 2 != 0;
+      rows.host.starve(starve);
+      // What is there lasts two seconds.
+      for (auto n = (starve ? 3000 : 200) + random() % 2000; n != 0; --n) rows.host.step();
+      const bool starved = rows.rig.board.controller().program().idle();
+      if (!starved || rows.rig.status().received == rows.lines.size()) continue;
+      ++rests;
+      EXPECT_FALSE(rows.rig.board.bus().level(sim::Pin::laser_gate));
+      EXPECT_EQ(rows.rig.state(), MachineState::run);
+    }
+    ASSERT_TRUE(rows.host.done());
+    rows.expect_burnt();
+    EXPECT_GT(rests, 0);
+  }
+}
+
+/// Nobody speaks to the machine any more: held, at rest and dark.
+TEST(Rows, AreHeldByTheDeadMan) {
+  RowRig rows(Raster(3, 40, 300, 5));
+  job::state_setting(rows.machine, Id::dead_man, 300, "test");
+  Rig rig(rows.machine);
+  BoardCable cable(rig);
+  RowHost host(cable, rows.lines, row_header(rows.machine));
+  for (int k = 0; k < 2000; ++k) host.step();
+  ASSERT_EQ(rig.state(), MachineState::run);
+  rig.run(700 * ps_per_ms);
+  EXPECT_EQ(rig.status().state, MachineState::hold);
+  EXPECT_EQ(rig.status().hold_reason, HoldReason::dead_man);
+  const sim::Picoseconds dark = rig.board.now();
+  rig.run(ps_per_s);
+  EXPECT_FALSE(rig.board.world().beam().shone(dark, rig.board.now()));
+  EXPECT_FALSE(rig.monitor.stepped(dark, rig.board.now()));
+}
+
+struct Ending {
+  const char* name;
+  std::function<void(RowRig&)> act;
+  sim::Picoseconds dark_after;
+  MachineState state;
+};
+
+/// Stopped at random moments: dark from there on, and what is told to be done is.
+TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
+  const Ending endings[] = {
+      {"stop", [](RowRig& rows) { rows.host.command(wire::Command::stop); }, 3 * ps_per_ms,
+       MachineState::idle},
+      {"e-stop",
+       [](RowRig& rows) {
+         rows.rig.board.world().schedule(sim::Pin::estop, true, rows.rig.board.now() + ps_per_us);
+       },
+       20 * ps_per_us, MachineState::estop},
+      {"door",
+       [](RowRig& rows) {
+         rows.rig.board.world().schedule(sim::Pin::door, true, rows.rig.board.now() + ps_per_us);
+       },
+       3 * ps_per_ms, MachineState::door}};
+  for (int i = 0; i < scaled(18); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    const Ending& ending = endings[i % 3];
+    SCOPED_TRACE(testing::Message() << ending.name << ' ' << i);
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 80), 12, 200, 5), {.most_runs = 30});
+    rows.host.do_not_resume();
+    for (auto k = 400 + random() % 2400; k != 0; --k) rows.host.step();
+    ASSERT_EQ(rows.rig.state(), MachineState::run);
+    // The next line has just been told to be run, which must not be too soon.
+    const std::uint32_t line = rows.rig.status().first_unfired;
+    if (i % 2 == 0) {
+      while (rows.rig.status().first_unfired == line)
+        rows.host.step(std::chrono::microseconds(250));
+    }
+    ending.act(rows);
+    const sim::Picoseconds at = rows.rig.board.now();
+    for (int k = 0; k < 600; ++k) rows.host.step();
+    EXPECT_FALSE(rows.rig.board.world().beam().shone(at + ending.dark_after, rows.rig.board.now()));
+    EXPECT_FALSE(rows.rig.board.bus().level(sim::Pin::laser_gate));
+    EXPECT_EQ(rows.rig.state(), ending.state);
+    EXPECT_EQ(rows.host.status().state, ending.state);
+    EXPECT_FALSE(rows.host.refused());
+    const std::uint32_t first = rows.host.status().first_unfired;
+    EXPECT_EQ(first, rows.rig.status().first_unfired);
+    if (first > 0) {
+      EXPECT_TRUE(rows.has_reached(first - 1)) << first;
+    }
+  }
+}
+
+/// Another job goes on at the line that was told: those before it were burnt, once.
+TEST(Rows, GoOnAtTheFirstLineNotRun) {
+  for (int i = 0; i < scaled(12); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    SCOPED_TRACE(i);
+    // A row is a line or two.
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 90), 10, 200, 3),
+                {.most_runs = i % 2 == 0 ? wire::most_runs_a_line : 70});
+    rows.host.do_not_resume();
+    for (auto k = 2000 + random() % 3000; k != 0; --k) rows.host.step();
+    if (i % 3 != 0) rows.host.command(wire::Command::hold);
+    for (int k = 0; k < 800; ++k) rows.host.step();
+    if (i % 3 != 0) {
+      ASSERT_EQ(rows.host.status().state, MachineState::hold);
+      ASSERT_FALSE(rows.has_reached(rows.host.status().first_unfired)) << "it is done";
+    }
+    rows.host.command(wire::Command::stop);
+    for (int k = 0; k < 800; ++k) rows.host.step();
+    const wire::Status told = rows.host.status();
+    ASSERT_EQ(told.state, MachineState::idle);
+    ASSERT_GT(told.first_unfired, 2u);
+    ASSERT_LT(told.first_unfired, rows.lines.size());
+    // Where a line was burnt in part it is burnt from its beginning; elsewhere nothing is.
+    wire::JobHeader header = row_header(rows.machine);
+    header.first_index = told.first_unfired;
+    header.origin_steps = rows.lines[told.first_unfired - 1].line.steps;
+    RowHost next(rows.cable, rows.lines, header, 78);
+    ASSERT_TRUE(next.run(60));
+    EXPECT_EQ(next.status().first_unfired, rows.lines.size());
+    rows.rig.run(5 * ps_per_ms);
+    const CellLight light =
+        cell_light(rows.raster, rows.rig.monitor, rows.rig.board.world().beam());
+    EXPECT_EQ(light.dark, 0);
+    EXPECT_LE(light.twice, rows.raster.columns());
+    EXPECT_LT(std::abs(light.elsewhere), 1e-3);
+    const std::int32_t row = header.origin_steps[1] / Raster::steps_per_pixel;
+    const CellLight behind =
+        cell_light(rows.raster, rows.rig.monitor, rows.rig.board.world().beam(),
+                   static_cast<std::size_t>(row) + 1);
+    EXPECT_EQ(behind.twice, 0);
+  }
+}
+
+/// What is done is never told too early, and soon enough.
+TEST(Rows, TellHowFarTheyAre) {
+  RowRig rows(Raster(7, 6, 200, 3), {.most_runs = 40});
+  std::uint32_t told = 0;
+  while (!rows.host.done() && rows.rig.board.now() < 60 * ps_per_s) {
+    rows.host.step();
+    const std::uint32_t first = rows.rig.status().first_unfired;
+    ASSERT_GE(first, told);
+    ASSERT_LE(first, rows.lines.size());
+    if (first > told && first < rows.lines.size()) {
+      // The machine is on this line, or has just left the one before.
+      const StepPosition& from = rows.lines[first - 1].line.steps;
+      const StepPosition& to = rows.lines[first].line.steps;
+      const auto at = [&](int axis) {
+        const auto& steps = rows.rig.monitor.steps(axis);
+        return steps.empty() ? 0 : steps.back().position;
+      };
+      constexpr int slack = 3 * 60 + 20;  // 3 ms at the highest speed
+      for (int axis = 0; axis < 2; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        EXPECT_GE(at(axis), std::min(from[a], to[a]) - slack);
+        EXPECT_LE(at(axis), std::max(from[a], to[a]) + slack);
+      }
+    }
+    told = first;
+  }
+  EXPECT_EQ(told, rows.lines.size());
+}
+
+/// The first line has light, and the machine is elsewhere: there first, dark.
+TEST(Rows, BeginAtTheOriginOfTheirFirstLine) {
+  RowRig rows(Raster(8, 2, 100, 3));
+  ProgramHost by_hand(rows.rig);
+  by_hand.ask("G21 G90 G0 X-30 Y20\n");
+  ASSERT_TRUE(by_hand.stand());
+  wire::JobHeader header = row_header(rows.machine);
+  header.origin_steps = rows.lines[0].line.steps;
+  header.first_index = 1;
+  RowHost host(rows.cable, rows.lines, header);
+  ASSERT_TRUE(host.run(30));
+  rows.expect_burnt();
+  // And programs know where the machine is.
+  by_hand.ask("G0 X0\n");
+  ASSERT_TRUE(by_hand.stand());
+  EXPECT_EQ(by_hand.position()[0], 0);
+  EXPECT_EQ(by_hand.position()[1], rows.lines.back().line.steps[1]);
+}
+
+TEST(Rows, OfADryJobAreTheSameWayInTheDark) {
+  const Raster raster(9, 3, 200, 3);
+  RowRig lit(raster), dark(raster);
+  ASSERT_TRUE(lit.host.run(30));
+  wire::JobHeader header = row_header(dark.machine);
+  header.dry = true;
+  RowHost host(dark.cable, dark.lines, header);
+  ASSERT_TRUE(host.run(30));
+  EXPECT_EQ(dark.rig.board.world().beam().openings(), 0u);
+  const auto &x = lit.rig.monitor.steps(0), &y = dark.rig.monitor.steps(0);
+  ASSERT_EQ(x.size(), y.size());
+  for (std::size_t i = 0; i < x.size(); ++i) ASSERT_EQ(x[i].position, y[i].position);
+}
+
+/// BEGIN, or the first frame, is refused.
+Result refusal(const job::Profile& machine, const std::vector<std::uint8_t>& records,
+               std::uint32_t* value = nullptr, std::uint32_t total = 100) {
+  Rig rig(machine);
+  rig.run(ps_per_ms);
+  machine::Controller& core = rig.board.controller();
+  wire::JobHeader header = row_header(machine);
+  header.mode = wire::mode_rows;
+  header.points_total = total;
+  Result result = core.on_begin(header);
+  if (result == Result::ok) result = core.on_data(records);
+  if (value != nullptr) *value = core.refused_value();
+  if (result != Result::ok) {
+    rig.run(100 * ps_per_ms);
+    EXPECT_TRUE(rig.monitor.nothing_happened());
+    EXPECT_EQ(rig.status().received, 0u);
+  }
+  return result;
+}
+
+TEST(Rows, ThatCannotBeAreRefusedWhole) {
+  job::Profile machine = raster_machine();
+  const std::vector<std::uint8_t> good{0xC3, 0, 0, 0, 1, 0xC4, 1, 0xE0, 0xFF, 0x01, 100};
+  const auto and_then = [&good](std::vector<std::uint8_t> bytes) {
+    bytes.insert(bytes.begin(), good.begin(), good.end());
+    return bytes;
+  };
+  EXPECT_EQ(refusal(machine, good), Result::ok);
+  std::uint32_t value = 0;
+  EXPECT_EQ(refusal(machine, and_then({0xC0, 0, 1, 0, 0})), Result::bad_frame);
+  EXPECT_EQ(refusal(machine, and_then({0x01})), Result::bad_frame);
+  EXPECT_EQ(refusal(machine, and_then({0x01, 1})), Result::bad_value);
+  EXPECT_EQ(refusal(machine, and_then({0x43, 0, 0, 1, 0}), &value), Result::out_of_bounds);
+  EXPECT_EQ(value, 1u);
+  EXPECT_EQ(refusal(machine, good, &value, 0), Result::bad_value);
+  std::vector<std::uint8_t> lines;
+  for (std::size_t i = 0; i < wire::most_lines_a_frame; ++i)
+    lines.insert(lines.end(), {0x41, static_cast<std::uint8_t>(i % 2 == 0 ? 1 : 255)});
+  EXPECT_EQ(refusal(machine, lines), Result::ok);
+  lines.insert(lines.end(), {0x41, 1});
+  EXPECT_EQ(refusal(machine, lines), Result::bad_value);
+  machine.settings.set_milli(Id::laser_mode, 0);
+  EXPECT_EQ(refusal(machine, good, &value), Result::bad_value);
+  EXPECT_EQ(value, settings::number(Id::laser_mode));
+}
+
+/// More than there is room for is not taken, whatever STATUS told; it is when there is room.
+TEST(Rows, AreNotTakenWithoutRoom) {
+  Rig rig(raster_machine());
+  rig.run(ps_per_ms);
+  machine::Controller& core = rig.board.controller();
+  wire::JobHeader header = row_header(raster_machine());
+  header.mode = wire::mode_rows;
+  header.points_total = 1000;
+  ASSERT_EQ(core.on_begin(header), Result::ok);
+  EXPECT_EQ(rig.status().free_runs, 1024u);
+  std::vector<std::uint8_t> frame{0xC3, 0, 0x87, 0x93, 3, 0xC4, 200};
+  frame.resize(frame.size() + 400, 0);
+  frame.insert(frame.end(), {0x01, 100});
+  for (std::uint32_t taken = 1; taken <= 5; ++taken) {
+    ASSERT_EQ(core.on_data(frame), Result::ok);
+    EXPECT_EQ(rig.status().free_runs, 1024 - 201 * taken);
+    EXPECT_EQ(rig.status().received, taken);
+  }
+  const std::uint32_t free_points = rig.status().free_points;
+  EXPECT_EQ(core.on_data(frame), Result::no_space);
+  // Of 19 places each line wants one for itself.
+  const auto two_lines = [](std::uint8_t runs) {
+    std::vector<std::uint8_t> bytes;
+    for (int i = 0; i < 2; ++i) {
+      bytes.insert(bytes.end(), {0xC4, runs});
+      bytes.resize(bytes.size() + 2 * runs, 0);
+      bytes.insert(bytes.end(), {0x01, 100});
+    }
+    return bytes;
+  };
+  EXPECT_EQ(core.on_data(two_lines(9)), Result::no_space);
+  EXPECT_EQ(rig.status().free_points, free_points);
+  EXPECT_EQ(rig.status().received, 5u);
+  rig.run(ps_per_s);
+  EXPECT_EQ(rig.status().free_runs, 1024u);
+  EXPECT_EQ(rig.status().first_unfired, 5u);
+  EXPECT_EQ(core.on_data(frame), Result::ok);
+  // Lines without light need no runs, but room they need.
+  std::vector<std::uint8_t> rapids;
+  for (std::size_t i = 0; i < wire::most_lines_a_frame; ++i)
+    rapids.insert(rapids.end(), {0x41, static_cast<std::uint8_t>(i % 2 == 0 ? 1 : 255)});
+  while (core.on_data(rapids) == Result::ok) {
+  }
+  EXPECT_LT(rig.status().free_points, wire::most_lines_a_frame);
+}
+
+/// Spoilt frames whose check sum was right: whole or not at all, nothing beyond the work space, and
+/// a stop ends what came of it.
+TEST(Rows, OfGarbageAreTakenWholeOrNotAtAll) {
+  int taken = 0;
+  for (int i = 0; i < scaled(40); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    const job::Profile machine = raster_machine();
+    Rig rig(machine);
+    rig.run(ps_per_ms);
+    machine::Controller& core = rig.board.controller();
+    wire::JobHeader header = row_header(machine);
+    header.mode = wire::mode_rows;
+    const auto lines = PixelLines(Raster(random(), 4, 60, 3), 40).lines();
+    header.points_total = static_cast<std::uint32_t>(lines.size());
+    auto frames = row_frames(lines, header, 100);
+    ASSERT_EQ(core.on_begin(header), Result::ok);
+    for (RowFrame& frame : frames) {
+      for (auto k = random() % 3; k != 0; --k)
+        frame.payload[random() % frame.payload.size()] = static_cast<std::uint8_t>(random());
+      const wire::Status before = rig.status();
+      const Result result = core.on_data(frame.payload);
+      const wire::Status after = rig.status();
+      if (result == Result::ok) {
+        ++taken;
+        EXPECT_LT(before.free_runs - after.free_runs, 60u);
+      } else {
+        EXPECT_EQ(after.received, before.received);
+        EXPECT_EQ(after.free_points, before.free_points);
+        EXPECT_EQ(after.free_runs, before.free_runs);
+      }
+      rig.run(static_cast<sim::Picoseconds>(random() % 100) * ps_per_ms);
+    }
+    const StepLimits space = work_space(machine.settings);
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const PinMonitor::Step& step : rig.monitor.steps(axis))
+        ASSERT_TRUE(space.contains(axis, step.position));
+    }
+    core.on_command({wire::Command::stop, 0});
+    rig.run(ps_per_s);
+    EXPECT_EQ(rig.state(), MachineState::idle);
+    EXPECT_FALSE(rig.board.bus().level(sim::Pin::laser_gate));
+  }
+  EXPECT_GT(taken, scaled(40));
+}
+
+/// Lines of text meanwhile: programs are refused, questions answered; nothing changes the job.
+TEST(Rows, TakeNoProgramsMeanwhile) {
+  RowRig rows(Raster(4, 4, 200, 3));
+  for (int k = 0; k < 500; ++k) rows.host.step();
+  ASSERT_EQ(rows.rig.state(), MachineState::run);
+  rows.cable.type("G0 X50\n$J=G91 X5 F100\n$G\n$32=0\n");
+  for (int k = 0; k < 40; ++k) rows.host.step();
+  std::vector<std::string> answers;
+  for (const std::string& text : rows.host.texts())
+    if (text == "ok" || text.starts_with("error:")) answers.push_back(text);
+  EXPECT_EQ(answers, (std::vector<std::string>{"error:8", "error:8", "ok", "error:8"}));
+  ASSERT_TRUE(rows.host.run(30));
+  rows.expect_burnt();
+}
+
+/// No shots, and a lamp's frequency is nothing to change; with a lamp the lattice follows it.
+TEST(Rows, FireNoShotsBesideALamp) {
+  const Raster raster(5, 3, 200, 3);
+  job::Profile machine = raster_machine();
+  machine.settings.set_milli(Id::lamp_mode, 1000);
+  Rig rig(machine);
+  BoardCable cable(rig);
+  RowHost host(cable, PixelLines(raster).lines(), row_header(machine));
+  for (int k = 0; k < 300; ++k) host.step();
+  ASSERT_EQ(rig.state(), MachineState::run);
+  EXPECT_EQ(rig.board.controller().on_command({wire::Command::lamp_frequency, 50'000}),
+            Result::unsupported);
+  ASSERT_TRUE(host.run(30));
+  EXPECT_TRUE(rig.monitor.fires().empty());
+  const CellLight light = cell_light(raster, rig.monitor, rig.board.world().beam());
+  EXPECT_EQ(light.right, raster.pixels());
+}
+
+}  // namespace
+}  // namespace lamplock::test
