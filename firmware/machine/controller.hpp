@@ -218,7 +218,7 @@ class Controller {
   /// There is one to be made, and nobody is at it.
   bool plan_waits() const { return planning_.hand_over().waits(); }
   /// Something that was planned can be handed out, which should not wait.
-  bool batch_waits() const { return program_.batch_waits(); }
+  bool batch_waits() const { return program_.batch_waits() || part_waits(); }
   /// Somebody plans, or ought to: a board with two cores sees to it that this ends.
   bool planning() const { return planning_.hand_over().busy(); }
 

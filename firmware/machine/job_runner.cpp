@@ -9,6 +9,9 @@ namespace {
 constexpr std::uint32_t start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
 /// At rest the host has this long, after the last points, to complete a window.
 constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
+/// A plan is slow that takes more than half as long as its motion lasts: the next one may take
+/// twice as long.
+constexpr std::uint64_t slow_plan_divisor = 2;
 /// Limits are made anew when the shortest tick has moved by more than this: 1/512.
 constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
@@ -50,7 +53,7 @@ void JobRunner::clear() {
   recount();
   window_.go_on_at({});
   from_rest_ = astray_ = true;
-  returning_ = starving_ = braked_ = waiting_for_beam_ = planning_late_ = false;
+  returning_ = starving_ = braked_ = waiting_for_beam_ = false;
 }
 
 bool JobRunner::plan_at_home() const { return hand_over_.at_home(); }
@@ -122,12 +125,15 @@ std::uint32_t JobRunner::first_unfired() {
 }
 
 bool JobRunner::starts_late() const {
-  return planning_late_ && at_rest() && plan_.request().count == motion::window_points;
+  const motion::PlanRequest& request = plan_.request();
+  if (!at_rest() || request.count != motion::window_points) return false;
+  const std::uint64_t lasts =
+      plan_.segment(request.commits() - 1).end.tick - plan_.segment(0).start_tick;
+  return plan_ticks_ * slow_plan_divisor > lasts;
 }
 
-std::uint64_t JobRunner::start_beat() const {
-  const std::uint64_t head =
-      generator_.head() + start_margin_ticks + (starts_late() ? plan_ticks_ : 0);
+std::uint64_t JobRunner::start_beat(std::uint64_t later_ticks) const {
+  const std::uint64_t head = generator_.head() + start_margin_ticks + later_ticks;
   return clock_.beat_at_or_after(plan_state_.tick > head ? plan_state_.tick : head);
 }
 
@@ -140,7 +146,7 @@ bool JobRunner::prepare_start() {
     output_.set_leads(clock_);
     plan_state_ = generator_.state();
   }
-  plan_beat_ = start_beat();
+  plan_beat_ = start_beat(0);
   plan_state_.tick = clock_.tick_of_beat(plan_beat_);
   for (stepper::AxisState& axis : plan_state_.axis) axis.speed_q62 = 0;
   return true;
@@ -260,7 +266,6 @@ void JobRunner::take_back_provisional() {
 }
 
 void JobRunner::keep_provisional() {
-  if (hand_over_.asked() && provisional_begun() && !returning_) planning_late_ = true;
   hand_over_.recall();
   staged_ = 0;
   provisional_ = 0;
@@ -273,8 +278,9 @@ void JobRunner::keep_provisional() {
 }
 
 void JobRunner::start_later() {
-  const std::uint64_t beat = start_beat();
-  if (!from_rest_ || beat == plan_beat_) return;
+  if (!from_rest_) return;
+  const std::uint64_t beat = start_beat(handed_ == 0 && starts_late() ? plan_ticks_ : 0);
+  if (beat == plan_beat_) return;
   plan_beat_ = beat;
   plan_state_.tick = clock_.tick_of_beat(beat);
 }

@@ -50,9 +50,11 @@
 // What a window is, with several flashes of a target and beams that need time, is in
 // next_window.hpp.
 //
-// Where the machine is quicker than planning, it starves. Started at once after that it would again
-// after every window, for the next plan takes as long as this one lasts. So it starts as much later
-// as a plan takes: it is a window ahead then, and starves no sooner than that is used up.
+// Where the machine is as quick as planning, or nearly so, it would starve: started at once, the
+// next plan has to be there when this one ends, and any of the next few windows may take longer to
+// plan or less to run. So where a plan took more than half as long as its motion lasts, the start
+// comes as much later as a plan takes: the machine is a window ahead then, and starves no sooner
+// than that is used up.
 //
 // Determinism: a window of `window_points` points is planned when all of them are known, and the
 // first `commit_points` are committed; what is shorter is planned when the last point is known.
@@ -188,7 +190,7 @@ class JobRunner {
   bool may_plan();
   bool beam_ready();
   bool prepare_start();
-  std::uint64_t start_beat() const;
+  std::uint64_t start_beat(std::uint64_t later_ticks) const;
   /// The start waits until the next plan will be there too.
   bool starts_late() const;
   void start_later();
@@ -226,7 +228,6 @@ class JobRunner {
   bool astray_ = true;   ///< the next window does not start at the target before it
   bool braked_ = false;  ///< shots handed out before a brake are not judged yet
   bool starving_ = false;
-  bool planning_late_ = false;       ///< in this job the machine has been quicker than planning
   std::uint64_t asked_tick_ = 0;     ///< when the plan was asked for
   std::uint64_t plan_ticks_ = 0;     ///< what it has taken
   stepper::MotionState plan_state_;  ///< where committed motion ends

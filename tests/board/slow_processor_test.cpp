@@ -22,7 +22,7 @@ TEST(SlowProcessor, LatePlansCostBeatsAndNothingElse) {
     // Missed flashes too: the way back is planned while the machine goes on.
     Rig rig(profile, {.dropout = seed % 4 == 0 ? 0.05 : 0.0, .seed = seed});
     rig.board.set_planning_time(
-        std::uniform_int_distribution<sim::Picoseconds>(500 * ps_per_us, 150 * ps_per_ms)(random));
+        std::uniform_int_distribution<sim::Picoseconds>(500 * ps_per_us, 400 * ps_per_ms)(random));
     link::SenderOptions sending;
     sending.session = 1;
     ASSERT_EQ(run_job(rig, job, sending).end, link::JobEnd::done);
