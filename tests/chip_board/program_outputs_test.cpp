@@ -58,6 +58,24 @@ class ChipOutputs : public testing::Test {
   WireLog aux_, air_, gate_;
 };
 
+/// A Z that hangs would sag.
+TEST_F(ChipOutputs, ALimitSwitchStopsTheMachineAndDrivesHoldOn) {
+  ASSERT_TRUE(level(Pin::enable_z) && level(Pin::enable));
+  const WireLog z(rig_, Pin::enable_z), drives(rig_, Pin::enable);
+  rig_.type("M62 P0\nG91 M3 S1000 F3000\nG1 X20\n");
+  rig_.run(200 * ps_per_ms);
+  ASSERT_TRUE(level(Pin::aux_out) && level(Pin::laser_gate));
+  for (const bool engaged : {true, false, true}) {  // the last one at rest, in the alarm
+    set(Pin::limit_x, engaged);
+    rig_.run(50 * ps_per_ms);
+  }
+  rig_.listen();
+  EXPECT_THAT(rig_.heard, HasSubstr("ALARM:1\r"));
+  EXPECT_FALSE(level(Pin::aux_out) || level(Pin::laser_gate));
+  EXPECT_TRUE(z.edges.empty());
+  EXPECT_TRUE(drives.edges.empty());
+}
+
 /// LASER GATE opens and shuts with the very tick that a line begins with.
 TEST_F(ChipOutputs, ChangeWithin100MicrosecondsOfTheTick) {
   ProgramSender sender(rig_.board);

@@ -67,6 +67,9 @@ class ProgramPins {
     slice.cc = 0;
     slice.ctr = laser_pwm_counts - 1;
   }
+  /// Pins of these that stay where the machine is stopped dead but for an e-stop: a Z that hangs
+  /// would sag.
+  std::uint32_t of_drives() const { return has_aux_ ? 1u << z_gpio : 0; }
   /// The pins may be off by another hand.
   void forget() { applied_ = nothing; }
 

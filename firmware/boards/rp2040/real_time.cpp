@@ -262,7 +262,7 @@ void RealTime::fill_interrupt(machine::Controller& core) {
 }
 
 void RealTime::stop_dead(machine::Controller& core) {
-  estop_.cut();
+  estop_.cut(programs_.of_drives());
   const std::uint64_t filled = expander_.end_tick();
   const StepPosition steps = expander_.steps_at(lattice_.ticks_begun(feed_));
   // Edges that have come since belong to no shot.
@@ -292,8 +292,9 @@ void RealTime::input_changed(machine::Controller& core, machine::Input input, bo
   StepPosition at{};
   if (core.wants_places() && i < places_.size())
     at = (placed_ >> i & 1) != 0 ? places_[i] : steps_at_us(core, timer().timerawl);
+  const bool in_alarm = core.state() == wire::MachineState::alarm;
   core.input_changed(input, active, at);
-  if (machine::is_limit(input) && active && core.state() == wire::MachineState::alarm)
+  if (machine::is_limit(input) && active && !in_alarm && core.state() == wire::MachineState::alarm)
     stop_dead(core);
 }
 
@@ -331,7 +332,7 @@ void RealTime::poll(machine::Controller& core) {
     stop_dead(core);
     inputs_.estop_seen(changed);
   } else if (feed_.starved()) {
-    estop_.cut();
+    estop_.cut(programs_.of_drives());
     core.lattice_stopped();
     stop_dead(core);
   }

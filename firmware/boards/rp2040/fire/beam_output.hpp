@@ -54,8 +54,10 @@ class BeamOutput {
   }
   /// One store (e-stop, priority 0). Where the map has no shutters these pins are those of programs
   /// and Z ENABLE, which are off then as well (program_pins.hpp), or the UART's, whom it does not
-  /// reach.
-  [[gnu::always_inline]] static void close() { sio().gpio_out_clr = all_shutters; }
+  /// reach; but for pins that are `kept`.
+  [[gnu::always_inline]] static void close(std::uint32_t kept = 0) {
+    sio().gpio_out_clr = all_shutters & ~kept;
+  }
 
   /// `is_cut()`: an e-stop has closed everything and is not in order yet.
   template <class IsCut>

@@ -34,15 +34,15 @@ class Estop {
     io_bank0().intr[io_interrupt::word(gpio)] = io_interrupt::edge_high(gpio);
     set_bits(io_bank0().proc0_inte[io_interrupt::word(gpio)], io_interrupt::edge_high(gpio));
   }
-  /// Everything off.
-  [[gnu::always_inline]] void cut() {
+  /// Everything off, but for pins that are `kept`.
+  [[gnu::always_inline]] void cut(std::uint32_t kept = 0) {
     fire_.cut_off();
     LatticeOutput::freeze();
     force_low(boards::gpio(boards::Role::lamp_trigger));
     force_low(boards::gpio(boards::Role::laser_gate));
     force_low(boards::gpio(boards::Role::shot_enable));
     force_low(boards::gpio(boards::Role::laser_pwm));
-    BeamOutput::close();
+    BeamOutput::close(kept);
     ProgramPins::end_pwm();
     if (!cut_) cut_us_ = timer().timerawl;
     cut_ = true;
