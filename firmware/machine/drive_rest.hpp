@@ -17,8 +17,9 @@
 
 namespace lamplock::machine {
 
-/// A drive that was released holds, and takes steps, this long after its enable: manuals of stepper
-/// drives want ENA up to 200 ms ahead of DIR (Leadshine DM542T, EM542S). grbl has none.
+/// A drive that was released holds, and takes steps, this long after its enable: some stepper
+/// drives want 200 ms and lose steps before (grbl-Mega-5X issue 364: a DM556T), others 5 us (g2
+/// issue 290: an AM882). grbl waits for none (grbl issue 522: a DM542T loses steps).
 inline constexpr std::uint32_t drive_wake_ms = 200;
 /// Drives hold at least so long after the last motion was filled, whatever $1 says: its ticks are
 /// not out yet, and drives follow late.

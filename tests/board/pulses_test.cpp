@@ -140,7 +140,7 @@ TEST(PulsesPerDistance, GoOnOverTheChordsOfAnArc) {
   for (const std::string& answer : host.answers()) ASSERT_EQ(answer, "ok");
   host.run_ms(20);
   const auto pulses = pulses_of(rig.board.world().beam());
-  ASSERT_EQ(pulses.size(), static_cast<std::size_t>(2 * M_PI * radius * per_mm + 0.5));
+  ASSERT_EQ(pulses.size(), static_cast<std::size_t>(std::lround(2 * M_PI * radius * per_mm)));
   const auto place = [&rig](int axis, sim::Picoseconds at) {
     const auto& steps = rig.monitor.steps(axis);
     const auto next = std::partition_point(steps.begin(), steps.end(),

@@ -6,6 +6,7 @@
 
 #include <random>
 
+#include "tests/program/refusals.hpp"
 #include "tests/program/rig.hpp"
 #include "tests/scale.hpp"
 
@@ -61,12 +62,7 @@ TEST(PowerList, DividesALineIntoPieces) {
 }
 
 TEST(PowerList, IsAnErrorThatChangesNothing) {
-  struct Case {
-    const char* line;
-    GcodeError error;
-    int column;
-  };
-  const Case cases[] = {
+  const Refusal refusals[] = {
       {"G1 X1 S1:", GcodeError::bad_number, 7},
       {"G1 X1 S1::2", GcodeError::bad_number, 7},
       {"G1 X1 S1:-2", GcodeError::negative_value, 7},
@@ -85,16 +81,7 @@ TEST(PowerList, IsAnErrorThatChangesNothing) {
       {"G93 F10 G1 X1 S1:2", GcodeError::words_unused, 15},
       {"G1 X1 S1:2 M130 P0", GcodeError::words_unused, 7},
   };
-  for (const Case& c : cases) {
-    Laser laser;
-    const State before = laser.interpreter.state();
-    const Fault fault = laser.run(c.line);
-    EXPECT_EQ(fault.error, c.error) << c.line;
-    EXPECT_EQ(fault.column, c.column) << c.line;
-    EXPECT_TRUE(laser.actions.empty()) << c.line;
-    EXPECT_TRUE(laser.interpreter.state().modal == before.modal) << c.line;
-    EXPECT_EQ(laser.interpreter.state().machine_e7, before.machine_e7) << c.line;
-  }
+  expect_refused<Laser>(refusals);
   Laser laser;
   const Fault fault = laser.run("G1 X1 S" + std::string(PowerList::most_characters, '0') + ":1");
   EXPECT_EQ(fault.error, GcodeError::line_too_long);

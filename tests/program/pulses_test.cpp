@@ -1,6 +1,7 @@
 // Pulses of a continuous laser: M126, M127, M128 and what the settings say.
 #include <gtest/gtest.h>
 
+#include "tests/program/refusals.hpp"
 #include "tests/program/rig.hpp"
 
 namespace lamplock::program::test {
@@ -91,12 +92,7 @@ TEST(Pulses, AreSavedAndRestored) {
 }
 
 TEST(Pulses, OfErrorsNothingHasChanged) {
-  struct Case {
-    const char* line;
-    GcodeError error;
-    int column;
-  };
-  const Case cases[] = {
+  const Refusal refusals[] = {
       {"M126", GcodeError::value_missing, 1},
       {"M126 P2", GcodeError::out_of_range, 6},
       {"M126 P0.5", GcodeError::not_integer, 6},
@@ -114,16 +110,7 @@ TEST(Pulses, OfErrorsNothingHasChanged) {
       {"M127 P2 G4", GcodeError::axis_conflict, 6},
       {"$J=M126 P1", GcodeError::bad_jog_word, 1},
   };
-  for (const Case& c : cases) {
-    Laser laser;
-    const State before = laser.interpreter.state();
-    const std::string_view line = c.line;
-    const Fault fault =
-        line.starts_with("$J=") ? laser.interpreter.jog(line.substr(3)) : laser.run(line);
-    EXPECT_EQ(fault.error, c.error) << c.line;
-    EXPECT_EQ(fault.column, c.column) << c.line;
-    EXPECT_TRUE(laser.interpreter.state().modal == before.modal) << c.line;
-  }
+  expect_refused<Laser>(refusals);
 }
 
 /// A machine that takes rows gets the powers first and the move with the last of them; with pulses
