@@ -147,7 +147,9 @@ bool ProgramRunner::wants_batch() const {
   if (drained_ && !orders_.cancel) return false;
   // Held, at rest and told so: nothing comes of another one.
   if (resting_ && given_.held && orders_ == given_ && !lost_) return false;
-  return resting_ || lost_ || end_tick_ < generator_.head() + horizon_ticks;
+  // Where it ends at rest, too: lines that come meanwhile are planned together with those known,
+  // where each on its own would be a motion from rest to rest.
+  return lost_ || end_tick_ < generator_.head() + horizon_ticks;
 }
 
 /// How fast the next batch may be, of what was ordered: a batch that came too late would leave the
