@@ -150,8 +150,8 @@ bool ProgramRunner::wants_batch() const {
   if (broken_off_ || (drained_ && !orders_.cancel)) return false;
   // Held, at rest and told so: nothing comes of another one.
   if (resting_ && given_.held && orders_ == given_ && !lost_) return false;
-  // Behind a rest to come, too, the later the better: what is planned from there alone, as lines
-  // come, would rest again where it ends.
+  // Where it ends at rest, too: lines that come meanwhile are planned together with those known,
+  // where each on its own would be a motion from rest to rest.
   return lost_ || end_tick_ < generator_.head() + horizon_ticks;
 }
 

@@ -15,6 +15,9 @@ constexpr std::uint32_t full_percent = 100;
 constexpr std::uint32_t least_settling_ticks = 32;
 constexpr std::uint32_t most_settling_ticks = 30 * ticks_per_second;
 
+/// The pace of lines stays what it is until it could be a 2^n-th higher, or should be one lower.
+constexpr int pace_rise_log2 = 4, pace_fall_log2 = 6;
+
 LineReal part(std::uint32_t percent) { return LineReal(percent) / LineReal(full_percent); }
 
 std::uint32_t within(std::uint32_t value, std::uint32_t low, std::uint32_t high) {
@@ -63,7 +66,7 @@ void LinePlanner::forget() {
   ++forgets_;
   speed_ = {};
   last_ = {};
-  recent_ = {};
+  recent_ = pace_ = {};
   end_ = place_of(at_);
   beam_.forget();
   reset_chords();
@@ -127,11 +130,17 @@ bool LinePlanner::push(const LineTarget& target) {
 }
 
 /// What lines like those that came last may be taken at: a short one among long ones costs nothing.
+/// It stays the same while their length does, nearly: a speed of its own for each of them would
+/// take it into several segments, which is what there is no time for.
 LineReal LinePlanner::paced_speed(LineReal length) {
   constexpr int n = paced_lines_log2;
   if (is_zero(recent_)) recent_ = times_power(length, n);
   recent_ = difference(recent_, times_power(recent_, -n)) + length;
-  return recent_ * limits_.per_pace;
+  const LineReal now = recent_ * limits_.per_pace;
+  const bool like_before = difference(now, times_power(now, -pace_rise_log2)) < pace_ &&
+                           pace_ < now + times_power(now, -pace_fall_log2);
+  if (!like_before) pace_ = now;
+  return pace_;
 }
 
 LineReal LinePlanner::corner_2(const Line& line, const LineShape& shape) const {

@@ -151,6 +151,7 @@ class LinePlanner {
   LinePlace end_;
   LineShape last_;     ///< of the last line; no length = none
   bool stop_ = false;  ///< at its end
+  LineReal pace_;      ///< paced_speed() of the line before
   LineReal recent_;    ///< mean length of the last lines, times as many
   LineChords short_chords_, long_chords_, gentle_chords_;
 
