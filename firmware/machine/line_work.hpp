@@ -62,10 +62,13 @@ class LineWork {
   bool drained() const { return planner_.idle() && inbox_.empty(); }
   /// Behind this batch the machine is at rest.
   bool ends_at_rest() const { return planner_.at_rest(); }
-  /// Number of the first line that does not end before this batch does; 0 = none is known.
-  std::uint32_t first_line() const {
-    if (!ring_.empty()) return ring_.at(ring_.begin()).line;
-    return inbox_.empty() ? 0 : inbox_.front().line;
+  /// Number of the first line that does not end before this batch does, and the step where it ends;
+  /// 0 = none is known.
+  std::uint32_t first_line(StepPosition& end) const {
+    if (ring_.empty() && inbox_.empty()) return 0;
+    const motion::Line& line = ring_.at(ring_.begin());
+    end = ring_.empty() ? inbox_.front().steps : line.steps;
+    return ring_.empty() ? inbox_.front().line : line.line;
   }
   /// Lines known to the planner.
   std::uint32_t lines() const { return planner_.lines(); }

@@ -312,10 +312,16 @@ std::uint32_t ProgramRunner::line() const {
   return begun_ && generator_.running() ? generator_.segment().point : 0;
 }
 
-std::uint32_t ProgramRunner::first_line_at_rest() const {
+std::uint32_t ProgramRunner::first_line_at_rest(bool& at_end) const {
   // A batch that was not run has taken its lines with it.
   if (lost_ || staged_ || !planning_.hand_over().at_home() || !is_still()) return 0;
-  return planning_.lines().first_line();
+  StepPosition end{};
+  const std::uint32_t line = planning_.lines().first_line(end);
+  // A hold just in front of it leaves less than a step.
+  const stepper::MotionState at = generator_.state();
+  at_end = true;
+  for (std::size_t a = 0; a < max_axes; ++a) at_end = at_end && at.axis[a].step() == end[a];
+  return line;
 }
 
 bool ProgramRunner::played(std::uint64_t tick) const {

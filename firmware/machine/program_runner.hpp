@@ -119,8 +119,8 @@ class ProgramRunner {
   /// N word of the line that is run; 0 = none.
   std::uint32_t line() const;
   /// The same of the first line that was not run to its end, while the machine stands; 0 where it
-  /// does not, or that is not known. Masked.
-  [[gnu::cold]] std::uint32_t first_line_at_rest() const;
+  /// does not, or that is not known. `at_end`: it stands in the last step of that. Masked.
+  [[gnu::cold]] std::uint32_t first_line_at_rest(bool& at_end) const;
   /// Lines that can be taken now.
   std::uint32_t free_lines() const { return planning_.lines().inbox().free(); }
   /// Tick that is filled next, of which line() is; and whether it has been put out since.

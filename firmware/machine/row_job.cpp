@@ -73,9 +73,8 @@ std::uint32_t RowJob::index_of(std::uint32_t carried) const {
   return decoder_.index() - ((decoder_.index() - carried) & carried_bits);
 }
 
-/// This line is the one that is run; lines never go back.
-void RowJob::pass(std::uint32_t carried) {
-  const std::uint32_t index = index_of(carried);
+/// Lines never go back.
+void RowJob::pass(std::uint32_t index) {
   if (index > first_) first_ = index;
 }
 
@@ -87,13 +86,14 @@ void RowJob::look() {
     return;
   }
   if (!runs()) return;
-  if (const std::uint32_t line = runner_.first_line_at_rest(); line != 0) {
-    pass(line);
+  bool at_end = false;
+  if (const std::uint32_t line = runner_.first_line_at_rest(at_end); line != 0) {
+    pass(index_of(line) + (at_end ? 1 : 0));
     seen_ = false;
     return;
   }
   if (seen_ && runner_.played(next_tick_)) {
-    pass(next_);
+    pass(index_of(next_));
     seen_ = false;
   }
   if (const std::uint32_t line = runner_.line(); !seen_ && line != 0) {

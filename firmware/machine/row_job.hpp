@@ -77,7 +77,7 @@ class RowJob {
   void take_run(std::uint16_t run);
   void take_line(const wire::RowLine& line);
   std::uint32_t index_of(std::uint32_t carried) const;
-  void pass(std::uint32_t carried);
+  void pass(std::uint32_t index);
 
   ProgramRunner& runner_;
   program::RowDecoder decoder_;

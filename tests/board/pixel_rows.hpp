@@ -16,6 +16,8 @@
 
 namespace lamplock::test {
 
+/// Power in proportion to the speed is right to about a count of LASER PWM.
+inline constexpr int flicker = 40;
 inline constexpr std::uint32_t raster_feed_milli = 60'000u * Raster::speed_mm_s;
 
 /// Rows as lines of no more than so many runs, their run-up and way out with them as dark cells,

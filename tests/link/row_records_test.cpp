@@ -228,6 +228,46 @@ TEST(RowRecords, ALineHasNoMoreRunsThanItMay) {
   EXPECT_EQ(walk(bytes), Result::bad_value);
 }
 
+/// Each of another power, in rows of 500.
+TEST(RowRecords, AGreyPixelCostsLessThanThreeBytesOnTheWire) {
+  std::mt19937_64 random(13);
+  std::vector<Row> rows;
+  constexpr int count = 200, pixels = 500;
+  for (int i = 0; i < count; ++i) {
+    Row row{{{i % 2 == 0 ? 10'000 : 0, 20 * i, 0, 0}, true, 18'000'000}, {}};
+    for (int k = 0; k < pixels; ++k)
+      row.runs.push_back(longest_run(static_cast<std::uint16_t>(random()), 1));
+    rows.push_back(row);
+  }
+  std::size_t bytes = 0;
+  std::uint32_t number = 0;
+  std::array<std::uint8_t, max_payload> payload{};
+  ByteWriter records(payload);
+  const auto send = [&] {
+    std::array<std::uint8_t, max_content> content{};
+    ByteWriter out(content);
+    write_header(out, {FrameType::data, 0x9A3F7E21u, ++number});
+    out.put_bytes(records.written());
+    std::array<std::uint8_t, max_frame> frame{};
+    bytes += encode_frame(out.written(), frame);
+    records = ByteWriter(payload);
+  };
+  RowState state;
+  for (const Row& row : rows) {
+    for (std::span<const std::uint16_t> left(row.runs); !left.empty();) {
+      const std::size_t put = put_runs(records, state, left);
+      left = left.subspan(put);
+      if (put == 0) send();
+    }
+    while (!put_row_line(records, state, row.line, 3)) send();
+  }
+  send();
+  const double cost = static_cast<double>(bytes) / (count * pixels);
+  RecordProperty("bytes_per_pixel", std::to_string(cost));
+  EXPECT_LT(cost, 2.7);
+  EXPECT_GT(cost, 2.0) << "two bytes and frames around them: the count is wrong";
+}
+
 /// Whatever comes: no crash, nothing beyond the limits.
 TEST(RowRecords, GarbageKeepsToTheLimits) {
   std::mt19937_64 random(12);
