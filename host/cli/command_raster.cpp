@@ -14,8 +14,8 @@
 #include "host/job/job_file.hpp"
 #include "host/model/bitmap.hpp"
 #include "host/raster/pixels.hpp"
-#include "host/raster/row_motion.hpp"
 #include "host/raster/row_gcode.hpp"
+#include "host/raster/row_motion.hpp"
 #include "host/raster/rows.hpp"
 
 namespace lamplock::cli {
