@@ -66,7 +66,7 @@ Exit frame(Options options) {
                     {"bounds", bounds_json(box)},
                     {"board", options.board.board},
                     {"done", outcome.result.end == link::JobEnd::done}});
-  return tell_end(outcome.result, options.board);
+  return tell_end(outcome.result, options.board, work.job.item());
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct Options {
 /// What is in a job, as text and as JSON.
 void describe(const job::Job& job, const std::string& file, Console& console) {
   const points::Bounds box = points::bounds(points_of(job));
-  console.say("{}: {} points, {}{}", file, job.targets.size(), mode_name(job.header.mode),
+  console.say("{}: {} {}s, {}{}", file, job.size(), job.item(), mode_name(job.header.mode),
               job.header.dry ? ", dry" : "");
   console.say("  inside {}", bounds_text(box));
   console.say("  made for settings {:08x}, which it states:", job.settings.hash());
@@ -33,7 +33,7 @@ void describe(const job::Job& job, const std::string& file, Console& console) {
     console.say("    ${:<3} {} = {:g} {}", item.number, row.name, value, row.unit);
   }
   console.document({{"file", file},
-                    {"points", job.targets.size()},
+                    {fmt::format("{}s", job.item()), job.size()},
                     {"mode", mode_name(job.header.mode)},
                     {"dry", job.header.dry},
                     {"axes", job.header.axes},

@@ -1,10 +1,12 @@
 // `lamplock send`: a job file, or a program of G-code, to a machine.
 #include <memory>
+#include <utility>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/job_points.hpp"
 #include "host/cli/run_job.hpp"
 #include "host/cli/run_program.hpp"
+#include "host/cli/run_rows.hpp"
 #include "host/job/job_file.hpp"
 
 namespace lamplock::cli {
@@ -30,8 +32,9 @@ Exit send_file(const Options& options) {
   options.board.check();
   auto port = open_port(options.board);
   Work work{options.file, {}, job::read_job_file(options.file)};
-  work.points = points_of(work.job);
   work.job.header.dry = work.job.header.dry || options.board.dry;
+  if (work.job.is_rows()) return send_rows(work, options.board, std::move(port), console);
+  work.points = points_of(work.job);
   take_off_fired(work, options.board);
   console.phase("job",
                 fmt::format("{}: {} points, {}{}", options.file, work.points.size(),
@@ -53,7 +56,7 @@ void add_send(CLI::App& program, Action& action) {
       "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # go on after a stop\n"
       "  lamplock send part.ngc --board /dev/ttyACM0");
   const auto options = std::make_shared<Options>();
-  app->add_option("FILE", options->file, "Job file (.llj) or G-code")
+  app->add_option("FILE", options->file, "Job file (.llj) of points or rows, or G-code")
       ->required()
       ->type_name("FILE");
   options->board.add_board(*app);

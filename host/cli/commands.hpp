@@ -21,6 +21,7 @@ void add_order(CLI::App& program, Action& action);
 void add_check(CLI::App& program, Action& action);
 void add_diagnose(CLI::App& program, Action& action);
 void add_job(CLI::App& program, Action& action);
+void add_raster(CLI::App& program, Action& action);
 void add_send(CLI::App& program, Action& action);
 void add_settings(CLI::App& program, Action& action);
 void add_console(CLI::App& program, Action& action);

@@ -6,7 +6,7 @@
 
 namespace lamplock::cli {
 
-/// Where the targets of a job lie [mm].
+/// Where the targets of a job lie, or the ends of its lines [mm].
 points::PointCloud points_of(const job::Job& job);
 
 }  // namespace lamplock::cli

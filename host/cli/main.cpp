@@ -50,6 +50,7 @@ Exit run(int argc, char** argv) {
   lamplock::cli::add_check(program, action);
   lamplock::cli::add_diagnose(program, action);
   lamplock::cli::add_job(program, action);
+  lamplock::cli::add_raster(program, action);
   lamplock::cli::add_send(program, action);
   lamplock::cli::add_settings(program, action);
   lamplock::cli::add_console(program, action);

@@ -18,6 +18,7 @@
 #include "host/error.hpp"
 #include "host/link/sender.hpp"
 #include "host/units.hpp"
+#include "shared/wire/job_header.hpp"
 #include "sim/world/drive_settings.hpp"
 #include "sim/world/lamp_settings.hpp"
 
@@ -201,6 +202,7 @@ motion::JoinMode ModeOption::mode() const {
 }
 
 std::string mode_name(std::uint8_t mode) {
+  if (mode == wire::mode_rows) return "rows";
   switch (static_cast<motion::JoinMode>(mode)) {
     case motion::JoinMode::start_stop:
       return "start-stop";
@@ -304,7 +306,7 @@ void BoardOptions::add_job_speed(CLI::App& app) {
 }
 
 void BoardOptions::add_job(CLI::App& app) {
-  app.add_option("--from", from, "Go on at this point: the first one not fired")
+  app.add_option("--from", from, "Go on at this point or line: the first one not fired")
       ->check(number_from(0, true))
       ->type_name("N")
       ->group(board_group);
@@ -315,8 +317,8 @@ void BoardOptions::add_job(CLI::App& app) {
   add_job_speed(app);
   app.add_flag("--dry", dry, "Move, never fire")->group(board_group);
   app.add_option("--hold-at", hold_at,
-                 "Hold for a second once so many points are fired, counted from the beginning of "
-                 "the job: to see the machine brake")
+                 "Hold for a second once so many points or lines are fired, counted from the "
+                 "beginning of the job: to see the machine brake")
       ->check(CLI::Range(1u, std::numeric_limits<std::uint32_t>::max()).description(""))
       ->type_name("N")
       ->group(board_group);

@@ -36,8 +36,10 @@ double lamp_hz(const settings::Values& values) { return in_units(values, Id::lam
 /// A real laser fires only when somebody has said so.
 void ask_permission(const Work& work, const BoardOptions& options) {
   if (options.yes || work.job.header.dry || options.is_simulated()) return;
-  fmt::print(stderr, "{} points on {}, lamp {:g} Hz: the laser will fire. Type yes to fire: ",
-             work.points.size() - options.from, options.board, lamp_hz(work.job.settings));
+  const std::string lamp =
+      work.job.is_rows() ? "" : fmt::format(", lamp {:g} Hz", lamp_hz(work.job.settings));
+  fmt::print(stderr, "{} {}s on {}{}: the laser will fire. Type yes to fire: ",
+             work.job.size() - options.from, work.job.item(), options.board, lamp);
   std::fflush(stderr);
   std::string answer;
   if (!std::getline(std::cin, answer) || answer != "yes")
@@ -92,8 +94,7 @@ link::JobResult send(link::Transport& transport, const Work& work, const BoardOp
   sending.first_index = options.from;
   sending.first_fired = options.fired;
   sending.job_speed = options.job_speed;
-  Progress progress(work.job.header.dry ? "dry run" : "engraving", work.points.size(),
-                    options.from);
+  Progress progress(work.job.header.dry ? "dry run" : "engraving", work.job.size(), options.from);
   if (clocking == Clocking::wall)
     sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
   link::JobSender sender(transport, work.job, sending);
@@ -175,11 +176,19 @@ std::string plot_title(const Work& work) {
                      mode_name(work.job.header.mode), lamp_hz(values));
 }
 
+/// The machine that a job is for. What a laser is, is the machine's own business and not told by
+/// jobs.
+settings::Values machine_of(const job::Job& job) {
+  settings::Values values = job.settings;
+  if (job.is_rows()) values.set_milli(Id::laser_mode, settings::row(Id::laser_mode).max_milli);
+  return values;
+}
+
 Outcome run_simulated(const Work& work, const BoardOptions& options, Console& console) {
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(work.job.settings);
   world.drives = options.drives.drives(work.job.settings);
-  const SimulatedBoard made = make_board(options.board, options.image, work.job.settings, world);
+  const SimulatedBoard made = make_board(options.board, options.image, machine_of(work.job), world);
   sim::Board& board = *made.board;
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, board);
@@ -190,20 +199,24 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
   link::SimulatedTransport transport(board);
   Outcome outcome;
   outcome.result = send(transport, work, options, Clocking::lock_step);
-  outcome.run = run_of(work, options, outcome.result);
-  add_shots(board, outcome.run);
+  if (!work.job.is_rows()) {
+    outcome.run = run_of(work, options, outcome.result);
+    add_shots(board, outcome.run);
+  }
   if (trace) trace->finish();
   if (!options.shots.empty()) write_shots(options.shots, board, work.job.settings);
   if (plot) plot->write(work.job.settings, plot_title(work));
   console.phase("run", fmt::format("{:.1f} s of machine time on the {} board",
                                    sim::seconds(board.now()), board.name()));
-  if (made.timing) tell_timing(*made.timing, work, options, console);
+  if (made.timing && !work.job.is_rows()) tell_timing(*made.timing, work, options, console);
   return outcome;
 }
 
 std::string go_on_text(const link::JobResult& result) {
   return "go on with " + link::go_on_options(result.status.first_unfired, result.flashes_fired);
 }
+
+}  // namespace
 
 std::string end_name(JobEnd end) {
   switch (end) {
@@ -220,8 +233,6 @@ std::string end_name(JobEnd end) {
   }
   return "unknown";
 }
-
-}  // namespace
 
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
   if (options.is_simulated()) return nullptr;
@@ -243,14 +254,15 @@ void take_off_fired(Work& work, const BoardOptions& options) {
 
 Outcome run_job(const Work& work, const BoardOptions& options,
                 std::unique_ptr<link::Transport> port, Console& console) {
-  if (options.from >= work.points.size())
+  const std::string item = work.job.item();
+  if (options.from >= work.job.size())
     throw Error(Exit::bad_input, fmt::format("--from {}", options.from),
-                fmt::format("the job has {} points", work.points.size()),
-                fmt::format("points count from 0, the last is {}", work.points.size() - 1));
-  const std::size_t last = work.points.size() - 1;
+                fmt::format("the job has {} {}s", work.job.size(), item),
+                fmt::format("{}s count from 0, the last is {}", item, work.job.size() - 1));
+  const std::size_t last = work.job.size() - 1;
   if (options.hold_at != 0 && (options.hold_at <= options.from || options.hold_at > last))
     throw Error(Exit::bad_input, fmt::format("--hold-at {}", options.hold_at),
-                fmt::format("the job goes from point {} to point {}", options.from, last),
+                fmt::format("the job goes from {} {} to {} {}", item, options.from, item, last),
                 last > options.from
                     ? fmt::format("give a number from {} to {}", options.from + 1, last)
                     : "leave it out");
@@ -259,7 +271,7 @@ Outcome run_job(const Work& work, const BoardOptions& options,
   if (!port) return run_simulated(work, options, console);
   Outcome outcome;
   outcome.result = send(*port, work, options, Clocking::wall);
-  outcome.run = run_of(work, options, outcome.result);
+  if (!work.job.is_rows()) outcome.run = run_of(work, options, outcome.result);
   console.phase("run", "on " + options.board);
   return outcome;
 }
@@ -282,7 +294,7 @@ Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& co
     json["first_unfired"] = outcome.result.status.first_unfired;
     console.document(json);
   }
-  const Exit exit = tell_end(outcome.result, options);
+  const Exit exit = tell_end(outcome.result, options, "point");
   if (exit != Exit::done) return exit;
   const auto missed = report.missed.value_or(0), doubled = report.doubled.value_or(0);
   if (missed == 0 && doubled == 0) return Exit::done;
@@ -291,32 +303,32 @@ Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& co
               "do not go on with this glass; please report it with its input");
 }
 
-Exit tell_end(const link::JobResult& result, const BoardOptions& options) {
+Exit tell_end(const link::JobResult& result, const BoardOptions& options, const char* item) {
   const std::uint32_t next = result.status.first_unfired;
   switch (result.end) {
     case JobEnd::done:
       return Exit::done;
     case JobEnd::stopped:
-      fmt::print(stderr, "stopped: first point not fired is {}; {}\n", next, go_on_text(result));
+      fmt::print(stderr, "stopped: first {} not fired is {}; {}\n", item, next, go_on_text(result));
       return Exit::interrupted;
     case JobEnd::alarm: {
       const bool estop = result.status.state == wire::MachineState::estop;
       const std::string what =
           estop ? "e-stop" : fmt::format("alarm {}", static_cast<int>(result.status.alarm));
-      throw Error(Exit::job_failed, options.board, fmt::format("{} before point {}", what, next),
+      throw Error(Exit::job_failed, options.board, fmt::format("{} before {} {}", what, item, next),
                   "clear it and " + go_on_text(result));
     }
     case JobEnd::lost:
       throw Error(Exit::job_failed, options.board,
                   fmt::format("connection lost, so that the machine could not be stopped; the last "
-                              "point heard of is {}",
-                              next),
+                              "{} heard of is {}",
+                              item, next),
                   "see that it stands, check the cable and " + go_on_text(result));
     case JobEnd::restarted:
       throw Error(Exit::job_failed, options.board,
-                  fmt::format("the machine has restarted, its position is lost; the last point "
+                  fmt::format("the machine has restarted, its position is lost; the last {} "
                               "heard of is {}",
-                              next),
+                              item, next),
                   "home it and " + go_on_text(result));
   }
   return Exit::job_failed;

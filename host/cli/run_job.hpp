@@ -22,11 +22,11 @@ namespace lamplock::cli {
 /// A job and what it is about.
 struct Work {
   std::string input;          ///< file
-  points::PointCloud points;  ///< as ordered, one per target of the job
+  points::PointCloud points;  ///< as ordered, one per target of the job; none of rows
   job::Job job;
 };
 
-/// What came of it: `run` is what a report is made of.
+/// What came of it: `run` is what a report is made of; empty for rows.
 struct Outcome {
   link::JobResult result;
   report::JobRun run;
@@ -47,7 +47,10 @@ Outcome run_job(const Work& work, const BoardOptions& options,
 /// Judges the run, prints and writes the report, and tells how to go on. Gives the exit status.
 Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console);
 
-/// One line on stderr if the job did not end well; gives the exit status.
-Exit tell_end(const link::JobResult& result, const BoardOptions& options);
+/// One line on stderr if the job did not end well; gives the exit status. `item`: Job::item().
+Exit tell_end(const link::JobResult& result, const BoardOptions& options, const char* item);
+
+/// How a job ended, for programs.
+std::string end_name(link::JobEnd end);
 
 }  // namespace lamplock::cli

@@ -3,63 +3,21 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 #include <limits>
 #include <span>
 #include <string>
 
 #include "host/error.hpp"
+#include "host/job/rounder.hpp"
 #include "host/units.hpp"
-#include "shared/work_space.hpp"
 
 namespace lamplock::job {
 namespace {
 
 using settings::Id;
 
-constexpr int point_axes = 3;
-constexpr std::string_view axis_names = "XYZA";
-
 /// Settings that decide where a step is: without them the targets have no meaning.
 constexpr std::array geometry{Id::steps_per_mm_x, Id::travel_x, Id::min_corner_x};
-
-/// Rounds points to steps inside the work space.
-class Rounder {
- public:
-  explicit Rounder(const settings::Values& values) : limits_(work_space(values)) {
-    for (int axis = 0; axis < point_axes; ++axis)
-      steps_per_mm_[index(axis)] = in_units(values, Id::steps_per_mm_x, axis);
-  }
-
-  /// False if the point is outside.
-  bool round(const points::Point& point, StepPosition& steps) const {
-    const std::array mm{point.x, point.y, point.z};
-    for (int axis = 0; axis < point_axes; ++axis) {
-      const auto i = static_cast<std::size_t>(axis);
-      const double exact = std::round(mm[i] * steps_per_mm_[i]);
-      if (!(std::abs(exact) <= std::numeric_limits<std::int32_t>::max())) return false;
-      steps[i] = static_cast<std::int32_t>(exact);
-      // An axis that the machine lacks has limits 0..0.
-      if (!limits_.contains(axis, steps[i])) return false;
-    }
-    return true;
-  }
-
- private:
-  StepLimits limits_;
-  std::array<double, point_axes> steps_per_mm_{};
-};
-
-std::string describe_work_space(const settings::Values& values) {
-  std::string text;
-  for (int axis = 0; axis < values.whole(Id::axes); ++axis) {
-    const double corner = in_units(values, Id::min_corner_x, axis);
-    const double travel = in_units(values, Id::travel_x, axis);
-    text += fmt::format("{}{} {:g}..{:g}", axis == 0 ? "" : ", ",
-                        axis_names[static_cast<std::size_t>(axis)], corner, corner + travel);
-  }
-  return text + " mm";
-}
 
 void add_override(wire::JobHeader& header, Id id, const settings::Values& values) {
   const std::uint16_t number = settings::row(id).number;
@@ -68,6 +26,8 @@ void add_override(wire::JobHeader& header, Id id, const settings::Values& values
   static_assert(settings::job_setting_count <= wire::max_overrides);
   header.overrides[header.override_count++] = {number, values.milli(id)};
 }
+
+}  // namespace
 
 wire::JobHeader make_header(const Profile& profile, const JobOptions& options,
                             std::size_t targets) {
@@ -89,8 +49,6 @@ wire::JobHeader make_header(const Profile& profile, const JobOptions& options,
   }
   return header;
 }
-
-}  // namespace
 
 Job make_job(const points::PointCloud& points, const Profile& profile, const JobOptions& options) {
   if (points.empty()) throw Error(Exit::bad_input, "job", "there are no points", "check the input");
@@ -124,7 +82,9 @@ Job make_job(const points::PointCloud& points, const Profile& profile, const Job
 wire::JobHeader header_from(const Job& job, std::size_t first) {
   wire::JobHeader header = job.header;
   header.first_index = static_cast<std::uint32_t>(first);
-  if (first > 0) header.origin_steps = job.targets[first - 1].steps;
+  if (first > 0)
+    header.origin_steps =
+        job.is_rows() ? job.rows.lines[first - 1].to.steps : job.targets[first - 1].steps;
   return header;
 }
 
@@ -144,9 +104,15 @@ settings::Values apply_overrides(const settings::Values& base, const wire::JobHe
 
 RecordEncoder::RecordEncoder(const Job& job, std::size_t first) : job_(&job), index_(first) {
   state_.steps = header_from(job, first).origin_steps;
+  if (job.is_rows()) rows_.emplace(job.rows, first, state_.steps, job.header.axes);
 }
 
 std::vector<std::uint8_t> RecordEncoder::next(std::size_t max_bytes, std::size_t max_points) {
+  if (rows_) {
+    std::vector<std::uint8_t> records = rows_->next(max_bytes, max_points);
+    index_ = rows_->index();
+    return records;
+  }
   std::vector<std::uint8_t> payload(max_bytes);
   wire::ByteWriter out(payload);
   for (std::size_t count = 0; count < max_points && index_ < job_->targets.size(); ++count) {

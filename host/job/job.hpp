@@ -1,18 +1,21 @@
 // A job: what the firmware is to do, in steps.
 //
-// In:  a cloud of points [mm] in the order to engrave, a machine profile, options.
-// Out: the header and the targets; RecordEncoder cuts them into payloads for DATA frames, from any
-//      point on.
+// In:  a cloud of points [mm] in the order to engrave, a machine profile, options. Jobs of rows of
+//      pixels are made by host/raster.
+// Out: the header and the targets or lines; RecordEncoder cuts them into payloads for DATA frames,
+//      from any of them on.
 // Who: the command line makes jobs, the sender and the job file carry them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "firmware/motion/target.hpp"
 #include "host/job/profile.hpp"
+#include "host/job/rows.hpp"
 #include "host/points/point.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
@@ -30,17 +33,29 @@ struct JobOptions {
   bool check_settings = false;  ///< let the machine refuse if any other setting differs
 };
 
-/// Header and targets. The header's first_index is 0; the sender starts elsewhere on request.
+/// Header, and targets or rows. The header's first_index is 0; the sender starts elsewhere on
+/// request.
 struct Job {
   wire::JobHeader header;
   std::vector<motion::Target> targets;
+  Rows rows;
   settings::Values settings;  ///< the job was made for these
+
+  /// Rows of pixels instead of points.
+  bool is_rows() const { return header.mode == wire::mode_rows; }
+  /// Targets or lines.
+  std::size_t size() const { return is_rows() ? rows.lines.size() : targets.size(); }
+  /// One of them, as users read it.
+  const char* item() const { return is_rows() ? "line" : "point"; }
 };
 
 /// Makes a job: each coordinate is rounded to the nearest step of its axis. Throws
 /// Error(bad_input) if there is no point or any is outside the work space (or not finite): how
 /// many, and index and coordinates of the first.
 Job make_job(const points::PointCloud& points, const Profile& profile, const JobOptions& options);
+
+/// The header of a job of so many targets: what the profile states, and the geometry, as overrides.
+wire::JobHeader make_header(const Profile& profile, const JobOptions& options, std::size_t targets);
 
 /// Header for sending from target `first` on (first <= number of targets).
 wire::JobHeader header_from(const Job& job, std::size_t first);
@@ -50,7 +65,7 @@ wire::JobHeader header_from(const Job& job, std::size_t first);
 settings::Values apply_overrides(const settings::Values& base, const wire::JobHeader& header,
                                  const std::string& where = "job");
 
-/// Cuts the targets of a job into payloads, each to be decoded after the one before.
+/// Cuts the targets or lines of a job into payloads, each to be decoded after the one before.
 class RecordEncoder {
  public:
   /// Starts at target `first`, with the reference of header_from(job, first). The job must outlive
@@ -58,16 +73,19 @@ class RecordEncoder {
   RecordEncoder(const Job& job, std::size_t first);
 
   /// The next payload: at most `max_bytes` bytes (at least wire::max_record_size) and
-  /// `max_points` targets; empty at the end of the job. Throws Error(bad_input) if two targets are
-  /// further apart than 32 bits of steps.
+  /// `max_points` targets or lines; empty at the end of the job. Throws Error(bad_input) if two
+  /// targets are further apart than 32 bits of steps.
   std::vector<std::uint8_t> next(std::size_t max_bytes, std::size_t max_points);
 
-  /// Index after the last target encoded.
+  /// Index after the last target or line encoded.
   std::size_t index() const { return index_; }
+  /// Places of the board's table of runs that all payloads so far take.
+  std::uint64_t places() const { return rows_ ? rows_->places() : 0; }
 
  private:
   const Job* job_;
   std::size_t index_;
+  std::optional<RowEncoder> rows_;
   wire::RecordState state_;
 };
 

@@ -22,7 +22,7 @@ constexpr std::size_t payload_bytes = 1 << 16;
   throw Error(Exit::bad_input, name, what, "make the job again with `lamplock job`");
 }
 
-std::vector<std::uint8_t> encode_targets(const Job& job) {
+std::vector<std::uint8_t> encode_records(const Job& job) {
   std::vector<std::uint8_t> stream;
   RecordEncoder encoder(job, 0);
   for (auto piece = encoder.next(payload_bytes, payload_bytes); !piece.empty();
@@ -61,10 +61,31 @@ std::vector<motion::Target> decode_targets(std::span<const std::uint8_t> stream,
   return targets;
 }
 
+Rows decode_rows(std::span<const std::uint8_t> stream, const wire::JobHeader& header,
+                 const std::string& name) {
+  Rows rows;
+  std::size_t first_run = 0;
+  wire::RowState state;
+  state.steps = header.origin_steps;
+  const auto take_line = [&](const wire::RowLine& line) {
+    rows.lines.push_back({line, first_run, rows.runs.size() - first_run});
+    first_run = rows.runs.size();
+    return Result::ok;
+  };
+  const auto take_run = [&](std::uint16_t run) {
+    rows.runs.push_back(run);
+    return Result::ok;
+  };
+  const Result result = wire::walk_row_records(stream, header.axes, state, take_line, take_run);
+  if (result != Result::ok || state.runs != 0 || rows.lines.size() != header.points_total)
+    fail(name, "has a malformed stream of rows");
+  return rows;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode_job_file(const Job& job) {
-  const std::vector<std::uint8_t> stream = encode_targets(job);
+  const std::vector<std::uint8_t> stream = encode_records(job);
   if (stream.size() > std::numeric_limits<std::uint32_t>::max())
     fail("job", "is too long for a file");
   wire::JobHeader header = job.header;
@@ -101,8 +122,11 @@ Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name
   job.settings = apply_overrides(settings::Values{}, job.header, name);
   if (job.settings.hash() != job.header.settings_hash)
     fail(name, "was made with other settings than this program knows");
-  job.targets = decode_targets(rest.rest(), job.header, name);
-  if (job.targets.empty()) fail(name, "has no points");
+  if (job.is_rows())
+    job.rows = decode_rows(rest.rest(), job.header, name);
+  else
+    job.targets = decode_targets(rest.rest(), job.header, name);
+  if (job.size() == 0) fail(name, fmt::format("has no {}s", job.item()));
   return job;
 }
 

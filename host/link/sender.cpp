@@ -38,9 +38,10 @@ std::uint32_t choose_session(std::uint32_t wanted) {
 }
 
 const job::Job& check_first(const job::Job& job, std::size_t first) {
-  if (first <= job.targets.size()) return job;
-  throw Error(Exit::bad_input, fmt::format("point {}", first), "is beyond the end of the job",
-              fmt::format("the job has {} points", job.targets.size()));
+  if (first <= job.size()) return job;
+  throw Error(Exit::bad_input, fmt::format("{} {}", job.item(), first),
+              "is beyond the end of the job",
+              fmt::format("the job has {} {}s", job.size(), job.item()));
 }
 
 /// A wish of the machine that passes by itself or shows in STATUS.
@@ -171,7 +172,8 @@ void JobSender::handle(const wire::Status& status) {
     phase_ = Phase::stream;
     started_at_ = heard_at_;
     finish_by_.reset();
-    frame_points_ = std::clamp<std::size_t>(status.free_points / 4, 1, most_points_per_frame);
+    const std::size_t most = job_.is_rows() ? wire::most_lines_a_frame : most_points_per_frame;
+    frame_points_ = std::clamp<std::size_t>(status.free_points / 4, 1, most);
   }
   if (phase_ != Phase::stream) return;
   const std::uint32_t acknowledged = built_ - static_cast<std::uint32_t>(frames_.size());
@@ -199,6 +201,7 @@ bool JobSender::take_barrier(const wire::Status& status) {
 /// Forgets the frames that the machine has.
 void JobSender::acknowledge(const wire::Status& status) {
   while (!frames_.empty() && frames_.front().number < status.next_number) {
+    places_ = frames_.front().end_places;
     frames_.pop_front();
     if (cursor_ > 0) --cursor_;
     soft_refusals_ = 0;
@@ -225,7 +228,7 @@ void JobSender::handle(const RefusedFrame& frame) {
 void JobSender::refuse_job(const RefusedFrame& frame) const {
   const wire::Refused& refused = frame.refused;
   const bool of_point = refused.type != wire::FrameType::begin;
-  const std::string where = of_point ? fmt::format("point {}", refused.value) : "machine";
+  const std::string where = of_point ? fmt::format("{} {}", job_.item(), refused.value) : "machine";
   // In mid-job nobody shall begin anew: points would be fired twice.
   const std::string go_on = "go on with " + go_on_options(status_.first_unfired, flashes_fired());
   const std::string then = of_point ? ", then " + go_on : "";
@@ -402,11 +405,10 @@ void JobSender::stream() {
   // Nothing moves before the machine knows how fast.
   const bool speed_known = job_speed_ == machine_job_speed_ && command_taken();
   if (written_ == 0 && !speed_known) return;
-  const std::size_t limit = std::size_t{status_.received} + status_.free_points;
   while (connection_.backlog() < most_backlog) {
     if (cursor_ == frames_.size() && !build_frame()) return;
     const Frame& frame = frames_[cursor_];
-    if (frame.end_index > limit) return;
+    if (!has_room(frame)) return;
     connection_.send({frame.type, session_, frame.number}, frame.payload);
     if (frame.number <= written_) ++resent_;
     written_ = std::max(written_, frame.number);
@@ -414,19 +416,26 @@ void JobSender::stream() {
   }
 }
 
+/// The machine can take it, with all that it has not acknowledged before it.
+bool JobSender::has_room(const Frame& frame) const {
+  if (frame.end_index > std::size_t{status_.received} + status_.free_points) return false;
+  return frame.end_places <= places_ + status_.free_runs || !job_.is_rows();
+}
+
 /// Builds the next frame; false if the window is full or everything has been built.
 bool JobSender::build_frame() {
   if (end_built_ || frames_.size() >= options_.window_frames) return false;
-  Frame frame{wire::FrameType::data, built_ + 1, 0,
+  Frame frame{wire::FrameType::data, built_ + 1, 0, 0,
               encoder_.next(wire::max_payload, frame_points_)};
   if (frame.payload.empty()) {
     frame.type = wire::FrameType::end;
     frame.payload.resize(sizeof(std::uint32_t));
     wire::ByteWriter out(frame.payload);
-    out.put(static_cast<std::uint32_t>(job_.targets.size()));
+    out.put(static_cast<std::uint32_t>(job_.size()));
     end_built_ = true;
   }
   frame.end_index = encoder_.index();
+  frame.end_places = encoder_.places();
   frames_.push_back(std::move(frame));
   ++built_;
   return true;
@@ -439,8 +448,8 @@ void JobSender::check_end() {
   if (state == MachineState::alarm || state == MachineState::estop) return end(JobEnd::alarm);
   const bool moving = state == MachineState::run;
   const bool all_taken = end_built_ && frames_.empty();
-  const bool all_done = all_taken && status_.first_unfired >= job_.targets.size();
-  const bool unfinished = status_.first_unfired < job_.targets.size();
+  const bool all_done = all_taken && status_.first_unfired >= job_.size();
+  const bool unfinished = status_.first_unfired < job_.size();
   if (state == MachineState::idle && unfinished) throw_ended();
   if (!all_done) return;
   if (!finish_by_) finish_by_ = transport_.now() + rest_timeout;
@@ -488,7 +497,7 @@ void JobSender::finish_stop() {
   using wire::MachineState;
   const bool ours = status_.session == session_;
   const bool idle = status_.state == MachineState::idle;
-  if (ours && idle && status_.first_unfired >= job_.targets.size())
+  if (ours && idle && status_.first_unfired >= job_.size())
     end(JobEnd::done);
   else
     end(!ours ? JobEnd::restarted : idle ? stop_end_ : JobEnd::alarm);
@@ -513,8 +522,9 @@ void JobSender::throw_not_stopped() {
   } catch (const std::exception& error) {
     throw Error(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.what()), remedy);
   }
-  throw Error(Exit::job_failed, where, what,
-              fmt::format("{}; the last point heard of is {}", remedy, status_.first_unfired));
+  throw Error(
+      Exit::job_failed, where, what,
+      fmt::format("{}; the last {} heard of is {}", remedy, job_.item(), status_.first_unfired));
 }
 
 JobSender::Time JobSender::pause_length() const {

@@ -1,8 +1,8 @@
 // Sends a job and sees it through to its last shot (docs/wire-format.md, section 2).
 //
-// In:  a job, a transport, the wishes of the user (pause, resume, stop, job speed).
-// Out: frames; progress; at the end how it went.
-// Who: the command line. Not thread-safe but for the wishes, which may come from a signal handler.
+// In:  a job of points or rows, a transport, the wishes of the user (pause, resume, stop, job
+// speed). Out: frames; progress; at the end how it went. Who: the command line. Not thread-safe but
+// for the wishes, which may come from a signal handler.
 //
 // The sender never guesses what the machine has: what STATUS says is what it has. A QUERY behind
 // each burst tells for certain which frames were lost; they are sent again, no others.
@@ -42,7 +42,7 @@ struct SenderOptions {
   std::chrono::microseconds give_up{60'000'000};       ///< without connection until the end
   std::chrono::microseconds status_interval{100'000};  ///< between questions when all is well
   std::size_t window_frames = 16;                      ///< frames sent and not acknowledged
-  std::size_t first_index = 0;                         ///< go on with a job at this point
+  std::size_t first_index = 0;                         ///< go on with a job at this point or line
   std::uint32_t first_fired = 0;  ///< flashes of it fired before, not among those of the job
   std::uint32_t session = 0;      ///< 0 = choose at random
   std::uint32_t job_speed = full_job_speed;  ///< percent, before anything moves
@@ -103,7 +103,7 @@ class JobSender {
   void set_job_speed(std::uint32_t percent) noexcept { job_speed_.store(percent); }
   std::uint32_t job_speed() const noexcept { return job_speed_.load(); }
 
-  /// All points before this index are done.
+  /// All points, or lines, before this index are done.
   std::size_t points_fired() const;
   JobResult result() const;
   const wire::Status& status() const { return status_; }
@@ -119,7 +119,8 @@ class JobSender {
   struct Frame {
     wire::FrameType type;
     std::uint32_t number;
-    std::size_t end_index;  ///< after its last point
+    std::size_t end_index;     ///< after its last point or line
+    std::uint64_t end_places;  ///< of the table of runs, with all frames before
     std::vector<std::uint8_t> payload;
   };
   /// A QUERY on its way and the number of the DATA frame that would have followed it.
@@ -152,6 +153,7 @@ class JobSender {
   void command(wire::Command command, std::uint32_t value = 0);
   void send_command();
   void stream();
+  bool has_room(const Frame& frame) const;
   bool build_frame();
   void check_end();
   void end(JobEnd how);
@@ -179,6 +181,7 @@ class JobSender {
   std::string text_seen_;
 
   std::deque<Frame> frames_;   ///< built and not acknowledged
+  std::uint64_t places_ = 0;   ///< of the table of runs, of all that are acknowledged
   std::size_t cursor_ = 0;     ///< next of them to write
   std::uint32_t built_ = 0;    ///< number of the last frame built
   std::uint32_t written_ = 0;  ///< highest number ever written

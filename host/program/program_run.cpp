@@ -4,15 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "firmware/machine/input_wait.hpp"
-#include "firmware/machine/line_work.hpp"
-#include "firmware/machine/program_horizon.hpp"
 #include "firmware/machine/program_motion.hpp"
 #include "firmware/machine/program_reader.hpp"
 #include "firmware/program/interpreter.hpp"
-#include "host/error.hpp"
+#include "host/program/line_run.hpp"
 #include "host/text.hpp"
 #include "shared/boards/pico_pins.hpp"
 #include "shared/wire/framing.hpp"
@@ -24,83 +21,8 @@ using program::Action;
 using program::ActionKind;
 using settings::Id;
 
-/// Limits are those of ticks of their nominal length; which beat they are made for does not matter.
-constexpr std::uint32_t some_beat_ticks = ticks_per_second / 100;
-/// A board that takes all that the cable brings, USB at full speed: 19 packets of 64 bytes in a
-/// millisecond, looked at four times in it; and the ticks that it has filled.
-constexpr std::uint64_t round_ticks = ticks_per_second / 4000;
-constexpr std::size_t bytes_per_round = 19 * 64 / 4;
-constexpr std::uint64_t filled_ticks = 9 * round_ticks;
 constexpr double e7 = static_cast<double>(program::one_e7);
 constexpr std::string_view axis_names = "XYZA";
-
-/// For a machine that cannot be.
-Error no_motion(const settings::Values& values) {
-  motion::Limits limits;
-  std::uint16_t setting = 0;
-  motion::make_limits(values, some_beat_ticks, full_tick_q16, limits, setting);
-  return {Exit::bad_input, fmt::format("${}", setting), "no motion is possible with it",
-          "change the profile of the machine"};
-}
-
-/// Lines on their way through the planner as the board feeds it: how many it knows of when it plans
-/// a batch is what a plan depends on beside the lines themselves.
-class Lines {
- public:
-  /// Throws Error(bad_input).
-  explicit Lines(const settings::Values& values) {
-    stepper::MotionState rest;
-    for (stepper::AxisState& axis : rest.axis) axis.position_q64 = stepper::middle_of_step(0);
-    if (work_->begin(values, some_beat_ticks, full_tick_q16, rest, no_powers_) != Result::ok)
-      throw no_motion(values);
-  }
-
-  /// So many bytes come over the cable.
-  void receive(std::size_t bytes) {
-    bytes_ += bytes;
-    for (; bytes_ > bytes_per_round; bytes_ -= bytes_per_round) round();
-  }
-  void take(const motion::LineTarget& line) {
-    while (work_->inbox().full()) round();
-    work_->inbox().push(line);
-  }
-  /// Lets the machine come to rest.
-  void finish() {
-    while (!work_->drained() || now_ < end_) round();
-  }
-  void dwell(std::uint32_t us) {
-    finish();
-    now_ += us / us_per_tick;
-  }
-  /// In motion.
-  std::uint64_t ticks() const { return ticks_; }
-
- private:
-  static constexpr std::uint32_t us_per_tick = 1'000'000 / ticks_per_second;
-
-  /// Of the main loop: see ProgramRunner::wants_batch() and start_tick().
-  void round() {
-    now_ += round_ticks;
-    const std::uint64_t head = now_ + filled_ticks;
-    const bool rests = work_->ends_at_rest();
-    if (work_->drained() || (!rests && end_ >= head + machine::horizon_ticks)) return;
-    if (rests) end_ = std::max(end_, head + machine::start_margin_ticks);
-    work_->start({});
-    while (work_->advance()) {
-    }
-    for (std::uint32_t i = 0; i < work_->count(); ++i) {
-      ticks_ += work_->segment(i).segment.ticks;
-      end_ += work_->segment(i).segment.ticks;
-    }
-    work_->accept();
-  }
-
-  /// What the laser does along a line does not change how it is run.
-  const stepper::PowerTable no_powers_;
-  std::unique_ptr<machine::LineWork> work_ = std::make_unique<machine::LineWork>();
-  std::size_t bytes_ = 0;  ///< that have come in this round
-  std::uint64_t now_ = 0, end_ = 0, ticks_ = 0;
-};
 
 /// The machine: its lines, and its position.
 class Machine {
@@ -221,7 +143,7 @@ class Machine {
 
   const settings::Values& values_;
   const StepLimits space_;
-  Lines lines_;
+  LineRun lines_;
   PerAxis<double> at_{};
   std::vector<Action> row_;  ///< of pixels, but for the last ones
   ProgramRun run_;

@@ -1,0 +1,76 @@
+#include "host/program/line_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "firmware/machine/program_horizon.hpp"
+#include "host/error.hpp"
+
+namespace lamplock::program_run {
+namespace {
+
+/// Limits are those of ticks of their nominal length; which beat they are made for does not matter.
+constexpr std::uint32_t some_beat_ticks = ticks_per_second / 100;
+/// A board that takes all that the cable brings, USB at full speed: 19 packets of 64 bytes in a
+/// millisecond, looked at four times in it; and the ticks that it has filled.
+constexpr std::uint64_t round_ticks = ticks_per_second / 4000;
+constexpr std::size_t bytes_per_round = 19 * 64 / 4;
+constexpr std::uint64_t filled_ticks = 9 * round_ticks;
+constexpr std::uint32_t us_per_tick = 1'000'000 / ticks_per_second;
+
+/// For a machine that cannot be.
+Error no_motion(const settings::Values& values) {
+  motion::Limits limits;
+  std::uint16_t setting = 0;
+  motion::make_limits(values, some_beat_ticks, full_tick_q16, limits, setting);
+  return {Exit::bad_input, fmt::format("${}", setting), "no motion is possible with it",
+          "change the profile of the machine"};
+}
+
+}  // namespace
+
+LineRun::LineRun(const settings::Values& values) {
+  stepper::MotionState rest;
+  for (stepper::AxisState& axis : rest.axis) axis.position_q64 = stepper::middle_of_step(0);
+  if (work_->begin(values, some_beat_ticks, full_tick_q16, rest, no_powers_) != Result::ok)
+    throw no_motion(values);
+}
+
+void LineRun::receive(std::size_t bytes) {
+  bytes_ += bytes;
+  for (; bytes_ > bytes_per_round; bytes_ -= bytes_per_round) round();
+}
+
+void LineRun::take(const motion::LineTarget& line) {
+  while (work_->inbox().full()) round();
+  work_->inbox().push(line);
+}
+
+void LineRun::finish() {
+  while (!work_->drained() || now_ < end_) round();
+}
+
+void LineRun::dwell(std::uint32_t us) {
+  finish();
+  now_ += us / us_per_tick;
+}
+
+/// Of the main loop: see ProgramRunner::wants_batch() and start_tick().
+void LineRun::round() {
+  now_ += round_ticks;
+  const std::uint64_t head = now_ + filled_ticks;
+  const bool rests = work_->ends_at_rest();
+  if (work_->drained() || (!rests && end_ >= head + machine::horizon_ticks)) return;
+  if (rests) end_ = std::max(end_, head + machine::start_margin_ticks);
+  work_->start({});
+  while (work_->advance()) {
+  }
+  for (std::uint32_t i = 0; i < work_->count(); ++i) {
+    ticks_ += work_->segment(i).segment.ticks;
+    end_ += work_->segment(i).segment.ticks;
+  }
+  work_->accept();
+}
+
+}  // namespace lamplock::program_run

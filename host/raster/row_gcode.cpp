@@ -1,0 +1,116 @@
+#include "host/raster/row_gcode.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "host/units.hpp"
+#include "shared/wire/framing.hpp"
+
+namespace lamplock::raster {
+namespace {
+
+using settings::Id;
+
+constexpr double full_power = 65'535;
+/// A number of G-code has no more decimals (docs/gcode.md).
+constexpr int most_decimals = 7;
+
+/// Without zeros that say nothing.
+std::string number(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  if (decimals == 0) return text;
+  const auto last = text.find_last_not_of('0');
+  text.resize(text[last] == '.' ? last : last + 1);
+  return text == "-0" ? "0" : text;
+}
+
+/// Writes one job.
+class Writer {
+ public:
+  explicit Writer(const job::Job& job)
+      : job_(job), full_s_(in_units(job.settings, Id::highest_speed)) {}
+
+  std::string program() {
+    text_ = "(Rows of pixels, by lamplock raster)\nG21 G90 G94\nM4 S0\n";
+    for (const job::Line& line : job_.rows.lines) {
+      if (line.to.light)
+        add_cells(line);
+      else
+        text_ += "G0" + place(line.to.steps) + "\n";
+      at_ = line.to.steps;
+    }
+    return text_ + "M5\nM2\n";
+  }
+
+ private:
+  double mm(double steps, int axis) const {
+    return steps / in_units(job_.settings, Id::steps_per_mm_x, axis);
+  }
+
+  std::string place(const StepPosition& steps) const {
+    std::string text;
+    for (int axis = 0; axis < job_.header.axes; ++axis)
+      text += fmt::format(" {}{}", "XYZA"[index(axis)],
+                          number(mm(steps[index(axis)], axis), most_decimals));
+    return text;
+  }
+
+  /// The shortest S word that is this power to the board.
+  const std::string& s_word(std::uint16_t run) {
+    std::string& word = words_[run >> wire::run_code_bits];
+    for (int decimals = 0; word.empty(); ++decimals) {
+      std::string text = number(wire::run_power(run) / full_power * full_s_, decimals);
+      const double power = std::stod(text) / full_s_ * full_power;
+      const auto heard = wire::longest_run(static_cast<std::uint16_t>(std::lround(power)), 1);
+      if (heard >> wire::run_code_bits == run >> wire::run_code_bits || decimals == most_decimals)
+        word = std::move(text);
+    }
+    return word;
+  }
+
+  /// A line of text for as many cells as fit, and so on. Rows lie along X.
+  void add_cells(const job::Line& line) {
+    const auto runs = job_.rows.runs_of(line);
+    std::uint32_t all = 0, done = 0;
+    for (const std::uint16_t run : runs) all += wire::run_cells(run);
+    // Room for the words before the list.
+    constexpr std::size_t other_words = 64, most_list = wire::max_line - other_words;
+    for (std::size_t i = 0; i < runs.size();) {
+      std::string list;
+      while (i < runs.size() && list.size() < most_list) {
+        // Neighbours of one power are one item.
+        const std::uint16_t first = runs[i];
+        std::uint32_t cells = 0;
+        for (; i < runs.size() && runs[i] >> wire::run_code_bits == first >> wire::run_code_bits;
+             ++i)
+          cells += wire::run_cells(runs[i]);
+        list += (list.empty() ? "S" : ":") + s_word(first);
+        if (cells != 1) list += fmt::format("*{}", cells);
+        done += cells;
+      }
+      const double part = static_cast<double>(done) / all;
+      const double to = at_[0] + part * (static_cast<double>(line.to.steps[0]) - at_[0]);
+      text_ += fmt::format("G1 X{}", number(mm(to, 0), most_decimals));
+      if (std::exchange(feed_milli_, line.to.feed_milli) != line.to.feed_milli)
+        text_ += fmt::format(" F{}", number(line.to.feed_milli / milli_per_unit, 3));
+      text_ += " " + list + "\n";
+    }
+  }
+
+  const job::Job& job_;
+  const double full_s_;  ///< S word of full power
+  std::vector<std::string> words_ = std::vector<std::string>(1u << wire::run_power_bits);
+  std::string text_;
+  StepPosition at_{};
+  std::uint32_t feed_milli_ = 0;
+};
+
+}  // namespace
+
+std::string row_gcode(const job::Job& job) { return Writer(job).program(); }
+
+}  // namespace lamplock::raster

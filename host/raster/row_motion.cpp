@@ -1,0 +1,64 @@
+#include "host/raster/row_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "firmware/motion/limits.hpp"
+#include "firmware/motion/line_rise.hpp"
+#include "host/error.hpp"
+#include "host/program/line_run.hpp"
+#include "host/units.hpp"
+
+namespace lamplock::raster {
+namespace {
+
+using motion::LineReal;
+using settings::Id;
+
+/// Lines know no beat; limits of ticks are made for one.
+constexpr std::uint32_t some_beat_ticks = ticks_per_second / 100;
+constexpr double s_per_min = 60;
+/// Bits behind the point of ticks.
+constexpr int tick_bits = 20;
+
+motion::LineRise rise_of(const settings::Values& values) {
+  motion::Limits limits;
+  std::uint16_t setting = 0;
+  if (motion::make_limits(values, some_beat_ticks, full_tick_q16, limits, setting) != Result::ok)
+    throw Error(Exit::bad_input, fmt::format("${}", setting), "no motion is possible with it",
+                "change the profile of the machine");
+  return motion::make_rise(limits);
+}
+
+/// With the machine's limit of jerk, for a change of speed that takes so long without.
+double change_s(const motion::LineRise& rise, double steady_s) {
+  if (rise.none()) return steady_s;
+  const double ticks = std::ldexp(steady_s * ticks_per_second, tick_bits);
+  const LineReal change =
+      rise.change_ticks(LineReal(static_cast<std::uint64_t>(std::llround(ticks)), -tick_bits));
+  return std::ldexp(static_cast<double>(change.fixed(tick_bits)), -tick_bits) / ticks_per_second;
+}
+
+}  // namespace
+
+double run_up_mm(const settings::Values& values, double feed_mm_min) {
+  const double speed = feed_mm_min / s_per_min;
+  return speed / 2 * change_s(rise_of(values), speed / in_units(values, Id::acceleration_x));
+}
+
+double seconds_of(const job::Job& job) {
+  program_run::LineRun run(job.settings);
+  for (const job::Line& line : job.rows.lines) {
+    motion::LineTarget target;
+    target.steps = line.to.steps;
+    target.feed_um_min = line.to.feed_milli;
+    target.rapid = !line.to.light;
+    run.receive(line.runs * sizeof(std::uint16_t));
+    run.take(target);
+  }
+  run.finish();
+  return static_cast<double>(run.ticks()) / ticks_per_second;
+}
+
+}  // namespace lamplock::raster

@@ -1,0 +1,125 @@
+// `lamplock raster`: from a picture to rows, as a job and as G-code; what it refuses; its job sent.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/inputs.hpp"
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using testing::HasSubstr;
+using Arguments = std::vector<std::string>;
+
+const std::string laser = LAMPLOCK_ROOT "/examples/laser.toml";
+
+/// Room for 20 mm at 100 mm/s.
+Arguments raster(const std::string& picture, const Arguments& more) {
+  Arguments all{"raster", picture, "--machine", laser, "--width-mm", "20", "--feed", "6000"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+std::string disc(const Folder& folder) { return folder.write("disc.bmp", disc_bmp(40)); }
+
+TEST(Raster, makes_a_job_and_the_same_as_gcode) {
+  const Folder folder;
+  const std::string job = folder / "rows.llj", text = folder / "rows.ngc";
+  const Finished made = run(raster(disc(folder), {"-o", job, "--gcode", text, "--json"}));
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto document = nlohmann::json::parse(made.out);
+  EXPECT_EQ(document["columns"], 40);
+  EXPECT_EQ(document["rows"], 40);
+  EXPECT_DOUBLE_EQ(document["pitch_mm"], 0.5);
+  EXPECT_NEAR(document["overscan_mm"].get<double>(), 2.5, 1e-6);
+  EXPECT_EQ(document["lines"], 80);
+  EXPECT_EQ(document["output"]["bytes"], read(job).size());
+  EXPECT_EQ(document["gcode"]["bytes"], read(text).size());
+  const Finished shown = run({"job", "--show", job, "--json"});
+  ASSERT_EQ(shown.status, 0) << shown.err;
+  const auto show = nlohmann::json::parse(shown.out);
+  EXPECT_EQ(show["mode"], "rows");
+  EXPECT_EQ(show["lines"], 80);
+  EXPECT_EQ(show["bounds"], document["bounds"]);
+  const Finished checked = run({"check", text, "--machine", laser, "--json"});
+  ASSERT_EQ(checked.status, 0) << checked.err;
+  EXPECT_NEAR(nlohmann::json::parse(checked.out)["time_s"].get<double>(),
+              document["seconds"].get<double>(), 0.05 * document["seconds"].get<double>() + 1);
+}
+
+TEST(Raster, options_do_what_they_say) {
+  const Folder folder;
+  const std::string picture = disc(folder);
+  const auto document = [&](const Arguments& more) {
+    Arguments all = raster(picture, {"-o", folder / "a.llj", "--json"});
+    all.insert(all.end(), more.begin(), more.end());
+    const Finished made = run(all);
+    EXPECT_EQ(made.status, 0) << made.err;
+    return nlohmann::json::parse(made.out);
+  };
+  const auto plain = document({});
+  const auto fine = document({"--pitch-mm", "0.1"});
+  EXPECT_EQ(fine["columns"], 200);
+  EXPECT_EQ(fine["lines"], 400);
+  const auto one_way = document({"--one-way"});
+  EXPECT_GT(one_way["seconds"].get<double>(), 1.2 * plain["seconds"].get<double>());
+  const auto moved = document({"--origin", "-40,-30,-2", "--overscan-mm", "0"});
+  EXPECT_EQ(moved["bounds"]["low_mm"], (nlohmann::json{-40.0, -29.75, -2.0}));
+  EXPECT_EQ(moved["bounds"]["high_mm"], (nlohmann::json{-20.0, -10.25, -2.0}));
+  // Eight rows through the middle of the disc have no corners beside it.
+  EXPECT_EQ(document({"--invert"})["lines"], 64);
+}
+
+TEST(Raster, what_it_refuses) {
+  const Folder folder;
+  const std::string picture = disc(folder), out = folder / "a.llj";
+  const auto refused = [&](const Arguments& arguments) {
+    const Finished wrong = run(arguments);
+    EXPECT_EQ(wrong.status, 2) << wrong.out;
+    EXPECT_EQ(lines(wrong.err).size(), 1u) << wrong.err;
+    return wrong.err;
+  };
+  EXPECT_THAT(refused(raster(picture, {})), HasSubstr("-o FILE.llj or --gcode"));
+  EXPECT_THAT(refused(raster(picture, {"-o", out, "--gcode", out})), HasSubstr("--gcode"));
+  EXPECT_THAT(refused(raster(picture, {"-o", folder / "no/a.llj"})), HasSubstr("folder"));
+  EXPECT_THAT(refused(raster(folder / "none.png", {"-o", out})), HasSubstr("none.png"));
+  EXPECT_THAT(refused(raster(folder.write("a.png", "text"), {"-o", out})), HasSubstr("PNG"));
+  EXPECT_THAT(refused({"raster", picture, "-o", out}), HasSubstr("--feed"));
+  EXPECT_THAT(refused(raster(picture, {"-o", out, "--pitch-mm", "0.01"})), HasSubstr("step of X"));
+  EXPECT_THAT(refused(raster(picture, {"-o", out, "--pitch-mm", "0"})), HasSubstr("--pitch-mm"));
+  EXPECT_THAT(refused(raster(picture, {"-o", out, "--power-max", "101"})), HasSubstr("--power"));
+  EXPECT_THAT(refused(raster(picture, {"-o", out, "--power-min", "60", "--power-max", "50"})),
+              HasSubstr("lower one first"));
+  EXPECT_THAT(refused(raster(picture, {"-o", out, "--origin", "48,0"})), HasSubstr("work space"));
+  EXPECT_THAT(refused(raster(picture, {"-o", out, "--origin", "1"})), HasSubstr("--origin"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(Raster, its_job_is_sent) {
+  const Folder folder;
+  const std::string job = folder / "rows.llj";
+  ASSERT_EQ(run(raster(disc(folder), {"-o", job})).status, 0);
+  const Finished sent = run({"send", job, "--board", "virtual", "--json"});
+  ASSERT_EQ(sent.status, 0) << sent.err;
+  const auto document = nlohmann::json::parse(sent.out);
+  EXPECT_EQ(document["end"], "done");
+  EXPECT_EQ(document["mode"], "rows");
+  EXPECT_EQ(document["lines"], 80);
+  EXPECT_EQ(document["first_unfired"], 80);
+  EXPECT_EQ(document["starvations"], 0);
+  EXPECT_NEAR(document["seconds"].get<double>(), document["planned_seconds"].get<double>(),
+              0.05 * document["planned_seconds"].get<double>() + 1);
+  const Finished rest = run({"send", job, "--board", "virtual", "--from", "41", "--json"});
+  ASSERT_EQ(rest.status, 0) << rest.err;
+  EXPECT_EQ(nlohmann::json::parse(rest.out)["first_unfired"], 80);
+  for (const char* option : {"--report", "--shots", "--plot"}) {
+    const Finished wrong = run({"send", job, option, folder / "x.svg"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, HasSubstr(option));
+  }
+  EXPECT_THAT(run({"send", job, "--from", "80"}).err, HasSubstr("the job has 80 lines"));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test
