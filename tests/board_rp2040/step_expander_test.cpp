@@ -313,6 +313,37 @@ TEST(StepExpander, PutsEachLatticeBitOnItsPin) {
   EXPECT_EQ(lattice_nibble(stepper::trigger_bit | stepper::gate_bit | stepper::arm_bit), 7u);
 }
 
+/// A pulse ends, and few ticks later light begins that is stronger or weaker, at any place in the
+/// cell: what shines is nowhere brighter than what is wanted within half a cell.
+TEST(StepExpander, NeitherOfTwoLightsInACellIsBrighterThanItShouldBe) {
+  constexpr std::uint32_t cell = stepper::power_cell_ticks;
+  constexpr std::uint16_t powers[] = {10'000, 50'000};
+  for (std::uint32_t end = 1; end < cell; ++end) {
+    for (std::uint32_t begin = end + 1; begin < cell; ++begin) {
+      for (const bool weaker_first : {false, true}) {
+        SCOPED_TRACE(testing::Message() << end << " to " << begin << ", " << weaker_first);
+        auto rings = std::make_unique<LatticeRings>();
+        auto power = std::make_unique<PowerRing>();
+        StepExpander expander(*rings, *power);
+        expander.begin(0, 0, {});
+        const std::uint16_t one = powers[weaker_first ? 0 : 1],
+                            other = powers[weaker_first ? 1 : 0];
+        expander.put_power(one, cell + end);
+        expander.put_power(0, begin - end);
+        expander.put_power(other, 2 * cell);
+        const auto count = power->counts[(1 + power_ahead_cells) % power_ring_cells];
+        const auto most_near = [&](std::uint32_t t) {
+          return std::max(t < end + cell / 2 ? one : 0, t + cell / 2 >= begin ? other : 0);
+        };
+        for (std::uint32_t t = 0; t < cell; ++t)
+          if (t < end || t >= begin) {
+            ASSERT_LE(count, laser_duty(static_cast<std::uint16_t>(most_near(t)))) << t;
+          }
+      }
+    }
+  }
+}
+
 /// Written ahead so that it is in force in the ticks of its cell (laser_pwm.hpp).
 TEST(StepExpander, CountsThePowerInTheMiddleOfEveryCell) {
   constexpr std::uint32_t cell = stepper::power_cell_ticks;
@@ -336,11 +367,13 @@ TEST(StepExpander, CountsThePowerInTheMiddleOfEveryCell) {
       // As far back as the ring reaches.
       const std::size_t whole = told.size() / cell;
       for (std::size_t c = whole > 200 ? whole - 200 : 0; c < whole; c += 1 + random() % 3) {
-        // The last one up to the middle, or else the first one behind it.
+        // The last one up to the middle, or else the first one behind it; a weaker one behind
+        // darkness.
         std::uint32_t want = 0;
         for (std::uint32_t t = 0; t < cell; ++t) {
           const std::uint16_t shone = told[c * cell + t];
-          if (shone != 0 && (t <= cell / 2 || want == 0)) want = shone;
+          const bool weaker = t != 0 && told[c * cell + t - 1] == 0 && shone < want;
+          if (shone != 0 && (t <= cell / 2 || want == 0 || weaker)) want = shone;
         }
         ASSERT_EQ(power->counts[(c + power_ahead_cells) % power_ring_cells],
                   laser_duty(static_cast<std::uint16_t>(want)))

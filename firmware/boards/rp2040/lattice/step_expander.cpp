@@ -52,6 +52,7 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
   bits_ = {};
   power_.counts.fill(0);
   power_place_ = power_ahead_cells * stepper::power_cell_ticks;
+  dark_ = true;
   steps_ = steps;
   for (int a = 0; a < max_axes; ++a) {
     Row& row = rows_[index(a)];
@@ -186,11 +187,14 @@ void StepExpander::put_power(std::uint16_t power, std::uint32_t ticks) {
   std::uint32_t at = power_place_;
   const std::uint32_t end = at + ticks;
   if (const std::uint32_t begun = at % cell; begun != 0) {
-    // Darkness leaves a cell what shines in it before, and so does what comes behind the middle.
+    // Darkness leaves a cell what shines in it before, and so does what comes behind the middle,
+    // but for what is weaker and comes behind darkness.
     std::uint16_t& count = power_.counts[at / cell % power_ring_cells];
-    if (power != 0 && (begun <= cell / 2 || count == 0)) count = counts;
+    const bool counts_too = begun <= cell / 2 || count == 0 || (dark_ && counts < count);
+    if (power != 0 && counts_too) count = counts;
     at += cell - begun;
   }
+  dark_ = power == 0;
   for (; static_cast<std::int32_t>(end - at) > 0; at += cell)
     power_.counts[at / cell % power_ring_cells] = counts;
   power_place_ = end;

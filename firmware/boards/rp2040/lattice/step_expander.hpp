@@ -10,9 +10,12 @@
 //      tick until its guard (stepper/reversal_guard.hpp) lets steps pass. For power 40 a call and
 //      half a cycle a tick.
 //
-// A word is made of bits of DIR and STEP and becomes what the pins want when it is complete. Power
-// has one value a cell: that of the last tick up to its middle that shines, or else of the first
-// one behind.
+// A word is made of bits of DIR and STEP and becomes what the pins want when it is complete.
+//
+// Power has one value a cell: that of the last tick up to its middle that shines, or else of the
+// first one behind. Where darkness parts two lights inside of a cell, as where a pulse has ended
+// few ticks before its line, what shines behind it counts too if it is weaker: neither is brighter
+// than it should be.
 #pragma once
 
 #include <cstdint>
@@ -111,6 +114,7 @@ class StepExpander {
   StepPosition steps_{};  ///< at end_
   PowerRing& power_;
   std::uint32_t power_place_ = 0;  ///< as in a Row, with the counts written ahead
+  bool dark_ = true;               ///< in the tick before
 };
 
 }  // namespace lamplock::rp2040
