@@ -2,6 +2,7 @@
 // virtual board.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/program/program_run.hpp"
@@ -136,6 +137,26 @@ TEST(ChipProgram, KeepsItsPathHoweverFastItIsAsked) {
   EXPECT_LE(way_off(rig, 200), 0.025);
   EXPECT_GE(static_cast<double>(lines) / sim::seconds(rig.now() - begin), 3500);
   EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+}
+
+/// Where motors are made of two axes the board reads fewer lines, and not fewer still when asked
+/// for more of them.
+TEST(ChipProgram, ACoreXyIsNoSlowerForBeingAskedTooMuch) {
+  job::Profile profile = program_profile();
+  profile.settings.set_milli(Id::kinematics, 1000);
+  std::vector<double> rates;
+  for (const double feed_mm_s : {100, 500}) {
+    ChipRig rig(profile);
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    ProgramSender sender(rig.board);
+    // The first tenth of a second fills the buffers.
+    const auto lines = static_cast<std::size_t>(std::max(2000, scaled(3000)));
+    const Picoseconds begin = rig.now();
+    run(sender, spiral(lines, 0.02, feed_mm_s * 60), begin + 60 * ps_per_s);
+    rates.push_back(static_cast<double>(lines) / sim::seconds(rig.now() - begin));
+    std::cout << feed_mm_s << " mm/s: " << rates.back() << " lines/s\n";
+  }
+  for (const double rate : rates) EXPECT_GE(rate, 0.9 * rates.front());
 }
 
 TEST(ChipProgram, EndsWhereItShouldThoughLinesAreLate) {
