@@ -147,7 +147,9 @@ bool ProgramRunner::wants_batch() const {
   if (drained_ && !orders_.cancel) return false;
   // Held, at rest and told so: nothing comes of another one.
   if (resting_ && given_.held && orders_ == given_ && !lost_) return false;
-  return resting_ || lost_ || end_tick_ < generator_.head() + horizon_ticks;
+  // Behind a rest to come, too, the later the better: what is planned from there alone, as lines
+  // come, would rest again where it ends.
+  return lost_ || end_tick_ < generator_.head() + horizon_ticks;
 }
 
 /// How fast the next batch may be, of what was ordered: a batch that came too late would leave the

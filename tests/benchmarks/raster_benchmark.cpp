@@ -3,8 +3,8 @@
 // USB by a sender that always has another line.
 // The rate is in the chip's own time at 125 MHz, so it is the same on every machine.
 //
-// A run is a line of its own, as senders for grbl write them, or one value in a list of powers
-// (docs/gcode.md). Counters:
+// A run is a line of its own, as senders for grbl write them, one value in a list of powers
+// (docs/gcode.md), or two bytes in a job of rows (docs/wire-format.md). Counters:
 //   pixels_per_s     over the middle of the row
 //   of_feed          of what the feed asks for: 1 = the board keeps up
 //   core0, core1     share of the time that the core is awake
@@ -13,12 +13,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host/job/job.hpp"
+#include "host/link/simulated_transport.hpp"
 #include "sim/chip_board/chip_board.hpp"
+#include "tests/board/row_host.hpp"
 #include "tests/chip_board/program_sender.hpp"
 #include "tests/chip_board/sleep_watch.hpp"
 
@@ -32,6 +37,8 @@ constexpr int row_pixels = 2000;
 /// Where the rate is measured: behind the way to full speed, before the way to a stop.
 constexpr double measured_from = 0.3, measured_to = 0.8;
 constexpr std::size_t longest_list = 240;  // of 256 characters
+/// Of a job of rows: the planner knows whole lines alone, and the table has 1024 places.
+constexpr std::size_t runs_a_line = 48;
 
 /// 10 m/s2, 1 m/s, no lamp, 200 steps/mm.
 settings::Values machine() {
@@ -45,22 +52,88 @@ settings::Values machine() {
   return profile.settings;
 }
 
-std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_run) {
+/// How a row is sent.
+enum class Form { lines, lists, frames };
+
+/// So many pixels alike, and their power in thousandths.
+struct Run {
+  int pixels = 0;
+  unsigned power = 0;
+};
+
+std::vector<Run> random_runs(unsigned longest_run) {
   std::mt19937 random(1);
-  std::string text = fmt::format("M3 S0\nF{}\n", feed_mm_s * 60), list;
+  std::vector<Run> runs;
   unsigned odd = 0;
-  for (int i = 0; i < row_pixels;) {
-    const int run = std::min(row_pixels - i, static_cast<int>(1 + random() % longest_run));
-    const auto power = 2 * (random() % 500) + (odd ^= 1);
-    list += fmt::format("{}{}", list.empty() ? "S" : ":", power);
-    if (lists && run > 1) list += fmt::format("*{}", run);
-    i += run;
+  for (int left = row_pixels; left != 0; left -= runs.back().pixels) {
+    const int pixels = std::min(left, static_cast<int>(1 + random() % longest_run));
+    runs.push_back({pixels, static_cast<unsigned>(2 * (random() % 500) + (odd ^= 1))});
+  }
+  return runs;
+}
+
+std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_run) {
+  std::string text = fmt::format("M3 S0\nF{}\n", feed_mm_s * 60), list;
+  int i = 0;
+  for (const Run& run : random_runs(longest_run)) {
+    list += fmt::format("{}{}", list.empty() ? "S" : ":", run.power);
+    if (lists && run.pixels > 1) list += fmt::format("*{}", run.pixels);
+    i += run.pixels;
     if (lists && list.size() < longest_list && i != row_pixels) continue;
     text += fmt::format("G1X{:.2f}{}\n", pixel_mm * i, list);
     list.clear();
   }
   return text;
 }
+
+/// The same for a job of rows.
+std::vector<test::PixelLine> row_lines(double pixel_mm, double feed_mm_s, unsigned longest_run) {
+  std::vector<test::PixelLine> lines;
+  test::PixelLine line;
+  int i = 0;
+  for (const Run& run : random_runs(longest_run)) {
+    const auto power = static_cast<std::uint16_t>(run.power * 65'535 / 1000);
+    line.runs.push_back(wire::longest_run(power, static_cast<std::uint32_t>(run.pixels)));
+    i += run.pixels;
+    if (line.runs.size() != runs_a_line && i != row_pixels) continue;
+    line.line.steps[0] = static_cast<std::int32_t>(std::lround(pixel_mm * 200 * i));
+    line.line.light = true;
+    line.line.feed_milli = static_cast<std::uint32_t>(std::lround(feed_mm_s * 60'000));
+    lines.push_back(std::exchange(line, {}));
+  }
+  return lines;
+}
+
+/// A sender of text or of frames.
+class RowSender {
+ public:
+  RowSender(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, Form form,
+            unsigned longest_run)
+      : form_(form),
+        text_(board),
+        transport_(board),
+        frames_(transport_, row_lines(pixel_mm, feed_mm_s, longest_run), {}) {
+    if (form != Form::frames)
+      text_.give(row(pixel_mm, feed_mm_s, form == Form::lists, longest_run));
+  }
+  void step() {
+    if (form_ == Form::frames) return frames_.step(std::chrono::microseconds(100));
+    text_.step();
+  }
+  /// True if all was taken and run.
+  bool run_until_idle(sim::Board& board, sim::Picoseconds end) {
+    if (form_ != Form::frames)
+      return text_.run_until_answered(end) && text_.errors() == 0 && text_.run_until_idle(end);
+    while (!frames_.done() && board.now() < end) step();
+    return frames_.done();
+  }
+
+ private:
+  Form form_;
+  test::ProgramSender text_;
+  link::SimulatedTransport transport_;
+  test::RowHost frames_;
+};
 
 struct Rate {
   double pixels_per_s = 0, core0 = 0, core1 = 0;
@@ -72,11 +145,10 @@ double share(const test::SleepWatch& core) {
   return awake / (awake + static_cast<double>(core.asleep()));
 }
 
-Rate measure(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, bool lists,
+Rate measure(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, Form form,
              unsigned longest_run) {
   const sim::Picoseconds end = board.now() + 20 * sim::ps_per_s;
-  test::ProgramSender sender(board);
-  sender.give(row(pixel_mm, feed_mm_s, lists, longest_run));
+  RowSender sender(board, pixel_mm, feed_mm_s, form, longest_run);
   const double row_steps = row_pixels * pixel_mm * 200;
   const auto x = [&board] { return board.world().drives().position()[0]; };
   const auto run_to = [&](double part) {
@@ -93,15 +165,14 @@ Rate measure(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, bool list
     rate.core1 = share(core1);
   }
   rate.pixels_per_s = (x() - from) / (200 * pixel_mm) / sim::seconds(board.now() - begin);
-  rate.complete = sender.run_until_answered(end) && sender.errors() == 0 &&
-                  sender.run_until_idle(end) && x() == static_cast<std::int32_t>(row_steps);
+  rate.complete = sender.run_until_idle(board, end) && x() == static_cast<std::int32_t>(row_steps);
   return rate;
 }
 
 void chip_pixels(benchmark::State& state) {
   const double pixel_mm = static_cast<double>(state.range(0)) / 1000;
   const auto feed_mm_s = static_cast<double>(state.range(1));
-  const bool lists = state.range(2) != 0;
+  const auto form = static_cast<Form>(state.range(2));
   const auto longest_run = static_cast<unsigned>(state.range(3));
   const sim::chip::Image image = sim::chip::load_image(LAMPLOCK_IMAGE);
   Rate rate;
@@ -111,7 +182,7 @@ void chip_pixels(benchmark::State& state) {
       state.SkipWithError("the host has not found the board");
       break;
     }
-    rate = measure(board, pixel_mm, feed_mm_s, lists, longest_run);
+    rate = measure(board, pixel_mm, feed_mm_s, form, longest_run);
     if (!rate.complete) state.SkipWithError("the row was not run to its end");
   }
   state.counters["pixels_per_s"] = rate.pixels_per_s;
@@ -122,14 +193,14 @@ void chip_pixels(benchmark::State& state) {
   state.counters["core1"] = rate.core1;
 }
 BENCHMARK(chip_pixels)
-    ->ArgNames({"pixel_um", "feed_mm_s", "lists", "longest_run"})
-    ->ArgsProduct({{100}, {300, 500}, {0, 1}, {1}})
-    ->ArgsProduct({{50}, {200, 300}, {0, 1}, {1}})
-    ->ArgsProduct({{100}, {800}, {1}, {1}})
-    ->ArgsProduct({{50}, {500, 800}, {1}, {1}})
-    ->ArgsProduct({{25}, {300, 500}, {1}, {1}})
-    ->ArgsProduct({{100}, {800}, {0, 1}, {4}})
-    ->ArgsProduct({{50}, {400, 500}, {0, 1}, {4}})
+    ->ArgNames({"pixel_um", "feed_mm_s", "form", "longest_run"})
+    ->ArgsProduct({{100}, {300, 500}, {0, 1, 2}, {1}})
+    ->ArgsProduct({{50}, {200, 300}, {0, 1, 2}, {1}})
+    ->ArgsProduct({{100}, {800}, {1, 2}, {1}})
+    ->ArgsProduct({{50}, {500, 800}, {1, 2}, {1}})
+    ->ArgsProduct({{25}, {300, 500}, {1, 2}, {1}})
+    ->ArgsProduct({{100}, {800}, {0, 1, 2}, {4}})
+    ->ArgsProduct({{50}, {400, 500}, {0, 1, 2}, {4}})
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
 

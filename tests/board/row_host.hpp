@@ -5,15 +5,16 @@
 // Who: tests of both boards. It knows the wire alone, and takes no more than STATUS permits.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cmath>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "host/link/connection.hpp"
@@ -143,7 +144,7 @@ class RowHost {
 
  private:
   using Time = std::chrono::microseconds;
-  static constexpr Time patience{50'000}, look{20'000};
+  static constexpr Time patience{50'000}, look{20'000}, soon{2'000};
 
   void take(const wire::Status& status) {
     if (status.number <= status_.number && status_.number != 0) return;
@@ -185,7 +186,7 @@ class RowHost {
       ++sent_;
       sent = true;
     }
-    if (sent) asked_at_ = {};
+    sent_since_ = sent_since_ || sent;
   }
   void send_end() {
     std::array<std::uint8_t, 4> payload{};
@@ -202,7 +203,8 @@ class RowHost {
     connection_.send({wire::FrameType::command, session_, command_number_}, out.written());
   }
   void ask() {
-    if (asked_at_ && transport_.now() < *asked_at_ + look) return;
+    if (asked_at_ && transport_.now() < *asked_at_ + (sent_since_ ? soon : look)) return;
+    sent_since_ = false;
     asked_at_ = transport_.now();
     asked_behind_ = sent_;
     connection_.send_query(session_, ++tag_);
@@ -222,6 +224,7 @@ class RowHost {
   wire::CommandRequest command_;
   std::uint32_t command_number_ = 0;
   bool starving_ = false, resumes_ = true;
+  bool sent_since_ = false;  ///< frames, since the last question
 };
 
 }  // namespace lamplock::test

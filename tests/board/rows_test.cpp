@@ -124,6 +124,32 @@ TEST(Rows, OfGreyPixelsKeepTheirSpeed) {
   }
 }
 
+/// Where the table of powers is the bottle-neck lines come one by one, as fast as they are burnt. A
+/// machine that planned each of them as it came would rest between them for ever.
+TEST(Rows, InShortLinesDoNotRestBetweenThem) {
+  job::Profile machine = raster_machine();
+  job::set_acceleration(machine, 10);
+  constexpr int lines_in_all = 40, cells = 48, steps_per_cell = 5;  // 1.2 mm
+  std::vector<PixelLine> lines;
+  for (int i = 1; i <= lines_in_all; ++i) {
+    PixelLine line{{{i * cells * steps_per_cell, 0, 0, 0}, true, raster_feed_milli}, {}};
+    for (int k = 0; k < cells; ++k) line.runs.push_back(wire::longest_run(20'000, 1));
+    lines.push_back(line);
+  }
+  for (const std::size_t most_bytes : {120u, 200u, 499u}) {
+    Rig rig(machine);
+    BoardCable cable(rig);
+    RowHost host(cable, lines, row_header(machine), 77, most_bytes);
+    ASSERT_TRUE(host.run(5));
+    const auto& x = rig.monitor.steps(0);
+    ASSERT_EQ(x.size(), static_cast<std::size_t>(lines_in_all * cells * steps_per_cell));
+    // From the fourth line on to the last but three.
+    const std::size_t from = 4 * cells * steps_per_cell, to = x.size() - from;
+    const double mm = 0.005 * static_cast<double>(to - from);
+    EXPECT_GT(mm / sim::seconds(x[to].at - x[from].at), 0.9 * Raster::speed_mm_s) << most_bytes;
+  }
+}
+
 /// Lost, flipped and doubled bytes, invented holds and resets, cut cables.
 TEST(Rows, AreBurntOnceWhateverTheCableDoes) {
   const Faults all{.drop = 5e-4,
