@@ -60,9 +60,8 @@ void LineRun::dwell(std::uint32_t us) {
 void LineRun::round() {
   now_ += round_ticks;
   const std::uint64_t head = now_ + filled_ticks;
-  const bool rests = work_->ends_at_rest();
-  if (work_->drained() || (!rests && end_ >= head + machine::horizon_ticks)) return;
-  if (rests) end_ = std::max(end_, head + machine::start_margin_ticks);
+  if (work_->drained() || end_ >= head + machine::horizon_ticks) return;
+  if (work_->ends_at_rest()) end_ = std::max(end_, head + machine::start_margin_ticks);
   work_->start({});
   while (work_->advance()) {
   }
