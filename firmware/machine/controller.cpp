@@ -269,8 +269,9 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
     case Input::aux:
       break;
     default:
-      // Homing wants them to engage.
-      if (active && state_ != MachineState::home && values_.whole(Id::hard_limits) != 0)
+      // Homing wants them to engage; in an alarm nothing moves, and a contact may bounce.
+      if (active && state_ != MachineState::home && state_ != MachineState::alarm &&
+          state_ != MachineState::estop && values_.whole(Id::hard_limits) != 0)
         raise_alarm(alarm_hard_limit);
       break;
   }

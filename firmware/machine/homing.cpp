@@ -15,6 +15,8 @@ constexpr std::int64_t seek_halves = 3, locate_pull_offs = 5;
 // How far one side of a gantry goes on alone: DUAL_AXIS_HOMING_FAIL_... of grbl 1.1.
 constexpr std::int32_t travels_per_bend = 20;
 constexpr std::int32_t least_bend_milli_mm = 2'500, most_bend_milli_mm = 25'000;
+/// A contact has let go when it has been quiet for 20 ms (boards/rp2040/safety/inputs.hpp).
+constexpr std::uint32_t least_wait_ms = 25;
 constexpr std::uint32_t clocks_per_ms = 1000 * clocks_per_us;
 static_assert(settings::range(Id::homing_debounce).max_milli / 1000 <=
               static_cast<int>(0xffffffff / clocks_per_ms));
@@ -49,7 +51,8 @@ bool Homing::begin(const settings::Values& values, InputSet inputs, AxisSet want
   downwards_ = static_cast<AxisSet>(values.whole(Id::homing_direction));
   seek_um_min_ = static_cast<std::uint32_t>(values.milli(Id::homing_seek));
   locate_um_min_ = static_cast<std::uint32_t>(values.milli(Id::homing_feed));
-  wait_clocks_ = static_cast<std::uint32_t>(values.whole(Id::homing_debounce)) * clocks_per_ms;
+  const auto wait_ms = static_cast<std::uint32_t>(values.whole(Id::homing_debounce));
+  wait_clocks_ = (wait_ms < least_wait_ms ? least_wait_ms : wait_ms) * clocks_per_ms;
   pull_off_milli_mm_ = values.milli(Id::homing_pull_off);
   passes_ = values.whole(Id::homing_passes);
   for (int a = 0; a < max_axes; ++a) {

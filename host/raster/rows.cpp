@@ -19,9 +19,9 @@ namespace {
 
 using settings::Id;
 
-/// Four lines with their headers fit into the board's table of 1024 runs: while one is run and one
-/// is planned, another comes.
-constexpr std::size_t runs_a_line = 255;
+/// The board plans with whole lines alone: sixteen of them fit into its table of 1024 places, with
+/// their headers, so that little of what it holds is a line that is not complete.
+constexpr std::size_t runs_a_line = 63;
 static_assert(runs_a_line <= wire::most_runs_a_line);
 /// Part of a pixel that is rounding.
 constexpr double rounding = 1e-9;

@@ -102,7 +102,7 @@ TEST(Rows, LongRowsAreCutWhereTheTableOfRunsWantsIt) {
   RowOptions options = fast_rows(laser());
   options.corner.x = -50;
   const job::Job job = make_rows(pixels, options, laser());
-  EXPECT_EQ(job.size(), 1u + 4);
+  EXPECT_EQ(job.size(), 1u + 16);
   Burnt(job, pixels, options).expect_each_once();
 }
 
