@@ -156,5 +156,151 @@ INSTANTIATE_TEST_SUITE_P(OfAMachine, PairsOfEvents,
                          testing::Values(Machine::plain, Machine::jerk, Machine::core_xy,
                                          Machine::gantry));
 
+// The same by name.
+
+job::Profile laser_profile() {
+  job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
+  profile.settings.set_milli(Id::laser_mode, 1000);
+  return profile;
+}
+
+/// A plate that the tool touches at Z -3 and below.
+sim::WireConfig plate() {
+  return {.pin = sim::Pin::probe,
+          .contacts = {sim::ContactConfig::below(2, -600)},
+          .normally_closed = false};
+}
+MachineWithSwitches machine_with_plate(const job::Profile& profile) {
+  return MachineWithSwitches(profile, {.switches = {100'000, 100'000, 100'000, 100'000}},
+                             {plate()});
+}
+
+TEST(Events, AResetWhileAJogBrakesStartsNothing) {
+  for (const std::uint8_t first : {std::uint8_t{0x85}, std::uint8_t{'!'}}) {
+    Rig rig(laser_profile());
+    const MotionJudge judge(rig.board, laser_profile().settings, true);
+    ProgramHost host(rig);
+    host.send("$J=G91 X40 F6000\n");
+    host.run_ms(300);
+    host.send(first);
+    host.run_ms(15);
+    const StepPosition at = host.position();
+    host.send(std::uint8_t{0x18});
+    host.run_ms(500);
+    EXPECT_LT(host.position()[0] - at[0], 500);  // 100 mm/s and 2 m/s2 are 2.5 mm
+    EXPECT_EQ(judge.fault(), "");
+  }
+}
+
+TEST(Events, AResetBehindAHeldProbeEndsItsWatch) {
+  MachineWithSwitches m = machine_with_plate(laser_profile());
+  m.host.send("G38.2 Z-10 F600\n");
+  m.host.run_ms(100);
+  m.host.send("!");
+  m.host.run_ms(200);
+  m.host.send(std::uint8_t{0x18});
+  m.host.run_ms(200);
+  m.host.ask("$X\n");
+  ASSERT_TRUE(m.host.stream("G1 X5 Z-6 F3000\nG1 X10\nG1 Z0\n"));
+  EXPECT_EQ(m.loads()[0], 2000);
+  EXPECT_EQ(m.rig.monitor.steps(2).back().position, m.loads()[2]);
+  EXPECT_EQ(m.loads()[2], 0);
+  long lowest = 0;
+  for (const PinMonitor::Step& step : m.rig.monitor.steps(2))
+    lowest = std::min<long>(lowest, step.position);
+  EXPECT_EQ(lowest, -1200);
+}
+
+/// Parking lifts the tool off the plate, which is no end of the probe.
+TEST(Events, ADoorInAProbeParksAndProbesOn) {
+  job::Profile profile = laser_profile();
+  profile.settings.set_milli(Id::parking, 1000);
+  profile.settings.set_milli(Id::parking_fast, 6'000'000);
+  MachineWithSwitches m = machine_with_plate(profile);
+  m.host.ask("G0 Z-10\nG4 P0\n", 10);
+  m.host.send("G38.4 Z5 F300\nG4 P0\n");
+  m.host.run_ms(500);
+  m.rig.board.world().schedule(sim::Pin::door, true, m.rig.board.now());
+  m.host.run_ms(6000);
+  EXPECT_THAT(m.host.status(), testing::StartsWith("<Door:1"));
+  EXPECT_EQ(m.loads()[2], 45 * 200);
+  EXPECT_EQ(m.host.answers().size(), 2u);
+  m.rig.board.world().schedule(sim::Pin::door, false, m.rig.board.now());
+  m.host.run_ms(1);
+  m.host.send("~");
+  ASSERT_TRUE(m.host.stand());
+  EXPECT_THAT(m.host.said(), testing::Contains("[PRB:0.000,0.000,-2.995:1]"));
+  EXPECT_NEAR(m.loads()[2], -599, 20);
+}
+
+TEST(Events, AnAlarmLeavesNoLight) {
+  for (const sim::Pin pin : {sim::Pin::limit_x, sim::Pin::estop}) {
+    job::Profile profile = laser_profile();
+    profile.settings.set_milli(Id::hard_limits, 1000);
+    Rig rig(profile);
+    ProgramHost host(rig);
+    host.send("M3 S1000 F600\nG1 X10\n");
+    host.run_ms(300);
+    rig.board.world().schedule(pin, true, rig.board.now());
+    host.run_ms(50);
+    rig.board.world().schedule(pin, false, rig.board.now());
+    host.run_ms(50);
+    const sim::Picoseconds off = rig.board.now();
+    ASSERT_THAT(host.ask("$X\nG1 X0 F6000\nG4 P0\n", 5), testing::Contains("ok").Times(3));
+    EXPECT_EQ(host.position()[0], 0);
+    EXPECT_FALSE(rig.board.world().beam().shone(off, rig.board.now()));
+    ASSERT_TRUE(host.stream("M3 S1000\nG1 X5 F6000\n"));
+    EXPECT_TRUE(rig.board.world().beam().shone(off, rig.board.now()));
+  }
+}
+
+/// However a gantry stands when its squaring is broken off: sides stay as they are.
+TEST(Events, AGantryIsNotUnbentByTheNextMove) {
+  for (const std::uint8_t last : {std::uint8_t{0x18}, std::uint8_t{0}}) {
+    job::Profile profile = homing_profile();
+    profile.settings.set_milli(Id::ganged_axis, 2000);
+    SwitchPlan plan;
+    plan.switches = {7000, 7000, 7000, 7000};
+    plan.start[side] = -400;
+    MachineWithSwitches m(profile, plan, {limit_switch(side, plan)});
+    m.host.send("$H\n");
+    const auto bent = [&m] { return m.loads()[1] - m.loads()[side] < 300; };
+    ASSERT_TRUE(m.wait_for(bent));
+    if (last != 0)
+      m.host.send(last);
+    else
+      m.rig.board.world().schedule(sim::Pin::estop, true, m.rig.board.now());
+    m.host.run_ms(200);
+    m.rig.board.world().schedule(sim::Pin::estop, false, m.rig.board.now());
+    m.host.run_ms(50);
+    const StepPosition stood = m.loads();
+    EXPECT_NE(stood[1], stood[side]);
+    ASSERT_THAT(m.host.ask("$X\n$J=G91 X0.1 Y-0.5 F600\n", 2), testing::Contains("ok").Times(2));
+    m.host.run_ms(300);
+    EXPECT_EQ(m.loads()[1], stood[1] - 100);
+    EXPECT_EQ(m.loads()[side], stood[side] - 100);
+  }
+}
+
+/// Also where both have waited until there was room for answers.
+TEST(Events, ALineBehindHomingWaitsForIt) {
+  MachineWithSwitches m(homing_profile(), {});
+  m.host.ask("$X\nG0 X1\nG4 P0\n", 5);
+  ASSERT_THAT(m.host.ask("$$\n$$\n$$\n$H\nG90 G0 X0\nG4 P0\n", 60),
+              testing::Contains("ok").Times(6));
+  EXPECT_THAT(m.host.status(), testing::HasSubstr("|MPos:0.000,49.000,49.000|"));
+}
+
+TEST(Events, OutputsThatNoMotionTakesAlongDoNotHoldTheProgramUp) {
+  job::Profile profile = laser_profile();
+  profile.settings.set_milli(Id::pin_map, 2000);
+  Rig rig(profile);
+  ProgramHost host(rig);
+  std::string text = "G90 G1 F6000\n";
+  for (int i = 0; i < 50; ++i) text += i % 2 == 0 ? "M62 P0\nG1 X0\n" : "M63 P0\nG1 X0\n";
+  ASSERT_TRUE(host.stream(text + "M62 P0\nG1 X1\n", 10));
+  EXPECT_TRUE(rig.board.bus().level(sim::Pin::aux_out));
+}
+
 }  // namespace
 }  // namespace lamplock::test
