@@ -97,14 +97,6 @@ std::uint32_t fall_ticks(std::int64_t accel, std::int64_t jerk_q78) {
   return (static_cast<std::uint32_t>(least) / stairs + 1) * stairs;
 }
 
-/// What falls in stairs of which the first one has this acceleration: of four, 7/8 of the whole.
-/// A lower first one would be a second step down at once where the motion that is broken off has
-/// just made one.
-std::int64_t falling_from(std::int64_t accel) {
-  constexpr std::int64_t twice = std::int64_t{2} << stepper::most_log_stairs;
-  return whole_units(accel / (twice - 1) * twice);
-}
-
 /// A brake that has begun: its acceleration stays for so long, and falls then.
 AxisProfile brake_that_goes_on(std::int64_t v0, std::uint32_t stay, std::uint32_t fall) {
   AxisProfile p;
@@ -112,12 +104,9 @@ AxisProfile brake_that_goes_on(std::int64_t v0, std::uint32_t stay, std::uint32_
   p.lead_ticks = stay;
   p.tail_ticks = fall;
   p.tail_ramp = falling_ramp;
-  // The fall changes the speed by 4/7 of its time at the acceleration before it.
-  const std::int64_t sevenths = 7 * std::int64_t{stay} + 4 * std::int64_t{fall};
-  p.lead_accel_q62 = whole_units(-v0 / sevenths * 7);
-  p.tail_accel_q62 =
-      whole_units((-v0 - p.lead_accel_q62 * static_cast<std::int64_t>(p.lead_ticks)) /
-                  static_cast<std::int64_t>(fall / 2));
+  // The fall changes the speed as half of its time at the acceleration before it would.
+  const std::uint32_t full = stay + fall / 2;
+  p.lead_accel_q62 = p.tail_accel_q62 = whole_units(-v0 / static_cast<std::int64_t>(full));
   return p;
 }
 
@@ -128,9 +117,8 @@ AxisProfile make_jerk_brake(std::int64_t v0, std::int64_t accel, const AxisBrake
   p.speed_q62 = v0;
   accel = whole_units(accel);
   if (accel != 0) {
-    const std::int64_t falling = falling_from(accel);
-    const std::uint32_t fall = fall_ticks(falling, axis.jerk_q78);
-    p.lead_accel_q62 = falling;
+    const std::uint32_t fall = fall_ticks(accel, axis.jerk_q78);
+    p.lead_accel_q62 = accel;
     p.lead_ticks = fall;
     p.lead_ramp = falling_ramp;
     const std::int64_t after = p.cruise_speed_q62();

@@ -49,7 +49,7 @@ std::int32_t pulse_braking_speed_qs(const AxisLimits& axis, std::uint32_t beat_t
 /// speed.
 std::uint32_t brake_ticks(std::int64_t v0_q62, const AxisBrake& axis);
 
-/// Accelerations of the axes while something is broken off.
+/// Accelerations of the axes where something is broken off, of ramps the straight ones.
 using Accelerations = PerAxis<std::int64_t>;
 
 /// Segment that brakes every axis from `from` at its limit, to rest. Where jerk is limited an axis

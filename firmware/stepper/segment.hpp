@@ -80,6 +80,11 @@ inline bool next_stair(std::int64_t accel_q62, std::uint32_t n, std::uint8_t ram
   return i == 0;
 }
 
+/// Acceleration of the straight ramp that stair i of a phase with ramps stands for, so many ticks
+/// before the stair ends.
+std::int64_t straight_ramp_q62(std::int64_t accel_q62, std::uint32_t n, std::uint8_t ramp,
+                               std::uint32_t i, std::uint32_t ticks_left);
+
 /// Motion of one axis during a segment.
 struct AxisProfile {
   std::int64_t speed_q62 = 0;       ///< at the start, steps per tick

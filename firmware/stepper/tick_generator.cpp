@@ -76,9 +76,17 @@ PerAxis<std::int64_t> TickGenerator::accelerations_q62() const {
   for (int a = 0; a < max_axes; ++a) {
     Run r = runs_[index(a)];
     run_to_head(r, a);
-    accelerations[index(a)] = r.run.accel_q62;
+    accelerations[index(a)] = acceleration_q62(r, a);
   }
   return accelerations;
+}
+
+std::int64_t TickGenerator::acceleration_q62(const Run& r, int a) const {
+  if (r.run.accel_q62 == 0) return 0;
+  const PhaseView phase = phase_of(queue_.at(r.at.segment).axis[index(a)], r.phase);
+  if (phase.ramp == 0) return r.run.accel_q62;
+  return straight_ramp_q62(phase.accel_q62, phase.ticks, phase.ramp, r.stair - 1u,
+                           r.left + r.behind);
 }
 
 [[gnu::noinline]] void TickGenerator::run_on(AxisRun& run, std::uint32_t ticks) {

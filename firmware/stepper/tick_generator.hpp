@@ -98,7 +98,7 @@ class TickGenerator {
   std::uint32_t lead() const { return lead_; }
   /// State of all axes at the head (main loop: runs ahead of what was filled).
   MotionState state() const;
-  /// Accelerations there.
+  /// Accelerations there, of ramps the straight ones that their stairs stand for.
   PerAxis<std::int64_t> accelerations_q62() const;
   /// True if a segment is being run at the head.
   bool running() const { return running_; }
@@ -184,6 +184,7 @@ class TickGenerator {
   static void run_on(AxisRun& run, std::uint32_t ticks);
   void go_on(Run& run, int axis, std::uint32_t ticks) const;
   void run_to_head(Run& run, int axis) const;
+  std::int64_t acceleration_q62(const Run& run, int axis) const;
   bool shorten(Reader& reader, std::uint32_t ticks) const;
   static void stand(Run& run);
   void enter_lattice();
