@@ -27,6 +27,7 @@ void add_settings(CLI::App& program, Action& action);
 void add_console(CLI::App& program, Action& action);
 void add_engrave(CLI::App& program, Action& action);
 void add_frame(CLI::App& program, Action& action);
+void add_operate(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
 void add_sim(CLI::App& program, Action& action);
 void add_chip(CLI::App& program, Action& action);

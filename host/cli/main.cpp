@@ -30,7 +30,8 @@ lamplock::Error usage_error(const CLI::App& program, const CLI::ParseError& erro
     what.erase(0, colon + 2);
   }
   if (what == "A subcommand is required")
-    what = argc > 1 ? fmt::format("unknown command '{}'", argv[1]) : "a command is missing";
+    what = commands.empty() && argc > 1 ? fmt::format("unknown command '{}'", argv[1])
+                                        : "a command is missing";
   return {Exit::bad_input, where, what, "see " + name + " --help"};
 }
 
@@ -55,6 +56,7 @@ Exit run(int argc, char** argv) {
   lamplock::cli::add_settings(program, action);
   lamplock::cli::add_console(program, action);
   lamplock::cli::add_frame(program, action);
+  lamplock::cli::add_operate(program, action);
   lamplock::cli::add_compare(program, action);
   lamplock::cli::add_sim(program, action);
   lamplock::cli::add_chip(program, action);

@@ -1,0 +1,164 @@
+#include "host/link/operator.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "host/error.hpp"
+#include "host/link/line_console.hpp"
+
+namespace lamplock::link {
+namespace {
+
+constexpr std::string_view axis_letters = "XYZA";
+/// Places are told with three decimals; a step may lie between them.
+constexpr double same_place_mm = 0.01;
+/// A dwell is answered when everything before it has been done.
+constexpr const char* wait_for_rest = "G4 P0";
+
+/// Numbers of "[G54:1.000,2.000,0.000]"; nothing if the line is another one.
+std::optional<std::vector<double>> parse_place(std::string_view line, std::string_view name) {
+  if (!line.starts_with('[') || !line.ends_with(']')) return std::nullopt;
+  line = line.substr(1, line.size() - 2);
+  if (!line.starts_with(name) || line.substr(name.size(), 1) != ":") return std::nullopt;
+  std::vector<double> place;
+  const char *at = line.data() + name.size() + 1, *end = line.data() + line.size();
+  for (;;) {
+    double value = 0;
+    const auto [behind, error] = std::from_chars(at, end, value);
+    if (error != std::errc{}) return std::nullopt;
+    place.push_back(value);
+    if (behind == end || *behind != ',') return place;
+    at = behind + 1;
+  }
+}
+
+std::vector<double> place_in(const Answer& answer, std::string_view name) {
+  for (const std::string& line : answer.lines)
+    if (auto place = parse_place(line, name)) return *place;
+  throw Error(Exit::job_failed, "machine", fmt::format("does not tell its place {}", name),
+              "check that its firmware knows $#");
+}
+
+/// Where the machine stands, whatever $10 makes it report.
+std::vector<double> machine_place(const BoardStatus& status) {
+  std::vector<double> place = status.position;
+  if (status.of_work) {
+    if (status.work_offset.size() != place.size())
+      throw Error(Exit::job_failed, "machine", "reports its position without the work offset",
+                  "set $10=1");
+    for (std::size_t a = 0; a < place.size(); ++a) place[a] += status.work_offset[a];
+  }
+  if (place.empty())
+    throw Error(Exit::job_failed, "machine", "does not report its position", "set $10=1");
+  return place;
+}
+
+bool same(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](double x, double y) { return std::fabs(x - y) < same_place_mm; });
+}
+
+std::string with_zeros(std::string line, std::size_t axes) {
+  for (std::size_t a = 0; a < axes; ++a) line += fmt::format(" {}0", axis_letters[a]);
+  return line;
+}
+
+std::string teaching_line(const Places& places, const std::string& axes) {
+  const std::size_t count = std::min(places.machine.size(), axis_letters.size());
+  if (axes.empty()) return with_zeros("G10 L20 P1", count);
+  std::string line = "G10 L20 P1";
+  for (const char letter : axes) {
+    if (axis_letters.substr(0, count).find(letter) == std::string_view::npos)
+      throw Error(Exit::bad_input, fmt::format("--axes {}", axes),
+                  fmt::format("'{}' is no axis of the machine", letter),
+                  fmt::format("use letters of {}", axis_letters.substr(0, count)));
+    if (line.find(letter, line.find('P')) != std::string::npos)
+      throw Error(Exit::bad_input, fmt::format("--axes {}", axes), "names an axis twice",
+                  "name each axis once");
+    line += fmt::format(" {}0", letter);
+  }
+  return line;
+}
+
+/// Goes somewhere, dark; the place that is left is kept unless it is one of the two that are gone
+/// to.
+std::vector<std::string> leave_for(const std::string& there, const Places& places) {
+  std::vector<std::string> lines{"M5"};
+  if (!same(places.machine, places.zero) && !same(places.machine, places.sample))
+    lines.emplace_back("G30.1");
+  lines.push_back(there);
+  lines.emplace_back(wait_for_rest);
+  return lines;
+}
+
+}  // namespace
+
+Places ask_places(LinePort& port) {
+  Places places;
+  places.machine = machine_place(greet(port).status);
+  const Answer answer = ask(port, "$#");
+  if (answer.error != 0)
+    throw Error(Exit::job_failed, "machine",
+                fmt::format("does not tell its places: {}", error_text(answer.error)),
+                "wait until it rests");
+  places.zero = place_in(answer, "G54");
+  places.sample = place_in(answer, "G28");
+  places.left = place_in(answer, "G30");
+  return places;
+}
+
+std::vector<std::string> lines_of(Operation operation, const Places& places,
+                                  const std::string& axes) {
+  switch (operation) {
+    case Operation::home:
+      return {"$H"};
+    case Operation::zero:
+      return {teaching_line(places, axes)};
+    case Operation::init:
+      return leave_for(
+          with_zeros("G90 G54 G0", std::min(places.machine.size(), axis_letters.size())), places);
+    case Operation::sample:
+      return leave_for("G28", places);
+    case Operation::teach_sample:
+      return {"G28.1"};
+    case Operation::restore:
+      return {"M5", "G30", wait_for_rest};
+  }
+  return {};
+}
+
+void require_ready(LinePort& port, Operation operation) {
+  const BoardStatus status = greet(port).status;
+  if (status.rests() || (operation == Operation::home && status.is("Alarm"))) return;
+  const bool alarm = status.is("Alarm");
+  throw Error(Exit::job_failed, "machine",
+              alarm ? "is in alarm" : fmt::format("is not at rest: {}", status.state),
+              alarm ? "look what it is, then lamplock operate home"
+                    : "wait until it rests, or end what it does");
+}
+
+void run_lines(LinePort& port, const std::vector<std::string>& lines,
+               const std::function<bool()>& give_up) {
+  LineConsole talk(port, true, [](const std::string&) {});
+  for (const std::string& line : lines) talk.type(line);
+  while (!talk.failure() && !talk.done()) {
+    talk.step();
+    if (!give_up()) continue;
+    port.send_realtime(realtime::hold);
+    port.flush();
+    throw Error(Exit::interrupted, "machine", "holds",
+                "go on with ~ or end it with :reset in lamplock console");
+  }
+  if (!talk.failure()) return;
+  const std::string& line = lines[talk.failure()->line - 1];
+  throw Error(Exit::job_failed, "machine", fmt::format("'{}': {}", line, talk.failure()->text),
+              "nothing behind it was sent");
+}
+
+}  // namespace lamplock::link

@@ -1,0 +1,116 @@
+// What an operator does between jobs: `lamplock operate`, with a simulation at the end of a port.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.hpp"
+#include "tests/cli/shots.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+
+using Place = std::vector<double>;
+
+/// A machine that is asked one thing after the other.
+class Operate : public testing::Test {
+ protected:
+  Operate() : sim_({"sim", "--pty", port_, "--shots", folder_ / "shots.csv"}) {}
+
+  void SetUp() override { ASSERT_TRUE(sim_.wait_for("listening")); }
+
+  Finished operate(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "operate");
+    arguments.insert(arguments.end(), {"--board", port_, "--json"});
+    return run(arguments);
+  }
+  /// Where things are behind it.
+  json places(const std::vector<std::string>& arguments) const {
+    const Finished done = operate(arguments);
+    EXPECT_EQ(done.status, 0) << done.err;
+    return json::parse(done.out);
+  }
+  void go(const std::string& line) const {
+    const Finished done = run({"console", "--board", port_}, line + "\nG4 P0\n");
+    EXPECT_EQ(done.status, 0) << done.out << done.err;
+  }
+  std::size_t shots() {
+    sim_.interrupt();
+    EXPECT_EQ(sim_.finish().status, 0);
+    return read_shots(folder_ / "shots.csv").size();
+  }
+
+  Folder folder_;
+  std::string port_ = folder_ / "port";
+  Running sim_;
+};
+
+TEST_F(Operate, teaches_zero_and_goes_there) {
+  go("G0 X5 Y6 Z-7");
+  EXPECT_EQ(places({"zero", "--axes", "XY"})["zero_mm"], (Place{5, 6, 0}));
+  go("G53 G0 X1 Y2 Z3");
+  EXPECT_EQ(places({"init"})["machine_mm"], (Place{5, 6, 0}));
+  go("G53 G0 X1 Y2 Z3");
+  EXPECT_EQ(places({"zero"})["zero_mm"], (Place{1, 2, 3}));
+  EXPECT_EQ(shots(), 0u);
+}
+
+TEST_F(Operate, changes_the_glass_and_comes_back_to_where_it_was) {
+  go("G0 X20 Y12 Z-7");
+  EXPECT_EQ(places({"sample", "--teach"})["sample_mm"], (Place{20, 12, -7}));
+  go("G0 X6 Y8");
+  EXPECT_EQ(places({"sample"})["machine_mm"], (Place{20, 12, -7}));
+  // Zero on the way does not make it forget.
+  EXPECT_EQ(places({"init"})["machine_mm"], (Place{0, 0, 0}));
+  EXPECT_EQ(places({"restore"})["machine_mm"], (Place{6, 8, -7}));
+  EXPECT_EQ(shots(), 0u);
+}
+
+TEST_F(Operate, fires_test_flashes_where_it_stands_when_permitted) {
+  go("G0 X6 Y8 Z-1");
+  const Finished refused = operate({"pulse", "--flashes", "3"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--yes"));
+  EXPECT_EQ(operate({"pulse", "--flashes", "2", "--dry"}).status, 0);
+  EXPECT_EQ(operate({"pulse", "--flashes", "3", "--channel", "2", "--yes"}).status, 0);
+  EXPECT_EQ(places({"status"})["machine_mm"], (Place{6, 8, -1}));
+  sim_.interrupt();
+  EXPECT_EQ(sim_.finish().status, 0);
+  const std::string csv = read(folder_ / "shots.csv");
+  const std::vector<std::string> rows = lines(csv);
+  ASSERT_EQ(rows.size(), 4u) << csv;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    EXPECT_THAT(rows[i], MatchesRegex("[0-9],1,[0-9]+,[0-9.]+,6,8,-1"));
+}
+
+TEST_F(Operate, refuses_what_it_cannot_do_in_one_line) {
+  const auto expect = [](const Finished& failed, int status, const char* what) {
+    EXPECT_EQ(failed.status, status);
+    EXPECT_THAT(failed.err, MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+\n"));
+    EXPECT_THAT(failed.err, HasSubstr(what));
+  };
+  expect(operate({"zero", "--axes", "XQ"}), 2, "'Q' is no axis");
+  expect(operate({"zero", "--axes", "XYX"}), 2, "twice");
+  expect(operate({"home"}), 1, "homing is switched off");
+  expect(operate({"pulse", "--channel", "5"}), 2, "--channel");
+  expect(run({"operate"}), 2, "a command is missing");
+  expect(run({"operate", "init", "--board", folder_ / "none"}), 3, "cannot open");
+  go("G0 X1");
+  ASSERT_EQ(run({"console", "--board", port_}, ":reset\n").status, 0);
+  EXPECT_EQ(places({"status"})["machine_mm"], (Place{1, 0, 0}));
+}
+
+TEST_F(Operate, is_refused_in_an_alarm_and_while_something_runs) {
+  Running program({"console", "--board", port_}, "G1 X40 F60\n!\n?\n");
+  ASSERT_TRUE(program.wait_for("Hold"));
+  (void)program.finish();
+  const Finished busy = operate({"init"});
+  EXPECT_EQ(busy.status, 1);
+  EXPECT_THAT(busy.err, HasSubstr("not at rest: Hold"));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test
