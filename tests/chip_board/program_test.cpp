@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/program/program_run.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
@@ -86,22 +87,22 @@ TEST(ChipProgram, EndsWhereAndWhenTheVirtualBoardDoes) {
   EXPECT_THAT(sender.heard(), HasSubstr("[MSG:Pgm End]"));
 }
 
-/// More lines a second than it can read. The machine brakes wherever the next batch is late, also
-/// while that is being handed out, and goes on from where it stands.
-/// How far from the spiral of spiral() the machine has been at most, mm.
+/// How far from the spiral of spiral(), in lines of 20 um, the machine has been at most, mm. The
+/// radius falls by 1e-4 mm a line, in which the angle grows by 0.02 mm / radius: exponentially.
 double way_off(const ChipRig& rig, double steps_per_mm) {
   std::map<Picoseconds, std::pair<int, std::int32_t>> steps;
   for (int axis : {0, 1})
     for (const PinMonitor::Step& step : rig.monitor.steps(axis))
       steps[step.at + axis] = {axis, step.position};  // a picosecond apart
   std::array<double, 2> at{};
-  double off = 0;
+  double off = 0, angle = 0;
   bool begun = false;
   for (const auto& [time, step] : steps) {
     at[static_cast<std::size_t>(step.first)] = step.second / steps_per_mm;
     begun = begun || step.first == 1;  // before there is the way to its beginning
-    const double angle = std::atan2(at[1], at[0]), radius = std::hypot(at[0], at[1]);
-    if (begun && angle > 0) off = std::max(off, std::abs(radius - (20 - angle * 20 / 0.02 * 1e-4)));
+    if (!begun) continue;
+    angle += std::remainder(std::atan2(at[1], at[0]) - angle, 2 * std::numbers::pi);
+    off = std::max(off, std::abs(std::hypot(at[0], at[1]) - 20 * std::exp(-angle * 1e-4 / 0.02)));
   }
   return off;
 }
@@ -123,7 +124,9 @@ TEST(ChipProgram, RunsFiveThousandLinesASecond) {
   EXPECT_LE(seconds, 1.03 * plan.seconds() + 0.02);
 }
 
-/// Far more lines a second than can be planned: the machine slows down, and stays on its path.
+/// Far more lines a second than it can read: the machine slows down, brakes wherever the next batch
+/// is late, also while that is being handed out, goes on from where it stands, and stays on its
+/// path.
 TEST(ChipProgram, KeepsItsPathHoweverFastItIsAsked) {
   const job::Profile profile = program_profile();
   ChipRig rig(profile);
