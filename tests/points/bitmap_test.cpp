@@ -77,9 +77,9 @@ TEST(ReadBitmap, TruncatedAndForeignFilesAreRefused) {
     EXPECT_NE(error_of([&] { read_bitmap(path); }), "");
   }
   const auto text = folder.write("b.png", "no picture at all");
-  EXPECT_THAT(error_of([&] { read_bitmap(text); }), HasSubstr("no PNG or BMP"));
+  EXPECT_THAT(error_of([&] { read_bitmap(text); }), HasSubstr("no PNG, BMP or JPEG"));
   const auto grey_map = folder.write("c.png", std::string("P5 1 1 255\n") + '\0');
-  EXPECT_THAT(error_of([&] { read_bitmap(grey_map); }), HasSubstr("no PNG or BMP"));
+  EXPECT_THAT(error_of([&] { read_bitmap(grey_map); }), HasSubstr("no PNG, BMP or JPEG"));
   EXPECT_THAT(error_of([&] { read_bitmap(folder.file("none.png")); }), HasSubstr("no such file"));
 }
 
