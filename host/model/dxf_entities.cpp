@@ -115,11 +115,11 @@ Path arc_of(const DxfGroups& dxf, const DxfEntity& entity, bool whole) {
   if (!(radius > 0)) refuse_entity(dxf, entity, fmt::format("its radius is {}", radius));
   Arc arc{dxf.point(entity, 10), {radius, 0, 0}, {0, radius, 0}, 0, 2 * pi};
   if (!whole) {
-    arc.start = dxf.number(entity, 50) * radians_per_degree;
-    arc.end = dxf.number(entity, 51) * radians_per_degree;
-    const double turns = std::floor((arc.end - arc.start) / (2 * pi));
-    arc.end -= turns * 2 * pi;
-    if (arc.end <= arc.start) arc.end = arc.start + 2 * pi;
+    const double start = dxf.number(entity, 50), sweep = dxf.number(entity, 51) - start;
+    const double part = sweep - 360 * std::floor(sweep / 360);
+    constexpr double least_deg = 1e-9;  // below, it is a whole turn that was rounded
+    arc.start = start * radians_per_degree;
+    arc.end = arc.start + (part < least_deg ? 360 : part) * radians_per_degree;
   }
   return {{in_world(arc, world_of(extrusion_of(dxf, entity)))}, whole};
 }
