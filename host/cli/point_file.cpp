@@ -3,7 +3,7 @@
 #include "host/cli/staged_file.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
-#include "host/model/read_points.hpp"
+#include "host/model/write_points.hpp"
 
 namespace lamplock::cli {
 

@@ -215,6 +215,8 @@ std::string kind_name(InputKind kind) {
       return "bitmap";
     case InputKind::points:
       return "points";
+    case InputKind::curves:
+      return "curves";
   }
   return "unknown";
 }

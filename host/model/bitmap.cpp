@@ -39,8 +39,8 @@ void require_whole_bmp(const std::filesystem::path& file, const std::string& byt
   if (bytes.size() < need) refuse(file, "the image is cut off", "export it again");
 }
 
-/// Nor does it miss the end of a PNG: 8 bytes, then chunks of length (big-endian), type, data and
-/// check sum up to the chunk IEND.
+/// Nor does it miss the end of a PNG (that of a JPEG it does): 8 bytes, then chunks of length
+/// (big-endian), type, data and check sum up to the chunk IEND.
 void require_whole_png(const std::filesystem::path& file, const std::string& bytes) {
   constexpr std::size_t signature = 8, around_data = 12;
   if (bytes.compare(1, 3, "PNG") != 0) return;
@@ -65,8 +65,8 @@ Bitmap read_bitmap(const std::filesystem::path& path) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     refuse(path, "the image is too large", "give an image of at most 100 million pixels");
   }
-  if (!bytes.starts_with("\x89PNG") && !bytes.starts_with("BM"))
-    refuse(path, "no PNG or BMP", "give a PNG or BMP");
+  if (!bytes.starts_with("\x89PNG") && !bytes.starts_with("BM") && !bytes.starts_with("\xFF\xD8"))
+    refuse(path, "no PNG, BMP or JPEG", "give a PNG, BMP or JPEG");
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int length = static_cast<int>(bytes.size());
   Bitmap bitmap;
