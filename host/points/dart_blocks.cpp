@@ -46,11 +46,15 @@ void DartBlocks::for_each(unsigned threads,
   }
 }
 
+std::size_t DartBlocks::count() const {
+  std::size_t points = 0;
+  for (const Block& block : contents_) points += block.points.size();
+  return points;
+}
+
 PointCloud DartBlocks::take() {
-  std::size_t count = 0;
-  for (const Block& block : contents_) count += block.points.size();
   PointCloud cloud;
-  cloud.reserve(count);
+  cloud.reserve(count());
   for (Block& block : contents_) {
     for (std::size_t i = 0; i < block.points.size(); ++i) {
       if (block.radii.empty() || block.radii[i] > 0) cloud.push_back(block.points[i]);

@@ -42,6 +42,9 @@ class DartBlocks {
   /// Calls `work(i, darts)` once for every block i; the same result for any number of threads.
   void for_each(unsigned threads, const std::function<void(std::size_t, BlockDarts&)>& work);
 
+  /// Points so far, the invisible ones too.
+  std::size_t count() const;
+
   /// The visible points, block by block. Leaves nothing behind.
   PointCloud take();
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "host/points/dart_blocks.hpp"
@@ -12,25 +14,30 @@
 
 namespace lamplock::points {
 
-/// A Piece has `corners` (of a convex body), `radius_mm` (of a dart in it), `turn` (set here) and
-/// measure() (area or volume). A Body gives
+/// A Piece has corners() (of a convex body), measure() (area or volume) and `radius_mm` (of a dart
+/// in it). A Body gives
 ///   std::optional<Dart> dart_in(const Piece&, Random&)   nothing where the body is not,
 ///   void split(const Piece&, std::vector<Piece>&)        adds nothing if the piece is too small.
 template <class Piece, class Body>
 void fill_gaps(BlockDarts& block, std::vector<Piece> pieces, Random& random, const Body& body) {
   std::vector<Piece> smaller;
+  std::vector<std::pair<double, std::uint32_t>> turns;
   while (!pieces.empty()) {
-    // First arrivals of darts that fall everywhere alike: the larger a piece, the sooner.
-    for (Piece& piece : pieces) piece.turn = -std::log(1 - random.uniform()) / piece.measure();
-    std::sort(pieces.begin(), pieces.end(),
-              [](const Piece& p, const Piece& q) { return p.turn < q.turn; });
-    smaller.clear();
+    turns.clear();
     for (const Piece& piece : pieces) {
-      if (block.is_covered(piece.corners, piece.radius_mm)) continue;
+      // First arrivals of darts that fall everywhere alike: the larger a piece, the sooner.
+      turns.emplace_back(-std::log(1 - random.uniform()) / piece.measure(),
+                         static_cast<std::uint32_t>(turns.size()));
+    }
+    std::sort(turns.begin(), turns.end());
+    smaller.clear();
+    for (const auto& turn : turns) {
+      const Piece& piece = pieces[turn.second];
+      if (block.is_covered(piece.corners(), piece.radius_mm)) continue;
       const auto dart = body.dart_in(piece, random);
       if (dart && block.is_free(dart->place, dart->radius_mm)) {
         block.add(*dart);
-        if (block.is_covered(piece.corners, piece.radius_mm)) continue;
+        if (block.is_covered(piece.corners(), piece.radius_mm)) continue;
       }
       body.split(piece, smaller);
     }
