@@ -32,11 +32,11 @@ constexpr double longest_piece = 0.75;
 constexpr double shortest_piece = 1.0 / 32;
 
 struct TrianglePiece {
-  Corners at;
+  Corners corners;
   std::uint32_t triangle = 0;
   double radius_mm = 0;
-  const Corners& corners() const { return at; }
-  double measure() const { return area_of(at); }
+  double measure() const { return area_of(corners); }
+  bool is_covered(const BlockDarts& block) const { return block.is_covered(corners, radius_mm); }
 };
 
 double square_of_distance(const Point& p, const Point& q) {
@@ -100,13 +100,13 @@ class Surface {
   }
 
   std::optional<Dart> dart_in(const TrianglePiece& piece, Random& random) const {
-    return dart_at(random_place(piece.at, random), piece.triangle, random);
+    return dart_at(random_place(piece.corners, random), piece.triangle, random);
   }
 
   void split(const TrianglePiece& piece, std::vector<TrianglePiece>& smaller) const {
-    const auto [longest, length] = longest_side(piece.at);
+    const auto [longest, length] = longest_side(piece.corners);
     if (length <= shortest_piece * piece.radius_mm) return;
-    for (const Corners& half : halves(piece.at, longest)) {
+    for (const Corners& half : halves(piece.corners, longest)) {
       for (const Corners& quarter : halves(half, longest_side(half).first)) {
         smaller.push_back(piece_of(quarter, piece.triangle));
       }
@@ -180,14 +180,14 @@ void throw_darts(BlockDarts& block, const BlockSurface& part, const Surface& sur
 /// Halves a piece until its parts are short or covered.
 void gather_open(const BlockDarts& block, const Surface& surface, const TrianglePiece& piece,
                  double longest_mm, std::vector<TrianglePiece>& open) {
-  const auto [longest, length] = longest_side(piece.at);
+  const auto [longest, length] = longest_side(piece.corners);
   // Larger ones are hardly ever covered: not worth the search.
-  if (length < 2 * longest_mm && block.is_covered(piece.at, piece.radius_mm)) return;
+  if (length < 2 * longest_mm && piece.is_covered(block)) return;
   if (length <= longest_mm) {
     open.push_back(piece);
     return;
   }
-  for (const Corners& half : halves(piece.at, longest)) {
+  for (const Corners& half : halves(piece.corners, longest)) {
     gather_open(block, surface, surface.piece_of(half, piece.triangle), longest_mm, open);
   }
 }

@@ -121,20 +121,32 @@ bool BlockDarts::is_free(const Point& place, double radius) const {
                      });
 }
 
-bool BlockDarts::is_covered(std::span<const Point> corners, double radius) const {
+bool BlockDarts::is_covered(const Corners& triangle, double radius) const {
   // A dart that covers every corner is in the reach of the outermost ones.
   const double reach = radius + rounded_into_next_cell * all_.distance_;
-  Point low = corners.front(), high = low;
-  for (const Point& corner : corners.subspan(1)) {
-    low = {std::max(low.x, corner.x), std::max(low.y, corner.y), std::max(low.z, corner.z)};
-    high = {std::min(high.x, corner.x), std::min(high.y, corner.y), std::min(high.z, corner.z)};
-  }
+  const auto& [a, b, c] = triangle;
+  const Point low{std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})};
+  const Point high{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})};
   return any_within(moved(low, -reach), moved(high, reach), [&](const Point& point, double other) {
-    const double apart = std::min(radius, other);
-    return std::all_of(corners.begin(), corners.end(), [&](const Point& corner) {
-      return square_of_distance(corner, point) < apart * apart;
-    });
+    const double apart = std::min(radius, other), square = apart * apart;
+    return square_of_distance(a, point) < square && square_of_distance(b, point) < square &&
+           square_of_distance(c, point) < square;
   });
+}
+
+bool BlockDarts::is_covered(const Point& low, double side_mm, double radius) const {
+  const double reach = radius + rounded_into_next_cell * all_.distance_;
+  const double half = side_mm / 2;
+  const Point centre = moved(low, half);
+  return any_within(moved(low, side_mm - reach), moved(low, reach),
+                    [&](const Point& point, double other) {
+                      const double apart = std::min(radius, other);
+                      // To the furthest corner.
+                      const double x = std::abs(point.x - centre.x) + half,
+                                   y = std::abs(point.y - centre.y) + half,
+                                   z = std::abs(point.z - centre.z) + half;
+                      return x * x + y * y + z * z < apart * apart;
+                    });
 }
 
 void BlockDarts::add(const Dart& dart) {

@@ -81,8 +81,10 @@ class BlockDarts {
 
   /// No dart is too near to one with `radius` at `place`, which lies in this block.
   bool is_free(const Point& place, double radius) const;
-  /// One dart alone keeps all of the convex body with these corners from others of `radius`.
-  bool is_covered(std::span<const Point> corners, double radius) const;
+  /// One dart alone keeps all of a triangle from others of `radius`.
+  bool is_covered(const Corners& triangle, double radius) const;
+  /// The same for a cube with this lowest corner.
+  bool is_covered(const Point& low, double side_mm, double radius) const;
   /// Adds a dart that is free.
   void add(const Dart& dart);
 

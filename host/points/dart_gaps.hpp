@@ -14,8 +14,7 @@
 
 namespace lamplock::points {
 
-/// A Piece has corners() (of a convex body), measure() (area or volume) and `radius_mm` (of a dart
-/// in it). A Body gives
+/// A Piece has measure() (area or volume) and is_covered(block). A Body gives
 ///   std::optional<Dart> dart_in(const Piece&, Random&)   nothing where the body is not,
 ///   void split(const Piece&, std::vector<Piece>&)        adds nothing if the piece is too small.
 template <class Piece, class Body>
@@ -33,11 +32,11 @@ void fill_gaps(BlockDarts& block, std::vector<Piece> pieces, Random& random, con
     smaller.clear();
     for (const auto& turn : turns) {
       const Piece& piece = pieces[turn.second];
-      if (block.is_covered(piece.corners(), piece.radius_mm)) continue;
+      if (piece.is_covered(block)) continue;
       const auto dart = body.dart_in(piece, random);
       if (dart && block.is_free(dart->place, dart->radius_mm)) {
         block.add(*dart);
-        if (block.is_covered(piece.corners(), piece.radius_mm)) continue;
+        if (piece.is_covered(block)) continue;
       }
       body.split(piece, smaller);
     }

@@ -48,10 +48,8 @@ struct CubePiece {
   bool at_surface = false;
   double radius_mm = 0;
   double measure() const { return side_mm * side_mm * side_mm; }
-  std::array<Point, 8> corners() const {
-    std::array<Point, 8> all{};
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = corner_of(low, side_mm, i);
-    return all;
+  bool is_covered(const BlockDarts& block) const {
+    return block.is_covered(low, side_mm, radius_mm);
   }
 };
 
@@ -214,7 +212,7 @@ void fill_block(BlockDarts& block, std::span<const Cell> cells, const Body& body
     parts.clear();
     body.split(body.piece_of(cell.low, distance_mm, cell.at_surface), parts);
     for (const CubePiece& part : parts) {
-      if (!block.is_covered(part.corners(), part.radius_mm)) open.push_back(part);
+      if (!part.is_covered(block)) open.push_back(part);
     }
   }
   fill_gaps(block, std::move(open), random, body);
