@@ -50,7 +50,7 @@ class Join {
     const double step_mm = usual_step_mm(order);
     const double unit_mm = std::max({model.unit_mm(0), model.unit_mm(1), model.unit_mm(2)});
     // Rest to rest 2 sqrt(4) = 4 beats: less is hardly worth a detour.
-    constexpr double units_of_a_jump = 4;
+    constexpr double units_of_a_jump = 2;
     jump_mm_ = std::max(3 * step_mm, units_of_a_jump * unit_mm);
     for (std::size_t layer = 0; layer + 1 < starts.size(); ++layer) {
       split(starts[layer], starts[layer + 1], 2.5 * step_mm);
