@@ -130,6 +130,7 @@ void check(const PointCloud& cloud, const OrderOptions& options) {
   points::require_count(static_cast<double>(cloud.size()), "order");
   points::require_positive(options.layer_mm, "order", "layer thickness");
   cone_tangent(options.half_angle_deg);
+  require_coordinates(cloud);
   for (const double weight : {options.cone.up, options.cone.down}) {
     if (std::isfinite(weight)) continue;
     throw Error(Exit::bad_input, "order", fmt::format("a weight of the cone is {}", weight),
