@@ -231,7 +231,7 @@ Indices even_tour(Points layer) {
       cheapest(tours, [&](const Indices& tour) { return cost(nodes.points, by, tour); }));
 }
 
-Indices beat_tour(Points layer, const BeatModel& model) {
+Indices beat_tour(Points layer, const BeatModel& model, std::size_t asked_a_point) {
   if (layer.empty()) return {};
   const Nodes nodes(layer);
   const TourCost by(model);
@@ -242,7 +242,7 @@ Indices beat_tour(Points layer, const BeatModel& model) {
     return beats(nodes.points, model, tour) + tie * cost(nodes.points, by, tour);
   });
   const Closing closing = open_at_jump(nodes.points, best);
-  save_beats(nodes.points, neighbours, closing, model, best);
+  save_beats(nodes.points, neighbours, closing, model, asked_a_point * layer.size(), best);
   return nodes.of_layer(best);
 }
 
