@@ -173,6 +173,7 @@ double beats(Points nodes, const BeatModel& model, const Indices& tour) {
 Closing open_at_jump(Points nodes, Indices& tour) {
   constexpr double mean_steps_of_a_jump = 4;
   const std::size_t n = tour.size();
+  if (n == 0) return Closing::closed;
   double sum = 0, longest = 0;
   std::size_t at = 0;
   for (std::size_t i = 0; i < n; ++i) {
