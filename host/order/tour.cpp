@@ -215,6 +215,7 @@ struct Nodes {
 /// The first of the tours with the least cost.
 Indices cheapest(const std::vector<Indices>& tours, const auto& cost_of) {
   std::vector<double> costs;
+  costs.reserve(tours.size());
   for (const Indices& tour : tours) costs.push_back(cost_of(tour));
   return tours[static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) -
                                         costs.begin())];
