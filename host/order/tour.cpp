@@ -6,7 +6,9 @@
 #include <tuple>
 
 #include "host/order/cost.hpp"
+#include "host/order/greedy.hpp"
 #include "host/order/local_search.hpp"
+#include "host/order/serpentine.hpp"
 #include "host/points/bounds.hpp"
 
 namespace lamplock::order {
@@ -107,58 +109,143 @@ Indices along_rows(Points nodes, double points::Point::*major, double points::Po
 }
 
 /// Cost of the closed tour without its longest edge, where it will be cut as a rule.
-double cost(Points nodes, const Indices& tour) {
+double cost(Points nodes, const TourCost& by, const Indices& tour) {
   double sum = 0, longest = 0;
   const std::size_t n = tour.size();
   for (std::size_t i = 0; i < n; ++i) {
     const points::Point &p = nodes[tour[i]], &q = nodes[tour[(i + 1) % n]],
                         &r = nodes[tour[(i + 2) % n]];
-    const double length = distance(p, q);
-    sum += length + bend(p, q, r);
-    longest = std::max(longest, length + bend(p, q, r));
+    const double length = by.edge(p, q);
+    sum += length + by.turn(p, q, r);
+    longest = std::max(longest, length + by.turn(p, q, r));
   }
   return sum - longest;
 }
 
-/// A tour of points that all differ and follow the curve.
-Indices best_tour(Points nodes) {
-  Indices best(nodes.size());
-  std::iota(best.begin(), best.end(), 0u);
-  const Neighbours neighbours = find_neighbours(nodes);
-  improve(nodes, neighbours, Closing::closed, best);
-  if (!is_lattice(nodes)) return best;
-  double lowest = cost(nodes, best);
+/// An order of the points of a layer, for the search to begin with.
+Indices numbered(std::size_t count) {
+  Indices order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  return order;
+}
+
+/// The improved tours of points that all differ and follow the curve.
+std::vector<Indices> even_tours(Points nodes, const Neighbours& neighbours, const TourCost& by) {
+  std::vector<Indices> tours{numbered(nodes.size())};
+  improve(nodes, neighbours, Closing::closed, by, tours.back());
+  if (!is_lattice(nodes)) return tours;
   for (const bool along_x : {true, false}) {
-    Indices rows = along_x ? along_rows(nodes, &points::Point::y, &points::Point::x)
-                           : along_rows(nodes, &points::Point::x, &points::Point::y);
-    improve(nodes, neighbours, Closing::open, rows);
-    const double rows_cost = cost(nodes, rows);
-    if (rows_cost >= lowest) continue;
-    lowest = rows_cost;
-    best = std::move(rows);
+    tours.push_back(along_x ? along_rows(nodes, &points::Point::y, &points::Point::x)
+                            : along_rows(nodes, &points::Point::x, &points::Point::y));
+    improve(nodes, neighbours, Closing::open, by, tours.back());
   }
-  return best;
+  return tours;
+}
+
+/// The same from two more starts: to the nearest, which follows contours, and to and fro. These
+/// starts themselves are in it, too.
+std::vector<Indices> beat_tours(Points nodes, const Neighbours& neighbours, const TourCost& by) {
+  std::vector<Indices> tours = even_tours(nodes, neighbours, by);
+  for (const Indices& start : {nearest_first(nodes, nodes.front(), 0), to_and_fro(nodes)}) {
+    tours.push_back(start);
+    tours.push_back(start);
+    improve(nodes, neighbours, Closing::closed, by, tours.back());
+  }
+  return tours;
+}
+
+/// Beats of a closed tour by the model, without those wasted on its longest step, where it will be
+/// cut as a rule.
+double beats(Points nodes, const BeatModel& model, const Indices& tour) {
+  PlanState state = model.any_speed();
+  double sum = 0;
+  int longest = 1;
+  for (std::size_t i = 0; i < tour.size(); ++i) {
+    const int step = model.step(state, nodes[tour[i]], nodes[tour[(i + 1) % tour.size()]]);
+    sum += step;
+    longest = std::max(longest, step);
+  }
+  return sum - (longest - 1);
+}
+
+/// Rotates a closed tour so that its longest edge is the closing one. Open, if that is a jump, as
+/// between the first and the last row of a lattice: it will be cut there.
+Closing open_at_jump(Points nodes, Indices& tour) {
+  constexpr double mean_steps_of_a_jump = 4;
+  const std::size_t n = tour.size();
+  if (n == 0) return Closing::closed;
+  double sum = 0, longest = 0;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double length = distance(nodes[tour[i]], nodes[tour[(i + 1) % n]]);
+    sum += length;
+    if (length <= longest) continue;
+    longest = length;
+    at = i + 1;
+  }
+  std::rotate(tour.begin(), tour.begin() + static_cast<std::ptrdiff_t>(at % n), tour.end());
+  const double mean = sum / static_cast<double>(n);
+  return longest > mean_steps_of_a_jump * mean ? Closing::open : Closing::closed;
+}
+
+/// Points that differ, along the curve, and where those of each stand there.
+struct Nodes {
+  Indices curve, first;
+  std::vector<points::Point> points;
+
+  explicit Nodes(Points layer) : curve(along_curve(layer)) {
+    for (std::uint32_t i = 0; i < curve.size(); ++i) {
+      if (i > 0 && layer[curve[i]] == layer[curve[i - 1]]) continue;
+      points.push_back(layer[curve[i]]);
+      first.push_back(i);
+    }
+    first.push_back(static_cast<std::uint32_t>(curve.size()));
+  }
+  /// A tour of the nodes as one of the layer: equal points follow each other.
+  Indices of_layer(const Indices& tour) const {
+    Indices all;
+    all.reserve(curve.size());
+    for (const std::uint32_t node : tour) {
+      for (std::uint32_t i = first[node]; i < first[node + 1]; ++i) all.push_back(curve[i]);
+    }
+    return all;
+  }
+};
+
+/// The first of the tours with the least cost.
+Indices cheapest(const std::vector<Indices>& tours, const auto& cost_of) {
+  std::vector<double> costs;
+  costs.reserve(tours.size());
+  for (const Indices& tour : tours) costs.push_back(cost_of(tour));
+  return tours[static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) -
+                                        costs.begin())];
 }
 
 }  // namespace
 
-Indices closed_tour(Points layer) {
-  const Indices curve = along_curve(layer);
-  // Equal points are visited one after the other, so the search sees them once.
-  std::vector<points::Point> nodes;
-  Indices first;  // of the points of each node, in `curve`
-  for (std::uint32_t i = 0; i < curve.size(); ++i) {
-    if (i > 0 && layer[curve[i]] == layer[curve[i - 1]]) continue;
-    nodes.push_back(layer[curve[i]]);
-    first.push_back(i);
-  }
-  first.push_back(static_cast<std::uint32_t>(curve.size()));
-  Indices tour;
-  tour.reserve(layer.size());
-  for (const std::uint32_t node : best_tour(nodes)) {
-    for (std::uint32_t i = first[node]; i < first[node + 1]; ++i) tour.push_back(curve[i]);
-  }
-  return tour;
+Indices even_tour(Points layer) {
+  if (layer.empty()) return {};
+  const Nodes nodes(layer);
+  const TourCost by;
+  const auto tours =
+      even_tours(nodes.points, find_neighbours(nodes.points, short_way_neighbours), by);
+  return nodes.of_layer(
+      cheapest(tours, [&](const Indices& tour) { return cost(nodes.points, by, tour); }));
+}
+
+Indices beat_tour(Points layer, const BeatModel& model, std::size_t asked_a_point) {
+  if (layer.empty()) return {};
+  const Nodes nodes(layer);
+  const TourCost by(model);
+  const Neighbours neighbours = find_neighbours(nodes.points, few_beats_neighbours);
+  // What the model finds equal the cost decides; its weight is that of a tie.
+  constexpr double tie = 1e-3;
+  Indices best = cheapest(beat_tours(nodes.points, neighbours, by), [&](const Indices& tour) {
+    return beats(nodes.points, model, tour) + tie * cost(nodes.points, by, tour);
+  });
+  const Closing closing = open_at_jump(nodes.points, best);
+  save_beats(nodes.points, neighbours, closing, model, asked_a_point * layer.size(), best);
+  return nodes.of_layer(best);
 }
 
 }  // namespace lamplock::order
