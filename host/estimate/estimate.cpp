@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "firmware/lamp/shot_scheduler.hpp"
 #include "host/error.hpp"
 #include "host/estimate/job_plan.hpp"
 #include "host/link/sender.hpp"
 #include "host/link/simulated_transport.hpp"
+#include "host/report/shot_beats.hpp"
 #include "host/units.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 #include "sim/world/lamp_settings.hpp"
@@ -89,7 +89,7 @@ class BeatCount {
   BeatCount(std::int32_t least_beats, Estimate& estimate)
       : least_beats_(least_beats), estimate_(estimate) {}
 
-  void add(const Way& way, std::size_t place) {
+  void add(const Way& way) {
     // Beats on which no shot would have been permitted anyhow.
     const std::int64_t kept_back = fired_ ? least_beats_ - 1 - since_shot_ : 0;
     const auto between = static_cast<std::uint32_t>(way.beats - 1);
@@ -99,8 +99,7 @@ class BeatCount {
     ledger_.count(way.shot ? BeatReason::fired : BeatReason::no_point_due, 1);
     since_shot_ += way.beats;
     if (fired_) beat_ += static_cast<std::uint32_t>(way.beats), add_time(way);
-    if (way.shot) shot(), fired_ = true;
-    estimate_.beat_of_point[place] = beat_;
+    if (way.shot) shot();
   }
 
   void finish(const settings::Values& values) {
@@ -119,7 +118,9 @@ class BeatCount {
  private:
   void add_time(const Way& way) { ticks_q16_ += std::uint64_t{way.ticks} * way.tick_q16; }
   void shot() {
+    fired_ = true;
     since_shot_ = 0;
+    estimate_.beat_of_shot.push_back(beat_);
     ticks_at_shot_q16_ = ticks_q16_;
   }
 
@@ -138,7 +139,7 @@ void add_plan(const job::Job& job, const EstimateOptions& options, const Standin
   BeatCount count(least, estimate);
   std::size_t news = options.first + points_per_news;
   plan_job(job, {standing, options.first, options.job_speed, least}, [&](const Way& way) {
-    count.add(way, way.point - options.first);
+    count.add(way);
     if (way.point < news) return;
     news += points_per_news;
     if (options.progress) options.progress(way.point);
@@ -147,8 +148,7 @@ void add_plan(const job::Job& job, const EstimateOptions& options, const Standin
 }
 
 /// The numbers of a run that has come to its end.
-void add_run(const job::Job& job, const EstimateOptions& options, const Trial& trial,
-             Estimate& estimate) {
+void add_run(const job::Job& job, const Trial& trial, Estimate& estimate) {
   const wire::Status& status = trial.status();
   estimate.shots = status.shots;
   estimate.beats = status.beats;
@@ -157,23 +157,7 @@ void add_run(const job::Job& job, const EstimateOptions& options, const Trial& t
   if (shots.empty()) return;
   estimate.time_s = sim::seconds(shots.back().at - shots.front().at) +
                     1 / in_units(job.settings, Id::lamp_frequency);
-  // On a free beat the lamp's flashes are not those of the beats.
-  const bool lamp_beats =
-      job.settings.whole(Id::lamp_mode) != static_cast<int>(settings::LampMode::free_beat);
-  const auto beat_ps = static_cast<double>(beat_ticks(job.settings) * sim::ps_per_us);
-  const auto beat_of = [&](const sim::Shot& shot) {
-    const auto beats =
-        lamp_beats ? shot.beat - shots.front().beat
-                   : std::llround(static_cast<double>(shot.at - shots.front().at) / beat_ps);
-    return static_cast<std::uint32_t>(beats);
-  };
-  std::size_t shot = 0;
-  std::uint32_t beat = 0;
-  for (std::size_t i = options.first; i < job.targets.size(); ++i) {
-    shot = std::min(shot + job.targets[i].shots, shots.size());
-    if (shot != 0) beat = beat_of(shots[shot - 1]);
-    estimate.beat_of_point[i - options.first] = beat;
-  }
+  estimate.beat_of_shot = report::beats_from_first(shots, job.settings);
 }
 
 void check(const job::Job& job, const EstimateOptions& options) {
@@ -191,7 +175,7 @@ void check(const job::Job& job, const EstimateOptions& options) {
 Estimate estimate_job(const job::Job& job, const EstimateOptions& options) {
   check(job, options);
   Estimate estimate;
-  estimate.beat_of_point.resize(job.targets.size() - options.first);
+  estimate.beat_of_shot.reserve(job.targets.size() - options.first);
   Trial trial(job, options);
   const bool fires = trial.run_to_first_shot();
   const bool on_board = !fires || waits_for_beam(job);
@@ -199,7 +183,7 @@ Estimate estimate_job(const job::Job& job, const EstimateOptions& options) {
   estimate.beats_before = trial.status().beats_before;
   if (!trial.shots().empty()) estimate.time_before_s = sim::seconds(trial.shots().front().at);
   if (on_board)
-    add_run(job, options, trial, estimate);
+    add_run(job, trial, estimate);
   else
     add_plan(job, options, trial.standing(), estimate);
   return estimate;

@@ -1,6 +1,6 @@
 // What a job will take, before it is engraved: the same numbers as the report of its run.
 //
-// In:  a job of points. Out: beats, time, beats by reason, the beat of every point.
+// In:  a job of points. Out: beats, time, beats by reason, the beat of every shot.
 // Who: `lamplock estimate`, tests.
 //
 //   virtual board --- up to the first shot ---> beats before it, length of the ticks
@@ -43,8 +43,7 @@ struct Estimate {
   BeatsByReason beats_by_reason{};  ///< of `beats`
   double time_s = 0;                ///< machine time of `beats`
   double time_before_s = 0;         ///< machine time before, from the moment the job is sent
-  /// Of every point from `first` on: the beat of its last flash, from the first shot, which has 0.
-  std::vector<std::uint32_t> beat_of_point;
+  std::vector<std::uint32_t> beat_of_shot;  ///< in order, from the first shot, which has 0
 };
 
 /// Estimates a job of points. Throws Error(bad_input) if there is none at `first`, and what a run
