@@ -58,6 +58,9 @@ struct JobRun {
   /// unknown.
   std::vector<StepPosition> lattice_steps;
 
+  /// Instead of shots, of a run that is foreseen: the beat of each, from the first one.
+  std::vector<std::uint32_t> foreseen_beats;
+
   PerAxis<double> steps_per_mm{200, 200, 200, 200};
 
   std::uint64_t beats = 0;         ///< lamp periods from the first shot to the last, both included
