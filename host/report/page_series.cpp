@@ -134,7 +134,8 @@ Histogram beats_histogram(const PointBeats& beats) {
   all.reserve(beats.beat.size() - 1);
   for (std::size_t i = 1; i < beats.beat.size(); ++i) {
     const std::uint32_t from = beats.beat[i - 1], to = beats.beat[i];
-    if (to < from) continue;  // fired before its predecessor, which was missed
+    // Missed, or fired before its predecessor, which was missed.
+    if (to < from || beats.missed[i] != 0) continue;
     all.push_back(to - from);
     ++result.counts[std::min<std::size_t>(to - from, beat_bins - 1)];
   }

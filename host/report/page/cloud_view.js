@@ -20,6 +20,8 @@ void main() {
   colour = texture(colours, vec2(at * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
   bool stands_out = (mode == 2 && tags.y > 0.0) || (mode == 1 && tags.x > 1.5 / 255.0);
   nearness = clamp(0.5 - 0.5 * gl_Position.z / gl_Position.w, 0.0, 1.0);
+  // What was missed shows through the cloud.
+  if (mode == 2 && tags.y > 0.0) gl_Position.z = -0.99 * gl_Position.w;
   gl_PointSize = max(dot_px / gl_Position.w * (stands_out ? 2.0 : 1.0), stands_out ? 3.0 * first : first);
 }`;
 const point_paint = `#version 300 es
@@ -70,6 +72,8 @@ function uniforms_of(gl, program) {
   return places;
 }
 
+// Where points lie so dense, edges need not be smooth.
+const most_smooth = 300000;
 const tan_half_view = Math.tan((30 / 2) * (Math.PI / 180));
 
 class Camera {
@@ -137,7 +141,7 @@ class CloudView {
     const longest = Math.max(...this.size, 1e-3);
     this.camera = new Camera(0.5 * Math.hypot(...this.size) || 0.5 * longest);
     this.dot_mm = spacing_mm > 0 ? 0.7 * spacing_mm * Math.sqrt(cloud.stride) : 0.02 * longest;
-    this.gl = canvas.getContext('webgl2', {antialias: true, alpha: true, powerPreference: 'high-performance'});
+    this.gl = canvas.getContext('webgl2', {antialias: this.count < most_smooth, alpha: true, powerPreference: 'high-performance'});
     if (!this.gl) throw new Error('no WebGL 2');
     this.set_up();
     canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
@@ -195,7 +199,7 @@ class CloudView {
     this.moving = moving;
     clearTimeout(this.rest);
     // When all is still again, all points.
-    if (moving) this.rest = setTimeout(() => this.draw_soon(), 160);
+    if (moving) this.rest = setTimeout(() => this.draw_soon(), Math.max(160, 4 * (this.pace ?? 0)));
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame((time) => {
@@ -208,9 +212,11 @@ class CloudView {
 
   // Fewer points where frames come late, more where there is time.
   keep_pace(time) {
-    const took = time - this.drawn_at;
+    const took = Math.min(time - this.drawn_at, 2000);
     this.drawn_at = time;
-    if (!this.moving || !(took < 1000)) return;
+    const both = this.moving && this.moved;
+    this.moved = this.moving;
+    if (!both) return;
     this.pace = this.pace === undefined ? took : 0.7 * this.pace + 0.3 * took;
     if (this.pace > 45 && this.every < 16 && this.count / this.every > 20000) {
       this.every *= 2;
