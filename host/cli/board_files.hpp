@@ -33,8 +33,9 @@ class PinTrace {
 /// Resolution of every axis, steps/mm.
 PerAxis<double> steps_per_mm(const settings::Values& values);
 
-/// Writes the shots of a board with these settings. Throws Error(bad_input).
+/// Writes the shots of a board with these settings, where they lie in the glass. Throws
+/// Error(bad_input).
 void write_shots(const std::filesystem::path& file, const sim::Board& board,
-                 const settings::Values& values);
+                 const settings::Values& values, const glass::Refraction& refraction = {});
 
 }  // namespace lamplock::cli

@@ -22,7 +22,7 @@ namespace lamplock::cli {
 /// A job and what it is about.
 struct Work {
   std::string input;          ///< file
-  points::PointCloud points;  ///< as ordered, one per target of the job; none of rows
+  points::PointCloud points;  ///< as ordered, one per target that is no pause; none of rows
   job::Job job;
 };
 
