@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "host/cli/staged_file.hpp"
+#include "host/glass/refraction.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 #include "sim/board.hpp"

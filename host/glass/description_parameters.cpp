@@ -6,10 +6,14 @@
 #include "host/glass/lens.hpp"
 #include "host/glass/material.hpp"
 #include "host/glass/transformation.hpp"
+#include "host/units.hpp"
+#include "shared/settings_table.hpp"
 #include "shared/wire/records.hpp"
 
 namespace lamplock::glass {
 namespace {
+
+using settings::Id;
 
 constexpr double most_int = std::numeric_limits<int>::max();
 constexpr double most_flashes = std::numeric_limits<std::uint8_t>::max();   ///< of a target
@@ -17,6 +21,13 @@ constexpr double most_beats = std::numeric_limits<std::uint16_t>::max();    ///<
 constexpr double most_energy = std::numeric_limits<std::uint16_t>::max();   ///< of a target
 constexpr double lightest_grey = 255, most_layers = 10'000, most_shells = 255;
 constexpr double steepest_deg = 89;
+
+/// The range of a setting, in a unit of so many of its own.
+Range range_of(Id id, double own_units) {
+  const settings::Row& row = settings::row(id);
+  return {row.min_milli / milli_per_unit / own_units, row.max_milli / milli_per_unit / own_units,
+          true};
+}
 
 /// What is wrong with the words of a transformation.
 std::string transformation_refusal(const std::string& words) {
@@ -138,12 +149,14 @@ std::vector<Parameter> parameters(MachineChoice& m) {
        "free: pass every point in motion; path: the same on straight lines; start-stop: rest at "
        "every point",
        "", {}, {"free", "path", "start-stop"}},
-      {"lamp", "--lamp", &m.lamp_hz, "Lamp frequency", "HZ"},
+      {"lamp", "--lamp", &m.lamp_hz, "Lamp frequency", "HZ", range_of(Id::lamp_frequency, 1)},
       {"lamp_mode", "--lamp-mode", &m.lamp_mode,
        "slave: the lamp runs freely, we follow; master: we trigger it; none: free beat", "", {},
        {"slave", "master", "none"}},
-      {"accel", "--accel", &m.accel_m_s2, "Highest acceleration of every axis", "M_S2"},
-      {"speed", "--speed", &m.speed_m_s, "Highest speed of every axis", "M_S"},
+      {"accel", "--accel", &m.accel_m_s2, "Highest acceleration of every axis", "M_S2",
+       range_of(Id::acceleration_x, mm_s2_per_m_s2)},
+      {"speed", "--speed", &m.speed_m_s, "Highest speed of every axis", "M_S",
+       range_of(Id::max_rate_x, mm_min_per_m_s)},
   };
 }
 
