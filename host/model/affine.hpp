@@ -42,7 +42,7 @@ Affine turned_about_x(double degrees);
 Affine turned_about_y(double degrees);
 Affine turned_about_z(double degrees);
 
-/// The way back of a map that only turns: its transpose.
+/// The way back of a map that only turns and moves.
 Affine turned_back(const Affine& turn);
 
 }  // namespace lamplock::model

@@ -3,10 +3,9 @@
 // In:  a path. Out: its length, points by their distance along it.
 // Who: divide(); cutting.
 //
-// Lines and circles have closed forms. The speed of ellipses and splines is integrated by
-// Gauss-Legendre quadrature over pieces halved until both halves agree with the whole, and the
-// integral is inverted by Newton's method held inside the piece. No polyline stands in for the
-// curve.
+// The speed is integrated by Gauss-Legendre quadrature over pieces halved until both halves agree
+// with the whole, at once for lines and circles, whose speed is constant; the integral is inverted
+// by Newton's method held inside the piece. No polyline stands in for the curve.
 #pragma once
 
 #include <cstddef>
@@ -18,14 +17,15 @@ namespace lamplock::model {
 
 class ArcLength {
  public:
-  /// Keeps a reference to `path`. Time and memory grow with the pieces and how bent they are.
-  /// Throws Error (bad_input) if the path is too bent to be measured (too many pieces).
+  /// Keeps a reference to `path`, which has to stay. Time and memory grow with the pieces and how
+  /// bent they are. Throws Error (bad_input) if the path is too bent to be measured (too many
+  /// pieces).
   explicit ArcLength(const Path& path);
 
   /// mm.
   double total() const { return total_; }
-  /// The point `s` mm from the start, 0 .. total(); beyond, the end. Fastest if `s` rises from call
-  /// to call.
+  /// The point `s` mm from the start, 0 .. total(); beyond, the end. A search among the pieces
+  /// and a few evaluations of the curve.
   points::Point at(double s);
 
  private:
@@ -36,11 +36,12 @@ class ArcLength {
     double begins_at, length;  ///< mm along the path
   };
   void add(std::size_t piece);
-  void add_smooth(std::size_t piece, Range range, double length, int depth);
+  void add_smooth(std::size_t piece, const Range& range, double length, int depth);
   double parameter_at(const Stretch& stretch, double along) const;
 
   const Path& path_;
   std::vector<Stretch> stretches_;
+  double agree_mm_ = 0;  ///< of the piece that is being added
   double total_ = 0;
   std::size_t last_ = 0;
 };

@@ -82,13 +82,19 @@ Motion motion_at(const Piece& piece, double parameter);
 
 points::Point start_of(const Path& path);
 points::Point end_of(const Path& path);
+/// Whether it ends within flat_mm of where it begins, as closed curves do whatever their file says.
+bool returns_to_start(const Path& path);
+
+/// What was left out as a user reads it: "2 HATCH, 3 TEXT"; empty if nothing.
+std::string left_out_text(const Curves& curves);
 
 /// Everything in its new place; exact for every affine map.
+Piece transformed(Piece piece, const Affine& map);
 Curves transformed(Curves curves, const Affine& map);
 
 /// Vertices of a polyline that is nowhere further than `tolerance_mm` from the path; a closed path
-/// ends in its first vertex. Throws Error (bad_input) if it needs more vertices than points are
-/// allowed.
+/// ends in its first vertex. Splines are judged by samples. Throws Error (bad_input) if it needs
+/// more vertices than points are allowed.
 points::PointCloud flattened(const Path& path, double tolerance_mm = flat_mm);
 
 /// The box round all paths, to flat_mm, and points; all zero if there is nothing.
