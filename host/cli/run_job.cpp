@@ -122,11 +122,13 @@ report::JobRun run_of(const Work& work, const BoardOptions& options,
   run.mode = mode_name(work.job.header.mode);
   run.board = options.board;
   // With --from the report is about the rest of the job.
-  run.points.assign(work.points.begin() + static_cast<std::ptrdiff_t>(options.from),
-                    work.points.end());
+  const std::size_t before = work.job.points_before(options.from);
+  run.points.assign(work.points.begin() + static_cast<std::ptrdiff_t>(before), work.points.end());
   run.shots_ordered.reserve(run.points.size());
   for (std::size_t i = options.from; i < work.job.targets.size(); ++i)
-    run.shots_ordered.push_back(work.job.header.dry ? 0 : work.job.targets[i].shots);
+    if (!work.job.is_pause(i))
+      run.shots_ordered.push_back(work.job.header.dry ? 0 : work.job.targets[i].shots);
+  run.refraction = work.job.refraction;
   run.shots_known = false;
   run.shots_fired = result.status.shots;
   run.settings = work.job.settings;
@@ -205,7 +207,7 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
     add_shots(board, outcome.run);
   }
   if (trace) trace->finish();
-  if (!options.shots.empty()) write_shots(options.shots, board, work.job.settings);
+  if (!options.shots.empty()) write_shots(options.shots, board, work.job.settings, work.job.refraction);
   if (plot) plot->write(work.job.settings, plot_title(work));
   console.phase("run", fmt::format("{:.1f} s of machine time on the {} board",
                                    sim::seconds(board.now()), board.name()));

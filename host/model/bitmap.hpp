@@ -1,4 +1,4 @@
-// Bitmaps. Comes in: a PNG or BMP file. Goes out: its grey values. Called by the command line
+// Bitmaps. Comes in: a PNG, BMP or JPEG file. Goes out: its grey values. Called by the command line
 // before bitmap_points().
 #pragma once
 

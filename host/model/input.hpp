@@ -6,11 +6,12 @@
 
 namespace lamplock::model {
 
-enum class InputKind { mesh, bitmap, points };
+enum class InputKind { mesh, bitmap, points, curves };
 
-/// By extension: .stl .obj mesh; .png .bmp bitmap; .xyz .txt .csv .asc points; .ply is a mesh if
-/// its header has faces, points otherwise. Throws Error (bad_input) for any other extension, a
-/// missing file or a broken PLY header.
+/// By extension: .stl .obj .3mf .glb mesh; .png .bmp .jpg .jpeg bitmap; .svg curves; .xyz .txt .csv
+/// .asc .cad points; .ply is a mesh if its header has faces, .dxf curves if it has anything but
+/// points, points otherwise. Throws Error (bad_input) for any other extension, a missing file, a
+/// broken PLY header or DXF.
 InputKind classify(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

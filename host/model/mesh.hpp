@@ -4,8 +4,10 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "host/model/brightness.hpp"
 #include "host/points/point.hpp"
 
 namespace lamplock::model {
@@ -14,6 +16,8 @@ namespace lamplock::model {
 struct Mesh {
   std::vector<points::Point> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  /// Only if the file has colours of vertices or textures.
+  std::optional<Brightness> brightness{};
 };
 
 }  // namespace lamplock::model

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 
-#include "host/bytes.hpp"
 #include "host/file.hpp"
 #include "host/model/ply.hpp"
 #include "host/model/text.hpp"
@@ -71,27 +69,6 @@ points::PointCloud read_point_list(const path& file) {
       lower_extension(file) == ".ply" ? read_ply(file, bytes) : read_xyz(file, std::move(bytes));
   if (cloud.empty()) refuse(file, "it has no points", "give at least one point");
   return cloud;
-}
-
-void write_xyz(const path& file, std::span<const points::Point> cloud) {
-  std::string text;
-  for (const points::Point& point : cloud) {
-    fmt::format_to(std::back_inserter(text), "{} {} {}\n", point.x, point.y, point.z);
-  }
-  write_file(file, text);
-}
-
-void write_ply(const path& file, std::span<const points::Point> cloud) {
-  std::string bytes = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment lamplock, mm\nelement vertex {}\n"
-      "property double x\nproperty double y\nproperty double z\nend_header\n",
-      cloud.size());
-  for (const points::Point& point : cloud) {
-    append(bytes, point.x);
-    append(bytes, point.y);
-    append(bytes, point.z);
-  }
-  write_file(file, bytes);
 }
 
 }  // namespace lamplock::model

@@ -1,13 +1,29 @@
 // Bitmap to points ("Mechatronic positioning of a pulsed laser beam in devices forming 3-D objects
-// in glass": threshold, inversion, vertex distance, number of layers, layer distance). Comes in:
-// grey values. Goes out: points on a square grid in planes of constant z, row by row from the
-// lowest. Called by the command line.
+// in glass": threshold, inversion, vertex distance, number of layers, layer distance, plane,
+// density of points from grey). Comes in: grey values. Goes out: points on a square grid in
+// parallel planes, row by row from the lowest. Called by the command line.
+//
+// Density from grey: the error of each grid point is spread over its neighbours (Floyd and
+// Steinberg, "An Adaptive Algorithm for Spatial Greyscale", 1976) with weights moved at random
+// (Ulichney, "Dithering with Blue Noise", 1988), so that points follow the tone everywhere, no
+// pattern shows and layers differ.
 #pragma once
+
+#include <cstdint>
+#include <optional>
 
 #include "host/model/bitmap.hpp"
 #include "host/points/point.hpp"
+#include "host/points/tone.hpp"
 
 namespace lamplock::points {
+
+/// Where the picture stands; its left and bottom lie towards the lower coordinates.
+enum class Plane {
+  xy,  // top +y, layers along z
+  xz,  // top +z, layers along y
+  yz   // top +z, left -y, layers along x
+};
 
 struct BitmapOptions {
   double size_mm = 50;      // longest side of the picture
@@ -16,9 +32,13 @@ struct BitmapOptions {
   bool invert = false;      // light pixels become points instead
   int layers = 1;
   double layer_mm = 0.1;  // from layer to layer
+  Plane plane = Plane::xy;
+  /// Instead of the threshold: the share of grid points that are points. The curve is given the
+  /// picture's negative, because dark is a point; with `invert` the picture itself.
+  std::optional<ToneCurve> tone{};
+  std::uint64_t seed = 1;  // of the dither
 };
 
-/// The picture stands upright in the x-y plane: its left is -x, its top is +y, seen from +z.
 /// Centred on the origin in all axes. A grid point stands for the mean of the pixels of its square,
 /// or for the pixel it lies in if that is larger. Throws Error (bad_input) for options out of range
 /// or too many points.

@@ -20,16 +20,6 @@ struct Cut {
   std::array<Point, 2> at;
 };
 
-/// Planes below and at the height of a vertex: the vertex is above planes 0 .. result - 1. Found by
-/// comparing with the very planes, so that rounding cannot make two triangles disagree.
-std::size_t planes_not_above(const Planes& planes, double z) {
-  const double guess = std::floor((z - planes.first) / planes.distance) + 1;
-  auto k = static_cast<std::size_t>(std::clamp(guess, 0.0, static_cast<double>(planes.count)));
-  while (k > 0 && planes.z(k - 1) > z) --k;
-  while (k < planes.count && planes.z(k) <= z) ++k;
-  return k;
-}
-
 /// Both triangles of an edge must get the same point, so the lower vertex number comes first.
 Point on_edge(const model::Mesh& mesh, std::uint32_t a, std::uint32_t b, double z) {
   const Point& p = mesh.vertices[std::min(a, b)];
@@ -130,11 +120,19 @@ class Chainer {
 
 }  // namespace
 
+std::size_t Planes::not_above(double height) const {
+  const double guess = std::floor((height - first) / distance) + 1;
+  auto k = static_cast<std::size_t>(std::clamp(guess, 0.0, static_cast<double>(count)));
+  while (k > 0 && z(k - 1) > height) --k;
+  while (k < count && z(k) <= height) ++k;
+  return k;
+}
+
 void for_each_plane(const model::Mesh& mesh, const Planes& planes,
                     const std::function<void(std::size_t, std::span<const Contour>)>& visit) {
   std::vector<std::size_t> level(mesh.vertices.size());
   for (std::size_t v = 0; v < level.size(); ++v) {
-    level[v] = planes_not_above(planes, mesh.vertices[v].z);
+    level[v] = planes.not_above(mesh.vertices[v].z);
   }
   const MeshEdges edges = number_edges(mesh);
   const Crossings crossings = find_crossings(mesh, level, planes.count);

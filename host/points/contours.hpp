@@ -22,6 +22,9 @@ struct Planes {
   double first = 0, distance = 1;
   std::size_t count = 0;
   double z(std::size_t k) const { return first + static_cast<double>(k) * distance; }
+  /// How many planes are at or below `height`: a vertex there is above planes 0 .. result - 1.
+  /// Found by comparing with the very planes, so that rounding cannot make two triangles disagree.
+  std::size_t not_above(double height) const;
 };
 
 /// Calls `visit(k, contours)` for every plane k from below, also for planes that cut nothing.

@@ -10,11 +10,10 @@
 #pragma once
 
 #include "host/model/mesh.hpp"
+#include "host/points/axis.hpp"
 #include "host/points/point.hpp"
 
 namespace lamplock::points {
-
-enum class Axis { x, y, z };
 
 struct RayOptions {
   double pitch_mm = 0.1;     // distance of neighbouring rays in both directions

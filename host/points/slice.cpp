@@ -1,25 +1,79 @@
 #include "host/points/slice.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "host/error.hpp"
+#include "host/model/affine.hpp"
 #include "host/points/bounds.hpp"
 #include "host/points/contours.hpp"
 #include "host/points/limits.hpp"
+#include "host/points/spread.hpp"
 
 namespace lamplock::points {
 namespace {
 
+void require_finite(double value, const std::string& name) {
+  if (std::isfinite(value)) return;
+  throw Error(Exit::bad_input, "slice", fmt::format("{} is {}", name, value), "give a number");
+}
+
+void check(const SliceOptions& options) {
+  require_positive(options.layer_mm, "slice", "layer distance");
+  require_positive(options.vertex_mm, "slice", "vertex distance");
+  require_finite(options.twist_mm, "twist");
+  require_finite(options.first_mm.value_or(0), "first plane");
+  require_finite(options.last_mm.value_or(0), "last plane");
+  require_finite(options.first_offset_mm.value_or(0), "first offset");
+  require_finite(options.last_offset_mm.value_or(0), "last offset");
+  require_finite(options.frame.turn_x_deg, "angle about x");
+  require_finite(options.frame.turn_y_deg, "angle about y");
+  require_finite(options.frame.turn_z_deg, "angle about z");
+  if ((options.first_mm && options.first_offset_mm) ||
+      (options.last_mm && options.last_offset_mm)) {
+    throw Error(Exit::bad_input, "slice", "a plane is given by its place and by its offset",
+                "give one of them");
+  }
+}
+
+/// From the frame of slicing, where planes have constant z, to that of the mesh.
+model::Affine map_of(const SliceFrame& frame) {
+  constexpr Point x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  const model::Affine axes = frame.axis == Axis::x   ? model::Affine{y, z, x, {}}
+                             : frame.axis == Axis::y ? model::Affine{z, x, y, {}}
+                                                     : model::Affine{};
+  return model::turned_about_z(frame.turn_z_deg) * model::turned_about_y(frame.turn_y_deg) *
+         model::turned_about_x(frame.turn_x_deg) * axes;
+}
+
+/// The mesh in the frame of slicing: `mesh` itself if that is its own, else `turned`.
+const model::Mesh& in_frame(const model::Mesh& mesh, const model::Affine& frame,
+                            model::Mesh& turned) {
+  if (frame == model::Affine{}) return mesh;
+  const model::Affine into = model::turned_back(frame);
+  turned = mesh;
+  for (Point& vertex : turned.vertices) vertex = into(vertex);
+  return turned;
+}
+
 Planes planes_for(const model::Mesh& mesh, const SliceOptions& options) {
   const Bounds box = bounds(mesh.vertices);
+  const double low =
+      options.first_mm.value_or(box.low.z + options.first_offset_mm.value_or(options.layer_mm / 2));
+  const double high = options.last_mm.value_or(box.high.z - options.last_offset_mm.value_or(0));
   Planes planes;
   planes.distance = options.layer_mm;
-  planes.first = options.first_mm.value_or(box.low.z + options.layer_mm / 2);
-  const double last = options.last_mm.value_or(box.high.z);
+  planes.first = low;
   // A last plane that is missed by rounding alone belongs to the range.
-  const double count = std::floor((last - planes.first) / options.layer_mm + 1e-9) + 1;
+  const double count = std::floor((high - low) / options.layer_mm + 1e-9) + 1;
   require_count(count, "slice");
   planes.count = count > 0 ? static_cast<std::size_t>(count) : 0;
   return planes;
@@ -57,12 +111,12 @@ std::vector<double> arc_lengths(std::span<const Point> v) {
   return length;
 }
 
-/// Appends `count` points at arc lengths first + i * distance, which must rise along the polyline.
-void sample(std::span<const Point> v, std::span<const double> length, double first, double distance,
-            std::size_t count, PointCloud& cloud) {
+/// Appends the points of `spread`, which must rise along the polyline.
+void sample(std::span<const Point> v, std::span<const double> length, const Spread& spread,
+            PointCloud& cloud) {
   std::size_t piece = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double s = first + static_cast<double>(i) * distance;
+  for (std::size_t i = 0; i < spread.count; ++i) {
+    const double s = spread.first_mm + static_cast<double>(i) * spread.distance_mm;
     while (piece + 2 < v.size() && length[piece + 1] < s) ++piece;
     const double span = length[piece + 1] - length[piece];
     const double t = span > 0 ? std::clamp((s - length[piece]) / span, 0.0, 1.0) : 0;
@@ -75,36 +129,69 @@ void sample_contour(const Contour& contour, double twist, const SliceOptions& op
                     PointCloud& cloud) {
   const std::vector<Point> v = normalised(contour);
   const std::vector<double> length = arc_lengths(v);
-  const double total = length.back();
-  const double pieces = std::max(1.0, std::floor(total / options.vertex_mm));
-  require_count(static_cast<double>(cloud.size()) + pieces, "slice");
-  const auto count = static_cast<std::size_t>(pieces);
-  const double distance = total / pieces;
-  if (contour.closed) {
-    const double offset = distance > 0 ? std::fmod(twist, distance) : 0;
-    sample(v, length, offset < 0 ? offset + distance : offset, distance, count, cloud);
-  } else if (options.end_points) {
-    sample(v, length, 0, distance, count + 1, cloud);
-  } else {
-    sample(v, length, distance / 2, distance, count, cloud);
-  }
+  const Spread spread =
+      spread_along(length.back(), {options.vertex_mm, contour.closed, twist, options.end_points},
+                   cloud.size(), "slice");
+  sample(v, length, spread, cloud);
+}
+
+/// Twice a triangle's area as a vector along its normal.
+Point doubled_area_vector(const model::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+  const Point &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]],
+              &c = mesh.vertices[triangle[2]];
+  const Point p{b.x - a.x, b.y - a.y, b.z - a.z}, q{c.x - a.x, c.y - a.y, c.z - a.z};
+  return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
 }
 
 }  // namespace
 
 PointCloud slice(const model::Mesh& mesh, const SliceOptions& options) {
-  require_positive(options.layer_mm, "slice", "layer distance");
-  require_positive(options.vertex_mm, "slice", "vertex distance");
+  check(options);
   PointCloud cloud;
   if (mesh.triangles.empty()) return cloud;
-  for_each_plane(mesh, planes_for(mesh, options),
+  const model::Affine frame = map_of(options.frame);
+  model::Mesh turned;
+  const model::Mesh& framed = in_frame(mesh, frame, turned);
+  for_each_plane(framed, planes_for(framed, options),
                  [&](std::size_t k, std::span<const Contour> contours) {
                    const double twist = static_cast<double>(k) * options.twist_mm;
                    for (const Contour& contour : contours) {
                      sample_contour(contour, twist, options, cloud);
                    }
                  });
+  if (&framed == &mesh) return cloud;
+  for (Point& point : cloud) point = frame(point);
   return cloud;
+}
+
+LostFaces lost_faces(const model::Mesh& mesh, const SliceOptions& options, double within_deg) {
+  check(options);
+  if (!(within_deg >= 0 && within_deg <= 90)) {
+    throw Error(Exit::bad_input, "slice", fmt::format("the angle of lost faces is {}", within_deg),
+                "give 0 to 90 degrees");
+  }
+  LostFaces lost;
+  if (mesh.triangles.empty()) return lost;
+  model::Mesh turned;
+  const model::Mesh& framed = in_frame(mesh, map_of(options.frame), turned);
+  const Planes planes = planes_for(framed, options);
+  const double least_cosine = std::cos(within_deg * std::numbers::pi / 180);
+  double whole = 0;
+  for (const auto& triangle : framed.triangles) {
+    const Point normal = doubled_area_vector(framed, triangle);
+    const double doubled = std::hypot(normal.x, normal.y, normal.z);
+    whole += doubled / 2;
+    // Rounding must not hide a face that is parallel to the planes.
+    if (doubled <= 0 || std::abs(normal.z) < doubled * (least_cosine - 1e-12)) continue;
+    const auto [low, high] =
+        std::minmax({framed.vertices[triangle[0]].z, framed.vertices[triangle[1]].z,
+                     framed.vertices[triangle[2]].z});
+    if (planes.not_above(low) != planes.not_above(high)) continue;
+    ++lost.triangles;
+    lost.area_mm2 += doubled / 2;
+  }
+  if (whole > 0) lost.share = lost.area_mm2 / whole;
+  return lost;
 }
 
 }  // namespace lamplock::points

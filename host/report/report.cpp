@@ -34,7 +34,7 @@ std::optional<double> largest_error(const JobRun& run, const Matching& matching,
     const std::uint32_t point = matching.point_of_shot[i];
     if (point == no_point) continue;
     const double error =
-        error_steps(steps_of(i), wanted_steps(run.points[point], run.steps_per_mm));
+        error_steps(steps_of(i), wanted_steps(run.refraction.stage(run.points[point]), run.steps_per_mm));
     largest = std::max(largest.value_or(0), error);
   }
   return largest;

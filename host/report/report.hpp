@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "host/glass/refraction.hpp"
 #include "host/points/point.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
@@ -48,7 +49,7 @@ struct JobRun {
   std::string mode;   ///< "free", "start-stop"
   std::string board;  ///< "virtual" or the port
 
-  points::PointCloud points;                 ///< in firing order, input coordinates
+  points::PointCloud points;                 ///< in firing order, coordinates of the glass
   std::vector<std::uint16_t> shots_ordered;  ///< per point; empty: one each
 
   bool shots_known = true;        ///< false on a real board: nobody recorded the shots
@@ -62,6 +63,7 @@ struct JobRun {
   std::vector<std::uint32_t> foreseen_beats;
 
   PerAxis<double> steps_per_mm{200, 200, 200, 200};
+  glass::Refraction refraction{};  ///< from the steps of the stage into the glass
 
   std::uint64_t beats = 0;         ///< lamp periods from the first shot to the last, both included
   std::uint64_t beats_before = 0;  ///< lamp periods before the first shot
@@ -105,10 +107,11 @@ Report evaluate(const JobRun& run);
 /// The report as JSON text, keys as documented; settings by name in their unit.
 std::string to_json(const Report& report);
 
-/// Writes shots as shots.csv has them: one line each, positions in mm. Throws lamplock::Error if
-/// the file cannot be written.
+/// Writes shots as shots.csv has them: one line each, positions in the glass in mm. Throws
+/// lamplock::Error if the file cannot be written.
 void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
-                     const std::filesystem::path& path);
+                     const std::filesystem::path& path,
+                     const glass::Refraction& refraction = {});
 
 /// Writes report.json, shots.csv, shots.ply and cloud.png into `folder`, which is made if needed.
 /// Without known shots there is no shots.csv and no shots.ply, and the picture shows the points as

@@ -5,6 +5,7 @@
 
 #include "host/file.hpp"
 #include "host/model/read_points.hpp"
+#include "host/model/write_points.hpp"
 #include "tests/points/shapes.hpp"
 #include "tests/scale.hpp"
 

@@ -1,0 +1,26 @@
+// Drawings in the text form of DXF (Autodesk, "DXF Reference"), release 12 and later.
+//
+// In:  a file. Out: its curves and points in mm.
+// Who: the command line; read_point_list() for files of nothing but points.
+//
+// Read are LINE, LWPOLYLINE and POLYLINE with their bulges, ARC, CIRCLE, ELLIPSE, SPLINE, POINT and
+// INSERT of blocks, turned, scaled and in arrays; $INSUNITS says the unit, none means mm. Left out
+// and counted: every other entity, what is on layers that are off or frozen ("hidden"), what is on
+// paper ("paper space"), splines without poles.
+#pragma once
+
+#include <filesystem>
+
+#include "host/model/curves.hpp"
+
+namespace lamplock::model {
+
+/// Throws Error (bad_input) naming the file, and the line where there is one: missing or empty
+/// file, binary DXF or DWG, cut off, not a number, not finite or beyond farthest_mm, a spline that
+/// is none, a block that contains itself or does not exist, more than most_pieces.
+Curves read_dxf(const std::filesystem::path& path);
+
+/// Whether there is anything but points among the entities of the drawing. Throws as read_dxf().
+bool dxf_has_curves(const std::filesystem::path& path);
+
+}  // namespace lamplock::model

@@ -1,0 +1,28 @@
+// Equal distances along a line that has a length: how many points, and where the first is. Called
+// by slice() for contours and divide() for curves.
+#pragma once
+
+#include <cstddef>
+
+namespace lamplock::points {
+
+/// Points at first_mm + i * distance_mm along the line, i < count.
+struct Spread {
+  double first_mm = 0, distance_mm = 0;
+  std::size_t count = 1;
+};
+
+struct SpreadOptions {
+  double wanted_mm = 0.1;   ///< greater than 0
+  bool closed = false;      ///< the end is the start, and gets no point of its own
+  double twist_mm = 0;      ///< closed: how far along the first point is, modulo the distance
+  bool end_points = false;  ///< open: points at both ends, otherwise half a distance from them
+};
+
+/// The least distance that divides `length_mm` evenly and is not below the wanted one; a line
+/// shorter than that counts as one distance. Throws Error (bad_input, from `where`) if there would
+/// be too many points beside the `so_far` there are.
+Spread spread_along(double length_mm, const SpreadOptions& options, std::size_t so_far,
+                    const char* where);
+
+}  // namespace lamplock::points

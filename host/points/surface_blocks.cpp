@@ -1,0 +1,209 @@
+#include "host/points/surface_blocks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "host/error.hpp"
+#include "host/points/limits.hpp"
+
+namespace lamplock::points {
+namespace {
+
+constexpr std::array<double Point::*, 3> axes{&Point::x, &Point::y, &Point::z};
+constexpr std::array<std::int32_t BlockIndex::*, 3> ranks{&BlockIndex::x, &BlockIndex::y,
+                                                          &BlockIndex::z};
+
+/// A convex polygon. A triangle cut by the six planes of a box has nine corners at most; rounding
+/// may add one now and then, and what comes on top of the room for that is left out.
+struct Polygon {
+  std::array<Point, 16> corners;
+  std::size_t count = 0;
+
+  explicit Polygon(const Corners& triangle) : corners{}, count(3) {
+    std::copy(triangle.begin(), triangle.end(), corners.begin());
+  }
+  Polygon() : corners{} {}
+  void add(const Point& corner) {
+    if (count < corners.size()) corners[count++] = corner;
+  }
+  std::span<const Point> all() const { return std::span(corners).first(count); }
+};
+
+/// Where the edge crosses the plane; on the plane exactly.
+Point crossing(const Point& p, const Point& q, double Point::*axis, double plane) {
+  const double t = (plane - p.*axis) / (q.*axis - p.*axis);
+  Point cut{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.z + t * (q.z - p.z)};
+  cut.*axis = plane;
+  return cut;
+}
+
+/// The part on one side of a plane, its border included.
+Polygon clipped(const Polygon& polygon, double Point::*axis, double plane, bool above) {
+  Polygon part;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Point& p = polygon.corners[i];
+    const Point& q = polygon.corners[(i + 1) % polygon.count];
+    const double from = above ? p.*axis - plane : plane - p.*axis;
+    const double to = above ? q.*axis - plane : plane - q.*axis;
+    if (from >= 0) part.add(p);
+    if ((from > 0 && to < 0) || (from < 0 && to > 0)) part.add(crossing(p, q, axis, plane));
+  }
+  return part;
+}
+
+struct Entry {
+  BlockIndex block;
+  std::uint32_t triangle = 0;
+  friend auto operator<=>(const Entry&, const Entry&) = default;
+};
+
+/// Finds the blocks of one triangle after the other.
+class Spreader {
+ public:
+  Spreader(const BlockGrid& grid, std::string where) : grid_(grid), where_(std::move(where)) {}
+
+  void add(std::uint32_t triangle, const Corners& corners) {
+    triangle_ = triangle;
+    const Bounds box = bounds(corners);
+    halve(Polygon(corners), grid_.of(box.low), grid_.of(box.high));
+  }
+
+  std::vector<Entry>& entries() { return entries_; }
+
+ private:
+  /// `low` to `high`: the blocks that the polygon may lie in.
+  void halve(const Polygon& polygon, const BlockIndex& low, const BlockIndex& high) {
+    std::size_t longest = 0;
+    for (std::size_t i = 1; i < 3; ++i) {
+      if (high.*ranks[i] - low.*ranks[i] > high.*ranks[longest] - low.*ranks[longest]) longest = i;
+    }
+    const auto rank = ranks[longest];
+    if (high.*rank == low.*rank) {
+      require_count(static_cast<double>(entries_.size()), where_);
+      entries_.push_back({low, triangle_});
+      return;
+    }
+    const std::int32_t middle = low.*rank + (high.*rank - low.*rank + 1) / 2;
+    const auto axis = axes[longest];
+    const double plane = grid_.origin.*axis + middle * grid_.side_mm;
+    BlockIndex below = high, above = low;
+    below.*rank = middle - 1;
+    above.*rank = middle;
+    const auto is_under = [&](const Point& corner) { return corner.*axis < plane; };
+    const auto all = polygon.all();
+    if (std::none_of(all.begin(), all.end(), is_under)) {
+      halve(polygon, above, high);
+    } else if (std::all_of(all.begin(), all.end(),
+                           [&](const Point& corner) { return corner.*axis <= plane; })) {
+      halve(polygon, low, below);
+    } else {
+      halve(clipped(polygon, axis, plane, false), low, below);
+      halve(clipped(polygon, axis, plane, true), above, high);
+    }
+  }
+
+  const BlockGrid& grid_;
+  std::string where_;
+  std::uint32_t triangle_ = 0;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace
+
+BlockIndex BlockGrid::of(const Point& point) const {
+  const auto rank = [this](double coordinate, double from) {
+    return static_cast<std::int32_t>(std::floor((coordinate - from) / side_mm));
+  };
+  return {rank(point.x, origin.x), rank(point.y, origin.y), rank(point.z, origin.z)};
+}
+
+Bounds BlockGrid::box(const BlockIndex& block) const {
+  return {
+      {origin.x + block.x * side_mm, origin.y + block.y * side_mm, origin.z + block.z * side_mm},
+      {origin.x + (block.x + 1) * side_mm, origin.y + (block.y + 1) * side_mm,
+       origin.z + (block.z + 1) * side_mm}};
+}
+
+BlockGrid grid_over(const Bounds& box, double side_mm, const std::string& where) {
+  constexpr double most_in_a_row = 1 << 20;
+  if (!(box.longest_side() / side_mm < most_in_a_row)) {
+    throw Error(
+        Exit::bad_input, where,
+        fmt::format("a size of {:.3g} mm is too large for this spacing", box.longest_side()),
+        "use a greater spacing or a smaller size");
+  }
+  return {box.low, side_mm};
+}
+
+SurfaceBlocks surface_blocks(const model::Mesh& mesh, const BlockGrid& grid,
+                             const std::string& where) {
+  Spreader spreader(grid, where);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Corners corners = corners_of(mesh, i);
+    if (area_of(corners) > 0) spreader.add(static_cast<std::uint32_t>(i), corners);
+  }
+  std::vector<Entry>& entries = spreader.entries();
+  std::sort(entries.begin(), entries.end());
+  SurfaceBlocks result{grid, {}, {}, {}};
+  result.triangles.reserve(entries.size());
+  for (const Entry& entry : entries) {
+    if (result.blocks.empty() || result.blocks.back() != entry.block) {
+      result.blocks.push_back(entry.block);
+      result.first.push_back(result.triangles.size());
+    }
+    result.triangles.push_back(entry.triangle);
+  }
+  result.first.push_back(result.triangles.size());
+  return result;
+}
+
+void cut_to_box(const Corners& triangle, const Bounds& box, std::vector<Corners>& pieces) {
+  Polygon polygon(triangle);
+  for (const auto axis : axes) {
+    const auto all = polygon.all();
+    const auto [low, high] = std::minmax_element(
+        all.begin(), all.end(), [&](const Point& p, const Point& q) { return p.*axis < q.*axis; });
+    if (low == all.end()) return;
+    const bool cut_low = *low.*axis<box.low.*axis, cut_high = *high.*axis> box.high.*axis;
+    if (cut_low) polygon = clipped(polygon, axis, box.low.*axis, true);
+    if (cut_high) polygon = clipped(polygon, axis, box.high.*axis, false);
+  }
+  for (std::size_t i = 2; i < polygon.count; ++i) {
+    const Corners piece{polygon.corners[0], polygon.corners[i - 1], polygon.corners[i]};
+    if (area_of(piece) > 0) pieces.push_back(piece);
+  }
+}
+
+void require_sound(const model::Mesh& mesh, const std::string& where) {
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Point& p = mesh.vertices[i];
+    if (is_finite(p)) continue;
+    throw Error(Exit::bad_input, where, fmt::format("vertex {} is ({}, {}, {})", i, p.x, p.y, p.z),
+                "repair the model");
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const std::uint32_t corner : mesh.triangles[i]) {
+      if (corner < mesh.vertices.size()) continue;
+      throw Error(Exit::bad_input, where,
+                  fmt::format("triangle {} names vertex {} of {}", i, corner, mesh.vertices.size()),
+                  "repair the model");
+    }
+  }
+}
+
+Corners corners_of(const model::Mesh& mesh, std::size_t triangle) {
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
+}
+
+double area_of(const Corners& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Point u{b.x - a.x, b.y - a.y, b.z - a.z}, v{c.x - a.x, c.y - a.y, c.z - a.z};
+  const Point n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+  return std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z) / 2;
+}
+
+}  // namespace lamplock::points
