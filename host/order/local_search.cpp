@@ -23,8 +23,9 @@ class LocalSearch {
  public:
   /// An open tour is a closed one with one more node to and from which every way is free.
   LocalSearch(std::span<const points::Point> points, const Neighbours& neighbours, Closing closing,
-              std::vector<Node>& tour)
+              const TourCost& cost, std::vector<Node>& tour)
       : points_(points),
+        cost_(cost),
         neighbours_(neighbours),
         free_node_(static_cast<Node>(points.size())),
         tour_(tour) {
@@ -57,11 +58,11 @@ class LocalSearch {
   Node at(Place place) const { return tour_[static_cast<std::size_t>(wrap(place))]; }
 
   double edge(Node a, Node b) const {
-    return a == free_node_ || b == free_node_ ? 0 : distance(points_[a], points_[b]);
+    return a == free_node_ || b == free_node_ ? 0 : cost_.edge(points_[a], points_[b]);
   }
   double turn(Node a, Node b, Node c) const {
     if (a == free_node_ || b == free_node_ || c == free_node_) return 0;
-    return bend(points_[a], points_[b], points_[c]);
+    return cost_.turn(points_[a], points_[b], points_[c]);
   }
   /// Cost of the edge b-c and of the turns at both its ends.
   double joint(Node a, Node b, Node c, Node d) const {
@@ -187,6 +188,7 @@ class LocalSearch {
   }
 
   std::span<const points::Point> points_;
+  const TourCost cost_;
   const Neighbours& neighbours_;
   Node free_node_;
   std::vector<Node>& tour_;
@@ -199,10 +201,10 @@ class LocalSearch {
 }  // namespace
 
 void improve(std::span<const points::Point> points, const Neighbours& neighbours, Closing closing,
-             std::vector<std::uint32_t>& tour) {
+             const TourCost& cost, std::vector<std::uint32_t>& tour) {
   constexpr std::size_t too_few_to_improve = 5;
   if (points.size() < too_few_to_improve) return;
-  LocalSearch(points, neighbours, closing, tour).run();
+  LocalSearch(points, neighbours, closing, cost, tour).run();
 }
 
 }  // namespace lamplock::order

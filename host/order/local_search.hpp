@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "host/order/cost.hpp"
 #include "host/points/point.hpp"
 
 namespace lamplock::order {
@@ -32,6 +33,6 @@ enum class Closing {
 
 /// `tour` holds every index of `points` once and stays such a permutation.
 void improve(std::span<const points::Point> points, const Neighbours& neighbours, Closing closing,
-             std::vector<std::uint32_t>& tour);
+             const TourCost& cost, std::vector<std::uint32_t>& tour);
 
 }  // namespace lamplock::order

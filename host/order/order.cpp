@@ -1,16 +1,19 @@
 #include "host/order/order.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
+#include <limits>
 #include <span>
-#include <thread>
 #include <vector>
 
+#include "host/error.hpp"
 #include "host/order/cost.hpp"
+#include "host/order/layers.hpp"
+#include "host/order/serpentine.hpp"
+#include "host/order/shadow.hpp"
 #include "host/order/tour.hpp"
 #include "host/points/limits.hpp"
 
@@ -19,57 +22,11 @@ namespace {
 
 using points::Point;
 using points::PointCloud;
+using Indices = std::vector<std::uint32_t>;
 
-/// Where each layer begins in a cloud sorted by layers; one more entry for the end.
-using Starts = std::vector<std::size_t>;
-
-/// Sorts the cloud by layers, stable within each.
-Starts sort_into_layers(PointCloud& cloud, double layer_mm) {
-  const double lowest =
-      std::min_element(cloud.begin(), cloud.end(), [](auto& p, auto& q) { return p.z < q.z; })->z;
-  // Planes of a discretiser that lie on the boundary of layers must not be parted by rounding.
-  constexpr double rounding = 1e-6;
-  const auto layer = [&](const Point& point) {
-    return std::floor((point.z - lowest) / layer_mm + rounding);
-  };
-  std::stable_sort(cloud.begin(), cloud.end(),
-                   [&](const Point& p, const Point& q) { return layer(p) < layer(q); });
-  Starts starts{0};
-  for (std::size_t i = 1; i < cloud.size(); ++i) {
-    if (layer(cloud[i]) != layer(cloud[i - 1])) starts.push_back(i);
-  }
-  starts.push_back(cloud.size());
-  return starts;
-}
-
-/// Puts every layer of the cloud into the order of its tour. Layers are independent, so any number
-/// of threads gives the same result. Only the caller's thread reports progress.
-void make_tours(PointCloud& cloud, const Starts& starts, const OrderOptions& options) {
-  const std::size_t layers = starts.size() - 1;
-  std::atomic<std::size_t> next = 0, done = 0;
-  const auto work = [&](bool report) {
-    for (std::size_t layer = next++; layer < layers; layer = next++) {
-      const std::span<Point> points(cloud.begin() + static_cast<std::ptrdiff_t>(starts[layer]),
-                                    starts[layer + 1] - starts[layer]);
-      const PointCloud copy(points.begin(), points.end());
-      const auto tour = closed_tour(copy);
-      for (std::size_t i = 0; i < tour.size(); ++i) points[i] = copy[tour[i]];
-      done += points.size();
-      if (!report || !options.progress) continue;
-      options.progress(static_cast<double>(done) / static_cast<double>(cloud.size()));
-    }
-  };
-  const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
-  const std::size_t threads = std::min<std::size_t>(
-      options.threads > 0 ? options.threads : hardware, std::max<std::size_t>(layers, 1));
-  std::vector<std::jthread> others;
-  for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work, false);
-  try {
-    work(true);
-  } catch (...) {
-    next = layers;  // the others finish the layer they are in
-    throw;
-  }
+void arrange(std::span<Point> points, const Indices& order) {
+  const PointCloud copy(points.begin(), points.end());
+  for (std::size_t i = 0; i < order.size(); ++i) points[i] = copy[order[i]];
 }
 
 /// Cuts the closed tour and goes it the way that costs least for a machine at `from`.
@@ -92,19 +49,138 @@ void cut_tour(std::span<Point> tour, const Point& from) {
   if (backward) std::reverse(tour.begin(), tour.end());
 }
 
+/// Goes strips from the end that is nearer.
+void turn_to(std::span<Point> strips, const Point& from) {
+  if (distance(from, strips.back()) < distance(from, strips.front()))
+    std::reverse(strips.begin(), strips.end());
+}
+
+/// One job of ordering a cloud that is not empty.
+class Run {
+ public:
+  Run(PointCloud& cloud, const OrderOptions& options)
+      : cloud_(cloud), options_(options), tangent_(cone_tangent(options.half_angle_deg)) {}
+
+  void layers() {
+    const Starts starts = sort_into_layers(cloud_, options_.layer_mm);
+    tours(starts, [](std::span<Point> layer) { arrange(layer, even_tour(layer)); });
+  }
+
+  void best() {
+    const BeatModel model(options_.motion);
+    const Starts starts = sort_into_fitting_layers(cloud_, tangent_);
+    tours(starts, [&](std::span<Point> layer) { arrange(layer, beat_tour(layer, model)); });
+  }
+
+  void serpentine() {
+    const Starts starts = sort_into_layers(cloud_, options_.layer_mm);
+    for_each_layer(
+        cloud_, starts, options_.threads,
+        [](std::span<Point> layer) { arrange(layer, to_and_fro(layer)); }, tell(0, tours_part));
+    join(starts, turn_to);
+    keep_rule(starts);
+  }
+
+  void nearest() {
+    const Starts starts = sort_into_layers(cloud_, options_.layer_mm);
+    Point from = options_.start;
+    const auto told = tell(0, 1);
+    for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
+      const std::span<Point> layer =
+          std::span(cloud_).subspan(starts[i], starts[i + 1] - starts[i]);
+      arrange(layer, nearest_first(layer, from, tangent_,
+                                   [&](std::size_t done) { told(starts[i] + done); }));
+      from = layer.back();
+      told(starts[i + 1]);
+    }
+  }
+
+  void cone() {
+    arrange(cloud_, cone_first(cloud_, options_.start, options_.cone, tangent_, tell(0, 1)));
+  }
+
+ private:
+  // Part of the progress at which all tours have been made; the rest is repair.
+  static constexpr double tours_part = 0.95;
+
+  void tours(const Starts& starts, const LayerWork& make_tour) {
+    for_each_layer(cloud_, starts, options_.threads, make_tour, tell(0, tours_part));
+    join(starts, cut_tour);
+    keep_rule(starts);
+  }
+
+  /// Each layer goes on where the one below ended.
+  void join(const Starts& starts, void (*fit)(std::span<Point>, const Point&)) {
+    Point from = options_.start;
+    for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
+      const std::span<Point> layer =
+          std::span(cloud_).subspan(starts[i], starts[i + 1] - starts[i]);
+      fit(layer, from);
+      from = layer.back();
+    }
+  }
+
+  void keep_rule(const Starts& starts) {
+    for_each_layer(
+        cloud_, starts, options_.threads,
+        [this](std::span<Point> layer) { pull_ahead(layer, tangent_); }, tell(tours_part, 1));
+  }
+
+  /// Told points done, tells progress from `first` to `last`.
+  std::function<void(std::size_t)> tell(double first, double last) const {
+    return [this, first, last](std::size_t done) {
+      if (!options_.progress) return;
+      const double part = static_cast<double>(done) / static_cast<double>(cloud_.size());
+      options_.progress(first + (last - first) * part);
+    };
+  }
+
+  PointCloud& cloud_;
+  const OrderOptions& options_;
+  double tangent_;
+};
+
+void check(const PointCloud& cloud, const OrderOptions& options) {
+  points::require_count(static_cast<double>(cloud.size()), "order");
+  points::require_positive(options.layer_mm, "order", "layer thickness");
+  cone_tangent(options.half_angle_deg);
+  for (const double weight : {options.cone.up, options.cone.down}) {
+    if (std::isfinite(weight)) continue;
+    throw Error(Exit::bad_input, "order", fmt::format("a weight of the cone is {}", weight),
+                "give finite numbers");
+  }
+}
+
 }  // namespace
+
+std::optional<Ordering> ordering_named(std::string_view name) {
+  const auto found = std::find(ordering_names.begin(), ordering_names.end(), name);
+  if (found == ordering_names.end()) return std::nullopt;
+  return static_cast<Ordering>(found - ordering_names.begin());
+}
 
 PointCloud order(PointCloud cloud, Ordering ordering, const OrderOptions& options) {
   if (ordering == Ordering::given || cloud.empty()) return cloud;
-  points::require_positive(options.layer_mm, "order", "layer thickness");
-  const Starts starts = sort_into_layers(cloud, options.layer_mm);
-  make_tours(cloud, starts, options);
-  Point from = options.start;
-  for (std::size_t layer = 0; layer + 1 < starts.size(); ++layer) {
-    const std::span<Point> tour(cloud.begin() + static_cast<std::ptrdiff_t>(starts[layer]),
-                                starts[layer + 1] - starts[layer]);
-    cut_tour(tour, from);
-    from = tour.back();
+  check(cloud, options);
+  Run run(cloud, options);
+  switch (ordering) {
+    case Ordering::given:
+      break;
+    case Ordering::layers:
+      run.layers();
+      break;
+    case Ordering::serpentine:
+      run.serpentine();
+      break;
+    case Ordering::nearest:
+      run.nearest();
+      break;
+    case Ordering::cone:
+      run.cone();
+      break;
+    case Ordering::best:
+      run.best();
+      break;
   }
   if (options.progress) options.progress(1);
   return cloud;

@@ -6,7 +6,9 @@
 #include <tuple>
 
 #include "host/order/cost.hpp"
+#include "host/order/greedy.hpp"
 #include "host/order/local_search.hpp"
+#include "host/order/serpentine.hpp"
 #include "host/points/bounds.hpp"
 
 namespace lamplock::order {
@@ -107,58 +109,115 @@ Indices along_rows(Points nodes, double points::Point::*major, double points::Po
 }
 
 /// Cost of the closed tour without its longest edge, where it will be cut as a rule.
-double cost(Points nodes, const Indices& tour) {
+double cost(Points nodes, const TourCost& by, const Indices& tour) {
   double sum = 0, longest = 0;
   const std::size_t n = tour.size();
   for (std::size_t i = 0; i < n; ++i) {
     const points::Point &p = nodes[tour[i]], &q = nodes[tour[(i + 1) % n]],
                         &r = nodes[tour[(i + 2) % n]];
-    const double length = distance(p, q);
-    sum += length + bend(p, q, r);
-    longest = std::max(longest, length + bend(p, q, r));
+    const double length = by.edge(p, q);
+    sum += length + by.turn(p, q, r);
+    longest = std::max(longest, length + by.turn(p, q, r));
   }
   return sum - longest;
 }
 
-/// A tour of points that all differ and follow the curve.
-Indices best_tour(Points nodes) {
-  Indices best(nodes.size());
-  std::iota(best.begin(), best.end(), 0u);
+/// An order of the points of a layer, for the search to begin with.
+Indices numbered(std::size_t count) {
+  Indices order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  return order;
+}
+
+/// The improved tours of points that all differ and follow the curve.
+std::vector<Indices> even_tours(Points nodes, const TourCost& by) {
   const Neighbours neighbours = find_neighbours(nodes);
-  improve(nodes, neighbours, Closing::closed, best);
-  if (!is_lattice(nodes)) return best;
-  double lowest = cost(nodes, best);
+  std::vector<Indices> tours{numbered(nodes.size())};
+  improve(nodes, neighbours, Closing::closed, by, tours.back());
+  if (!is_lattice(nodes)) return tours;
   for (const bool along_x : {true, false}) {
-    Indices rows = along_x ? along_rows(nodes, &points::Point::y, &points::Point::x)
-                           : along_rows(nodes, &points::Point::x, &points::Point::y);
-    improve(nodes, neighbours, Closing::open, rows);
-    const double rows_cost = cost(nodes, rows);
-    if (rows_cost >= lowest) continue;
-    lowest = rows_cost;
-    best = std::move(rows);
+    tours.push_back(along_x ? along_rows(nodes, &points::Point::y, &points::Point::x)
+                            : along_rows(nodes, &points::Point::x, &points::Point::y));
+    improve(nodes, neighbours, Closing::open, by, tours.back());
   }
-  return best;
+  return tours;
+}
+
+/// The same from two more starts: to the nearest, which follows contours, and to and fro.
+std::vector<Indices> beat_tours(Points nodes, const TourCost& by) {
+  std::vector<Indices> tours = even_tours(nodes, by);
+  const Neighbours neighbours = find_neighbours(nodes);
+  tours.push_back(nearest_first(nodes, nodes.front(), 0));
+  tours.push_back(to_and_fro(nodes));
+  for (auto tour = tours.end() - 2; tour != tours.end(); ++tour) {
+    improve(nodes, neighbours, Closing::closed, by, *tour);
+  }
+  return tours;
+}
+
+/// Beats of a closed tour by the model, gone in this direction.
+double beats(Points nodes, const BeatModel& model, const Indices& tour) {
+  PlanState state = model.any_speed();
+  double sum = 0;
+  for (std::size_t i = 0; i < tour.size(); ++i) {
+    sum += model.step(state, nodes[tour[i]], nodes[tour[(i + 1) % tour.size()]]);
+  }
+  return sum;
+}
+
+/// Points that differ, along the curve, and where those of each stand there.
+struct Nodes {
+  Indices curve, first;
+  std::vector<points::Point> points;
+
+  explicit Nodes(Points layer) : curve(along_curve(layer)) {
+    for (std::uint32_t i = 0; i < curve.size(); ++i) {
+      if (i > 0 && layer[curve[i]] == layer[curve[i - 1]]) continue;
+      points.push_back(layer[curve[i]]);
+      first.push_back(i);
+    }
+    first.push_back(static_cast<std::uint32_t>(curve.size()));
+  }
+  /// A tour of the nodes as one of the layer: equal points follow each other.
+  Indices of_layer(const Indices& tour) const {
+    Indices all;
+    all.reserve(curve.size());
+    for (const std::uint32_t node : tour) {
+      for (std::uint32_t i = first[node]; i < first[node + 1]; ++i) all.push_back(curve[i]);
+    }
+    return all;
+  }
+};
+
+/// The first of the tours with the least cost.
+const Indices& cheapest(const std::vector<Indices>& tours, const auto& cost_of) {
+  std::vector<double> costs;
+  for (const Indices& tour : tours) costs.push_back(cost_of(tour));
+  return tours[static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) -
+                                        costs.begin())];
 }
 
 }  // namespace
 
-Indices closed_tour(Points layer) {
-  const Indices curve = along_curve(layer);
-  // Equal points are visited one after the other, so the search sees them once.
-  std::vector<points::Point> nodes;
-  Indices first;  // of the points of each node, in `curve`
-  for (std::uint32_t i = 0; i < curve.size(); ++i) {
-    if (i > 0 && layer[curve[i]] == layer[curve[i - 1]]) continue;
-    nodes.push_back(layer[curve[i]]);
-    first.push_back(i);
-  }
-  first.push_back(static_cast<std::uint32_t>(curve.size()));
-  Indices tour;
-  tour.reserve(layer.size());
-  for (const std::uint32_t node : best_tour(nodes)) {
-    for (std::uint32_t i = first[node]; i < first[node + 1]; ++i) tour.push_back(curve[i]);
-  }
-  return tour;
+Indices even_tour(Points layer) {
+  if (layer.empty()) return {};
+  const Nodes nodes(layer);
+  const TourCost by;
+  const auto tours = even_tours(nodes.points, by);
+  return nodes.of_layer(
+      cheapest(tours, [&](const Indices& tour) { return cost(nodes.points, by, tour); }));
+}
+
+Indices beat_tour(Points layer, const BeatModel& model) {
+  if (layer.empty()) return {};
+  const Nodes nodes(layer);
+  const TourCost by(model);
+  const auto tours = beat_tours(nodes.points, by);
+  // What the model finds equal the cost decides; its weight is that of a tie.
+  constexpr double tie = 1e-3;
+  return nodes.of_layer(cheapest(tours, [&](const Indices& tour) {
+    return beats(nodes.points, model, tour) + tie * cost(nodes.points, by, tour);
+  }));
 }
 
 }  // namespace lamplock::order

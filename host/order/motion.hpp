@@ -1,0 +1,16 @@
+// What the machine can do, as far as an order has to know it. Comes in: limits of the three axes
+// and the beat. Called by whoever orders; the default is the default machine profile.
+#pragma once
+
+#include <array>
+
+namespace lamplock::order {
+
+/// Limits of x, y and z, and the time between two flashes of the lamp.
+struct Motion {
+  std::array<double, 3> accel_mm_s2{4000, 4000, 4000};
+  std::array<double, 3> speed_mm_s{1000, 1000, 1000};
+  double beat_s = 0.01;
+};
+
+}  // namespace lamplock::order

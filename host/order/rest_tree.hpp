@@ -1,0 +1,97 @@
+// The points that are not fired yet, by place. Comes in: points, then one removal after the other.
+// Goes out: the remaining point that is cheapest to go to, or one that lies under a cone. Called by
+// the greedy orders, by the repair of an order and by the proof of the shadow rule.
+//
+// Points are sorted along a Morton curve (G. M. Morton, "A computer oriented geodetic data base",
+// 1966) and stand in the leaves of a binary tree in that order; a node knows the box round what
+// remains below it. A removal costs the depth of the tree, a query usually not much more. Memory:
+// about 50 bytes a point.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/points/bounds.hpp"
+#include "host/points/point.hpp"
+
+namespace lamplock::order {
+
+class RestTree {
+ public:
+  using Index = std::uint32_t;
+
+  /// Coordinates must be finite, at most 2^32 - 1 points.
+  explicit RestTree(std::span<const points::Point> points);
+
+  bool empty() const { return nodes_[1].least == none; }
+  bool holds(Index point) const { return present_[slot_[point]]; }
+  void remove(Index point);
+
+  /// A remaining point that a defect at `apex` shadows (cone.hpp), if there is one.
+  std::optional<Index> under_cone(const points::Point& apex, double tangent) const;
+
+  /// The remaining point for which metric.cost(point) is least, the lowest index among equals.
+  /// metric.bound(box) must be no more than the cost of any point in the box. Not for an empty
+  /// tree.
+  template <class Metric>
+  Index cheapest(const Metric& metric) const {
+    Best best;
+    search(1, metric, best);
+    return best.index;
+  }
+
+ private:
+  static constexpr Index none = std::numeric_limits<Index>::max();
+  static constexpr std::size_t leaf_points = 8;
+
+  struct Node {
+    points::Bounds box{};
+    Index least = none;  // index of what remains; none: nothing does
+  };
+  struct Best {
+    double cost = std::numeric_limits<double>::infinity();
+    Index index = none;
+    bool beats(double bound, Index least) const {
+      return bound > cost || (bound == cost && least > index);
+    }
+  };
+
+  Node leaf(std::size_t number) const;
+  static Node join(const Node& a, const Node& b);
+
+  template <class Metric>
+  void search(std::size_t node, const Metric& metric, Best& best) const {
+    if (node >= leaves_) {
+      const std::size_t first = (node - leaves_) * leaf_points;
+      const std::size_t last = std::min(first + leaf_points, points_.size());
+      for (std::size_t slot = first; slot < last; ++slot) {
+        if (!present_[slot]) continue;
+        const double cost = metric.cost(points_[slot]);
+        if (!best.beats(cost, index_[slot])) best = {cost, index_[slot]};
+      }
+      return;
+    }
+    std::size_t near = 2 * node, far = near + 1;
+    constexpr double never = std::numeric_limits<double>::infinity();
+    double to_near = nodes_[near].least == none ? never : metric.bound(nodes_[near].box);
+    double to_far = nodes_[far].least == none ? never : metric.bound(nodes_[far].box);
+    if (to_far < to_near) {
+      std::swap(near, far);
+      std::swap(to_near, to_far);
+    }
+    if (!best.beats(to_near, nodes_[near].least)) search(near, metric, best);
+    if (!best.beats(to_far, nodes_[far].least)) search(far, metric, best);
+  }
+
+  std::vector<points::Point> points_;  // along the curve
+  std::vector<Index> index_, slot_;    // of the point in a slot, of the slot of a point
+  std::vector<std::uint8_t> present_;  // per slot
+  std::size_t leaves_ = 1;  // a power of two; node 1 is the root, 2 n and 2 n + 1 below n
+  std::vector<Node> nodes_;
+};
+
+}  // namespace lamplock::order
