@@ -6,7 +6,10 @@
 
 #include "firmware/machine/next_window.hpp"
 #include "firmware/machine/window_plan.hpp"
+#include "firmware/program/pulse_decoder.hpp"
 #include "host/error.hpp"
+#include "shared/wire/framing.hpp"
+#include "shared/work_space.hpp"
 
 namespace lamplock::estimate {
 namespace {
@@ -15,7 +18,12 @@ namespace {
 class WindowStream {
  public:
   WindowStream(const job::Job& job, const PlanOptions& options)
-      : job_(job), options_(options), pace_{options.standing.shortest_tick_q16, options.job_speed} {
+      : job_(job),
+        options_(options),
+        pace_{options.standing.shortest_tick_q16, options.job_speed},
+        encoder_(job, options.first),
+        limits_(work_space(job.settings)) {
+    decoder_.begin(job::header_from(job, options.first));
     run_.mode = static_cast<motion::JoinMode>(job.header.mode);
     run_.points_total = static_cast<std::uint32_t>(job.targets.size());
     run_.least_beats = options.least_beats;
@@ -34,8 +42,13 @@ class WindowStream {
   }
 
  private:
+  /// Records there and back: what a target is, the machine reads out of them.
   void receive() {
-    while (queue_.end() < run_.points_total && queue_.push(job_.targets[queue_.end()])) {
+    while (encoder_.index() < job_.targets.size() && queue_.free() != 0) {
+      const auto payload = encoder_.next(wire::max_payload, queue_.free());
+      if (decoder_.decode(payload, queue_, limits_) == Result::ok) continue;
+      throw Error(Exit::bad_input, fmt::format("point {}", decoder_.refused_index()),
+                  "is refused by the machine", "look at its place, channel and shots");
     }
   }
 
@@ -77,6 +90,9 @@ class WindowStream {
   const job::Job& job_;
   const PlanOptions& options_;
   const machine::Pace pace_;
+  job::RecordEncoder encoder_;
+  program::PulseDecoder decoder_;
+  StepLimits limits_;
   motion::PointQueue queue_;
   lamp::BeamPath beam_;  ///< takes no time: nothing was configured
   machine::RunOptions run_;

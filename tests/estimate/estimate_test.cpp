@@ -117,7 +117,6 @@ class Maker {
       motion::Target& target = job.targets[i];
       if (pauses && one_in(40)) {
         target = job.targets[i - 1];
-        target.dwell = true;
         target.shots = 0;
         target.beats = static_cast<std::uint16_t>(between(1, 60));
         continue;
@@ -211,7 +210,6 @@ TEST(Estimate, pauses_are_counted_in_beats) {
   const std::uint64_t without = estimate_job(job).beats;
   motion::Target pause = job.targets[49];
   pause.shots = 0;
-  pause.dwell = true;
   pause.beats = 250;
   job.targets.insert(job.targets.begin() + 50, pause);
   job.header.points_total = static_cast<std::uint32_t>(job.targets.size());
