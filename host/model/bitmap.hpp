@@ -14,7 +14,8 @@ struct Bitmap {
   std::vector<std::uint8_t> grey;
 };
 
-/// Colours become their luma, transparent pixels are laid over white. Throws Error (bad_input) for
+/// Colours become their luma, transparent pixels are laid over white; a turn that a
+/// camera noted (EXIF) is not made. Throws Error (bad_input) for
 /// a file that is missing, damaged, truncated, of another format or larger than 100 million pixels.
 Bitmap read_bitmap(const std::filesystem::path& path);
 
