@@ -87,7 +87,10 @@ std::uint8_t grey_over_white(const stbi_uc* pixel) {
 }  // namespace
 
 Bitmap read_bitmap(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path);
+  return decode_bitmap(path, read_file(path));
+}
+
+Bitmap decode_bitmap(const std::filesystem::path& path, const std::string& bytes) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     refuse(path, "the image is too large", "give an image of at most 100 million pixels");
   }
