@@ -94,6 +94,7 @@ link::JobResult send(link::Transport& transport, const Work& work, const BoardOp
   sending.first_index = options.from;
   sending.first_fired = options.fired;
   sending.job_speed = options.job_speed;
+  if (clocking == Clocking::lock_step) sending.session = link::simulated_session;
   Progress progress(work.job.header.dry ? "dry run" : "engraving", work.job.size(), options.from);
   if (clocking == Clocking::wall)
     sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };

@@ -59,6 +59,9 @@ struct JobRun {
   /// unknown.
   std::vector<StepPosition> lattice_steps;
 
+  /// Instead of shots, of a run that is foreseen: the beat of each, from the first one.
+  std::vector<std::uint32_t> foreseen_beats;
+
   PerAxis<double> steps_per_mm{200, 200, 200, 200};
   glass::Refraction refraction{};  ///< from the steps of the stage into the glass
 
