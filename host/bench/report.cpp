@@ -90,6 +90,37 @@ std::string jerk_table(const BenchReport& report) {
          jerk_rows(report, &JerkFigures::path);
 }
 
+std::string order_table(const BenchReport& report) {
+  std::string text = fmt::format(
+      "Beats per point of each order, free, on clouds of about {} points\n\n"
+      "lamp  speed  accel\n"
+      "  Hz    m/s   m/s2  {:<16} points",
+      report.order_points, "cloud");
+  for (const order::Ordering ordering : compared_orderings)
+    text += fmt::format("{:>11}", order::ordering_names[static_cast<std::size_t>(ordering)]);
+  text += "\n";
+  for (const OrderFigures& row : report.orders) {
+    text += fmt::format("{:>4g} {:>6.2f} {:>6.1f}  {:<16} {:>6}", row.machine.lamp_hz,
+                        row.machine.speed_m_s, row.machine.accel_m_s2, row.cloud, row.points);
+    for (const double beats : row.beats) text += fmt::format("{:>11.4f}", beats);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string angle_table(const BenchReport& report) {
+  std::string text = fmt::format(
+      "Sorting angle: time of the object of the source, beats per point of the cone order with\n"
+      "K = tan(angle) on the example of about {} points, lamp {:g} Hz, {:g} m/s2, {:g} m/s\n\n"
+      "angle  measured s  start-stop    free\n",
+      report.order_points, angle_machine.lamp_hz, angle_machine.accel_m_s2,
+      angle_machine.speed_m_s);
+  for (const SortingAngle& row : report.angles)
+    text += fmt::format("{:>5g} {:>11g} {:>11.4f} {:>7.4f}\n", row.angle_deg, row.measured_s,
+                        row.start_stop, row.free);
+  return text;
+}
+
 }  // namespace
 
 std::string tables(const BenchReport& report) {
@@ -103,6 +134,8 @@ std::string tables(const BenchReport& report) {
   add(!report.walks.empty(), [&] { return walk_table(report); });
   add(!report.courses.empty(), [&] { return course_table(report); });
   add(!report.jerks.empty(), [&] { return jerk_table(report); });
+  add(!report.orders.empty(), [&] { return order_table(report); });
+  add(!report.angles.empty(), [&] { return angle_table(report); });
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/bench/figures.hpp"
+#include "host/bench/orders.hpp"
 
 namespace lamplock::bench {
 
@@ -49,6 +50,9 @@ struct BenchReport {
   std::vector<WalkFigures> walks;
   std::vector<CourseFigures> courses;
   std::vector<JerkFigures> jerks;
+  int order_points = 0;  ///< of each cloud, about
+  std::vector<OrderFigures> orders;
+  std::vector<SortingAngle> angles;
 };
 
 /// Tables with a few lines that say how each column was obtained.

@@ -20,10 +20,10 @@ struct Options {
   std::string chart{};
   bool json = false;
 
-  /// The table of limits of jerk is for those who set one: only if it is named.
+  /// Limits of jerk are for those who set one, orders for those who change them: only if named.
   bool wants(const std::string& part) const {
-    return (rows.empty() && part != "jerk") ||
-           std::find(rows.begin(), rows.end(), part) != rows.end();
+    const bool asked_for = part == "jerk" || part == "orders" || part == "angles";
+    return (rows.empty() && !asked_for) || std::find(rows.begin(), rows.end(), part) != rows.end();
   }
 };
 
@@ -38,7 +38,24 @@ std::size_t work(const Options& options, const bench::BenchReport& report) {
   add("example", bench::pulse_courses.size() * bench::pulse_draws, bench::pulse_points);
   add("jerk", bench::jerk_machines.size() * bench::jerk_limits.size(),
       report.walk_points + std::min(report.walk_points, bench::pulse_points));
+  constexpr std::size_t clouds = 6;
+  add("orders", clouds * bench::order_machines.size() * bench::compared_orderings.size(),
+      report.order_points);
+  add("angles", bench::measured_angles.size(), report.order_points);
   return points;
+}
+
+void measure_orders(const Options& options, bench::BenchReport& report,
+                    const bench::PointsPlanned& planned) {
+  if (!options.wants("orders") && !options.wants("angles")) return;
+  const std::vector<bench::OrderCloud> clouds = bench::order_clouds(report.order_points);
+  if (options.wants("orders"))
+    for (const bench::Machine& machine : bench::order_machines)
+      for (const bench::OrderCloud& cloud : clouds)
+        report.orders.push_back(order_figures(cloud, machine, planned));
+  if (options.wants("angles"))
+    for (const bench::SortingAngle& row : bench::measured_angles)
+      report.angles.push_back(sorting_angle(row, clouds.front(), planned));
 }
 
 bench::BenchReport measure(const Options& options) {
@@ -46,6 +63,7 @@ bench::BenchReport measure(const Options& options) {
   report.seed = options.seed;
   report.measured_points = options.points.value_or(bench::glass_points);
   report.walk_points = options.points.value_or(bench::graded_points);
+  report.order_points = options.points.value_or(bench::glass_points);
   Progress progress("points planned", work(options, report));
   std::size_t done = 0;
   const auto planned = [&](std::size_t points) { progress.update(done += points); };
@@ -70,6 +88,7 @@ bench::BenchReport measure(const Options& options) {
           {machine,
            jerk_beats(machine, motion::JoinMode::free, report.walk_points, options.seed, planned),
            jerk_beats(machine, motion::JoinMode::path, report.walk_points, options.seed, planned)});
+  measure_orders(options, report, planned);
   return report;
 }
 
@@ -87,6 +106,31 @@ Json machine_json(const bench::Machine& machine) {
   return {{"lamp_hz", machine.lamp_hz},
           {"speed_m_s", machine.speed_m_s},
           {"accel_m_s2", machine.accel_m_s2}};
+}
+
+Json orders_json(const bench::BenchReport& report) {
+  Json rows = Json::array();
+  for (const bench::OrderFigures& o : report.orders) {
+    Json row = machine_json(o.machine);
+    row["cloud"] = o.cloud;
+    row["points"] = o.points;
+    for (std::size_t i = 0; i < o.beats.size(); ++i) {
+      const auto ordering = static_cast<std::size_t>(bench::compared_orderings[i]);
+      row["beats"][std::string(order::ordering_names[ordering])] = o.beats[i];
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json angles_json(const bench::BenchReport& report) {
+  Json rows = Json::array();
+  for (const bench::SortingAngle& row : report.angles)
+    rows.push_back({{"angle_deg", row.angle_deg},
+                    {"measured_s", row.measured_s},
+                    {"start_stop", row.start_stop},
+                    {"free", row.free}});
+  return rows;
 }
 
 Json document(const bench::BenchReport& report) {
@@ -133,6 +177,8 @@ Json document(const bench::BenchReport& report) {
     json["jerk"] = {
         {"points", report.walk_points}, {"limits_m_s3", bench::jerk_limits}, {"rows", rows}};
   }
+  if (!report.orders.empty()) json["orders"] = orders_json(report);
+  if (!report.angles.empty()) json["angles"] = angles_json(report);
   return json;
 }
 
@@ -164,15 +210,17 @@ void add_bench(CLI::App& program, Action& action) {
   app->footer(
       "Example:\n  lamplock bench --chart beats.svg\n"
       "  lamplock bench --rows walks --points 2000 --seed 7 --json\n"
-      "  lamplock bench --rows example,jerk\n\n"
+      "  lamplock bench --rows example,jerk\n"
+      "  lamplock bench --rows orders,angles\n\n"
       "Nothing is simulated: the planner of the firmware plans each stream of points as the\n"
       "machine does, and a search finds the fewest beats that any plan needs. Rows of the example\n"
       "are means over " +
       std::to_string(bench::pulse_draws) + " draws of their random distances.");
   const auto options = std::make_shared<Options>();
-  app->add_option("--rows", options->rows,
-                  "Only these tables: measured, walks, example (default: these three), jerk")
-      ->check(one_of({"measured", "walks", "example", "jerk"}))
+  app->add_option(
+         "--rows", options->rows,
+         "Only these tables: measured, walks, example (default: these three), jerk, orders, angles")
+      ->check(one_of({"measured", "walks", "example", "jerk", "orders", "angles"}))
       ->delimiter(',')
       ->type_name("TABLE,...");
   app->add_option("--points", options->points,

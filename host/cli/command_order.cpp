@@ -8,6 +8,7 @@
 #include "host/cli/ordering.hpp"
 #include "host/cli/parameter_options.hpp"
 #include "host/cli/point_file.hpp"
+#include "host/model/input.hpp"
 #include "host/model/read_points.hpp"
 
 namespace lamplock::cli {
@@ -29,15 +30,14 @@ Exit order_points(const Options& options) {
   points::PointCloud cloud = model::read_point_list(options.input);
   console.phase("points",
                 fmt::format("{} in {}", cloud.size(), bounds_text(points::bounds(cloud))));
-  const Ordered wanted{options.order.name.value_or(default_order), options.order.half_angle_deg,
-                       options.order.layer_mm,
-                       motion_of(options.machine.profile().settings, {})};
-  order_points(cloud, wanted, console);
+  const std::string name = options.order.name.value_or(default_order);
+  const order::Motion motion = motion_of(options.machine.profile().settings, {});
+  order_points(cloud, name, order_options(options.order, {}, motion), console);
   write_point_file(options.output, cloud);
   console.phase("written", options.output);
   console.document({{"input", options.input},
                     {"output", options.output},
-                    {"order", wanted.name},
+                    {"order", name},
                     {"points", cloud.size()},
                     {"bounds", bounds_json(points::bounds(cloud))}});
   return Exit::done;
@@ -53,10 +53,13 @@ void add_order(CLI::App& program, Action& action) {
   app->add_option("-o,--output", options->output, "Point list to write: .xyz, .ply or .dxf")
       ->required()
       ->type_name("FILE");
-  add_parameters(*app, glass::parameters(options->order), "Order");
+  std::vector<glass::Parameter> parameters = glass::parameters(options->order);
+  for (glass::Parameter& parameter : parameters)
+    if (parameter.key == "layer") parameter.option = "--layer";  // there are no others here
+  add_parameters(*app, parameters, "Order");
   app->get_option("--order")->description(
       "best (default): fewest beats; layers: lowest first, short way in each; serpentine: back and "
-      "forth; nearest: nearest of the layer; cone: of the cone rule; given: as they come");
+      "forth; nearest: nearest of the layer; cone: cheapest by way and height; given: as they come");
   options->machine.add_machine(*app);
   options->machine.add_overrides(*app);
   app->add_flag("--json", options->json, "Print the result as JSON on stdout");

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string_view>
@@ -19,22 +18,27 @@ using order::Ordering;
 using points::PointCloud;
 using settings::Id;
 
-/// An order by its name, and how a report says it.
-struct Named {
-  std::string_view name;
-  Ordering ordering;
-  std::string_view told;
-};
-constexpr std::array known{Named{"given", Ordering::given, "as given"},
-                           Named{"layers", Ordering::layers, "by layers"},
-                           Named{"serpentine", Ordering::serpentine, "back and forth in layers"},
-                           Named{"nearest", Ordering::nearest, "nearest neighbour in layers"},
-                           Named{"cone", Ordering::cone, "by the cone rule"},
-                           Named{"best", Ordering::best, "for the fewest beats"}};
+/// How a report says it.
+std::string_view told(Ordering ordering) {
+  switch (ordering) {
+    case Ordering::given:
+      return "as given";
+    case Ordering::layers:
+      return "by layers";
+    case Ordering::serpentine:
+      return "to and fro in layers";
+    case Ordering::nearest:
+      return "nearest point of the layer";
+    case Ordering::cone:
+      return "by the cone rule";
+    case Ordering::best:
+      return "for the fewest beats";
+  }
+  return "unknown";
+}
 
-const Named& order_named(const std::string& name) {
-  for (const Named& one : known)
-    if (one.name == name) return one;
+Ordering order_named(const std::string& name) {
+  if (const auto ordering = order::ordering_named(name)) return *ordering;
   throw Error(Exit::bad_input, "--order", fmt::format("'{}' is not known", name),
               "see lamplock order --help");
 }
@@ -63,25 +67,35 @@ order::Motion motion_of(const settings::Values& values, const glass::Refraction&
   return motion;
 }
 
-void order_points(PointCloud& cloud, const Ordered& wanted, Console& console) {
+order::OrderOptions order_options(const glass::OrderChoice& choice, std::optional<double> layer_mm,
+                                  const order::Motion& motion) {
+  order::OrderOptions options;
+  if (choice.layer_mm)
+    options.layer_mm = *choice.layer_mm;
+  else if (layer_mm)
+    options.layer_mm = *layer_mm;
+  options.half_angle_deg = choice.half_angle_deg;
+  options.cone = {choice.cone_up, choice.cone_down};
+  options.motion = motion;
+  return options;
+}
+
+void order_points(PointCloud& cloud, const std::string& name, order::OrderOptions options,
+                  Console& console) {
   console.restart_clock();
-  const Named& named = order_named(wanted.name);
-  if (named.ordering == Ordering::given)
+  const Ordering ordering = order_named(name);
+  if (ordering == Ordering::given)
     return console.phase("order", fmt::format("as given, {:.1f} mm of way", way_mm(cloud)));
   const double before = way_mm(cloud);
   {
     Progress progress("ordering", cloud.size());
-    order::OrderOptions options;
-    if (wanted.layer_mm) options.layer_mm = *wanted.layer_mm;
-    options.half_angle_deg = wanted.half_angle_deg;
-    options.motion = wanted.motion;
     const auto total = static_cast<double>(cloud.size());
     options.progress = [&progress, total](double part) {
       if (part < 1) progress.update(static_cast<std::size_t>(part * total));
     };
-    cloud = order::order(std::move(cloud), named.ordering, options);
+    cloud = order::order(std::move(cloud), ordering, options);
   }
-  console.phase("order", fmt::format("{}, {:.1f} mm of way (before: {:.1f})", named.told,
+  console.phase("order", fmt::format("{}, {:.1f} mm of way (before: {:.1f})", told(ordering),
                                      way_mm(cloud), before));
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host/cli/console.hpp"
+#include "host/glass/description.hpp"
 #include "host/glass/refraction.hpp"
 #include "host/order/order.hpp"
 #include "host/points/point.hpp"
@@ -18,18 +19,16 @@ namespace lamplock::cli {
 /// Of everything but point lists.
 inline constexpr const char* default_order = "best";
 
-/// How points are to be ordered.
-struct Ordered {
-  std::string name = default_order;
-  double half_angle_deg = order::OrderOptions{}.half_angle_deg;
-  std::optional<double> layer_mm{};  ///< of orders that have layers
-  order::Motion motion{};
-};
-
 /// What a machine with these settings can do in a glass: the focus goes further than the stage.
 order::Motion motion_of(const settings::Values& values, const glass::Refraction& refraction);
 
-/// Brings points into the order. Throws Error(bad_input).
-void order_points(points::PointCloud& cloud, const Ordered& wanted, Console& console);
+/// What an order is to keep to: what was said about it, and the machine. `layer_mm`: of the points,
+/// if they have layers.
+order::OrderOptions order_options(const glass::OrderChoice& choice, std::optional<double> layer_mm,
+                                  const order::Motion& motion);
+
+/// Brings points into an order by its name. Throws Error(bad_input).
+void order_points(points::PointCloud& cloud, const std::string& name, order::OrderOptions options,
+                  Console& console);
 
 }  // namespace lamplock::cli

@@ -126,7 +126,7 @@ void judge_margin(Cloud& cloud, const glass::Volume& volume) {
 Bounds work_space_mm(const settings::Values& values) {
   std::array<double, 3> low{}, high{};
   for (int axis = 0; axis < std::min(3, values.whole(Id::axes)); ++axis) {
-    const std::size_t i = index(axis);
+    const auto i = static_cast<std::size_t>(axis);
     low[i] = in_units(values, Id::min_corner_x, axis);
     high[i] = low[i] + in_units(values, Id::travel_x, axis);
   }
@@ -158,14 +158,11 @@ Bounds input_bounds(const glass::Description& description, const glass::Volume& 
 
 void order_cloud(Cloud& cloud, const glass::Description& description,
                  const settings::Values& values, const glass::Volume& volume, Console& console) {
-  Ordered wanted;
-  wanted.name = description.order.name.value_or(cloud.only_lists ? "given" : default_order);
-  wanted.half_angle_deg = description.order.half_angle_deg;
-  wanted.layer_mm = description.order.layer_mm ? description.order.layer_mm
-                    : cloud.only_lists         ? std::nullopt
-                                               : std::optional(cloud.layer_mm);
-  wanted.motion = motion_of(values, volume.refraction);
-  order_points(cloud.points, wanted, console);
+  const glass::OrderChoice& choice = description.order;
+  const std::string name = choice.name.value_or(cloud.only_lists ? "given" : default_order);
+  const auto layer_mm = cloud.only_lists ? std::nullopt : std::optional(cloud.layer_mm);
+  order_points(cloud.points, name,
+               order_options(choice, layer_mm, motion_of(values, volume.refraction)), console);
 }
 
 Json spacing_json(const points::SpacingReport& spacing) {

@@ -19,6 +19,7 @@
 
 #include "host/glass/block.hpp"
 #include "host/glass/parameters.hpp"
+#include "host/order/order.hpp"
 
 namespace lamplock::glass {
 
@@ -72,9 +73,10 @@ struct Object {
 /// In which order points are fired.
 struct OrderChoice {
   std::optional<std::string> name{};
-  double half_angle_deg = 20;
+  double half_angle_deg = order::default_half_angle_deg;
   std::optional<double> layer_mm{};
-  std::optional<double> k_up{}, k_down{};
+  /// K+ and K- of the cone rule.
+  double cone_up = order::OrderOptions{}.cone.up, cone_down = order::OrderOptions{}.cone.down;
 };
 
 /// Pauses against heat.

@@ -20,7 +20,7 @@ constexpr double most_flashes = std::numeric_limits<std::uint8_t>::max();   ///<
 constexpr double most_beats = std::numeric_limits<std::uint16_t>::max();    ///< of a target
 constexpr double most_energy = std::numeric_limits<std::uint16_t>::max();   ///< of a target
 constexpr double lightest_grey = 255, most_layers = 10'000, most_shells = 255;
-constexpr double steepest_deg = 89;
+constexpr double steepest_deg = 89.9;
 
 /// The range of a setting, in a unit of so many of its own.
 Range range_of(Id id, double own_units) {
@@ -193,12 +193,15 @@ std::vector<Parameter> parameters(OrderChoice& o) {
   return {
       {"by", "--order", &o.name,
        "best: fewest beats; layers: lowest first, short way in each; serpentine: back and forth; "
-       "nearest: nearest of the layer; cone: of the cone rule; given: as they come. Default: given "
+       "nearest: nearest of the layer; cone: cheapest by way and height; given: as they come. Default: given "
        "for point lists, else best",
        "", {}, {"best", "layers", "serpentine", "nearest", "cone", "given"}},
       {"half_angle", "--half-angle", &o.half_angle_deg,
-       "Half angle of the shadow under a point: none is fired below an earlier one in it", "DEG",
-       {0, steepest_deg, false}},
+       "Half angle of the shadow under a point, in which none is fired later; 0: no shadow", "DEG",
+       {0, steepest_deg, true}},
+      {"cone_up", "--cone-up", &o.cone_up, "Cone rule: cost of going up, a way sideways of so much",
+       "MM_MM"},
+      {"cone_down", "--cone-down", &o.cone_down, "Cone rule: gain of going down", "MM_MM"},
       {"layer", "--order-layer", &o.layer_mm,
        "Thickness of a layer of the order; without it that of the points", "MM", positive},
   };

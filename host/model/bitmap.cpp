@@ -52,6 +52,32 @@ void require_whole_png(const std::filesystem::path& file, const std::string& byt
   refuse(file, "the image is cut off", "export it again");
 }
 
+/// Nor that of a JPEG (ITU-T T.81, annex B): segments of 0xFF, marker, length (big-endian, its own
+/// two bytes included) up to the end of image; behind the start of a scan its data, in which a
+/// marker is never 0 (a stuffed byte) nor one of the eight restarts.
+void require_whole_jpeg(const std::filesystem::path& file, const std::string& bytes) {
+  constexpr std::uint8_t end_of_image = 0xD9, start_of_scan = 0xDA, restart = 0xD0, fill = 0xFF;
+  if (!bytes.starts_with("\xFF\xD8")) return;
+  const auto byte = [&](std::size_t at) { return load<std::uint8_t>(bytes.data() + at); };
+  bool in_scan = false;
+  for (std::size_t at = 2; at + 2 <= bytes.size();) {
+    const std::uint8_t marker = byte(at + 1);
+    if (byte(at) != fill || marker == fill) {
+      ++at;
+    } else if (marker == end_of_image) {
+      return;
+    } else if (in_scan && (marker == 0 || (marker & 0xF8) == restart)) {
+      at += 2;
+    } else if (at + 4 <= bytes.size()) {
+      in_scan = marker == start_of_scan;
+      at += 2 + std::size_t{byte(at + 2)} * 256 + byte(at + 3);
+    } else {
+      break;
+    }
+  }
+  refuse(file, "the image is cut off", "export it again");
+}
+
 std::uint8_t grey_over_white(const stbi_uc* pixel) {
   // Luma of Rec. ITU-R BT.601 in 1/1000; the sum of products fits easily.
   const int luma = (299 * pixel[0] + 587 * pixel[1] + 114 * pixel[2] + 500) / 1000;
@@ -61,12 +87,15 @@ std::uint8_t grey_over_white(const stbi_uc* pixel) {
 }  // namespace
 
 Bitmap read_bitmap(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path);
+  return decode_bitmap(path, read_file(path));
+}
+
+Bitmap decode_bitmap(const std::filesystem::path& path, const std::string& bytes) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     refuse(path, "the image is too large", "give an image of at most 100 million pixels");
   }
-  if (!bytes.starts_with("\x89PNG") && !bytes.starts_with("BM"))
-    refuse(path, "no PNG or BMP", "give a PNG or BMP");
+  if (!bytes.starts_with("\x89PNG") && !bytes.starts_with("BM") && !bytes.starts_with("\xFF\xD8"))
+    refuse(path, "no PNG, BMP or JPEG", "give a PNG, BMP or JPEG");
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int length = static_cast<int>(bytes.size());
   Bitmap bitmap;
@@ -84,6 +113,7 @@ Bitmap read_bitmap(const std::filesystem::path& path) {
   bitmap.height = static_cast<int>(height);
   require_whole_png(path, bytes);
   require_whole_bmp(path, bytes, bitmap.width, bitmap.height);
+  require_whole_jpeg(path, bytes);
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(data, length, &bitmap.width, &bitmap.height, &channels, STBI_rgb_alpha),
       stbi_image_free);

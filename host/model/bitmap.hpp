@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace lamplock::model {
@@ -14,8 +15,12 @@ struct Bitmap {
   std::vector<std::uint8_t> grey;
 };
 
-/// Colours become their luma, transparent pixels are laid over white. Throws Error (bad_input) for
+/// Colours become their luma, transparent pixels are laid over white; a turn that a
+/// camera noted (EXIF) is not made. Throws Error (bad_input) for
 /// a file that is missing, damaged, truncated, of another format or larger than 100 million pixels.
 Bitmap read_bitmap(const std::filesystem::path& path);
+
+/// The same for a picture inside another file; `path` names it in errors.
+Bitmap decode_bitmap(const std::filesystem::path& path, const std::string& bytes);
 
 }  // namespace lamplock::model

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "host/model/brightness.hpp"
@@ -18,6 +19,8 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   /// Only if the file has colours of vertices or textures.
   std::optional<Brightness> brightness{};
+  /// Pictures that the file names but that could not be read, each with the reason.
+  std::vector<std::string> unread_pictures{};
 };
 
 }  // namespace lamplock::model

@@ -17,10 +17,7 @@ namespace lamplock::model {
 
 /// Throws Error (bad_input) naming the file, and the line where there is one: missing or empty
 /// file, binary DXF or DWG, cut off, not a number, not finite or beyond farthest_mm, a spline that
-/// is none, a block that contains itself or does not exist, more than most_pieces.
+/// is none, a block that contains itself or does not exist, more than most_pieces, nothing to draw.
 Curves read_dxf(const std::filesystem::path& path);
-
-/// Whether there is anything but points among the entities of the drawing. Throws as read_dxf().
-bool dxf_has_curves(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

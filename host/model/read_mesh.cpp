@@ -12,8 +12,10 @@
 #include <tuple>
 
 #include "host/file.hpp"
+#include "host/model/glb.hpp"
 #include "host/model/mesh_checks.hpp"
 #include "host/model/ply.hpp"
+#include "host/model/scene_brightness.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -28,33 +30,61 @@ std::size_t check(const path& file, const std::string& bytes) {
     check_obj(file, bytes);
   } else if (extension == ".ply") {
     read_ply_vertices(file, bytes, read_ply_header(file, bytes));
-  } else {
-    refuse(file, fmt::format("'{}' is no mesh format", extension), "give STL, OBJ or PLY");
+  } else if (extension == ".glb") {
+    check_glb(file, bytes);
+  } else if (extension != ".3mf") {  // a ZIP archive, which has check sums of its own
+    refuse(file, fmt::format("'{}' is no mesh format", extension),
+           "give STL, OBJ, PLY, GLB or 3MF");
   }
   return bytes.size();
 }
 
-/// A triangle soup: three vertices a triangle.
-void append_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent,
-                 std::vector<points::Point>& corners) {
-  const aiMatrix4x4 transform = parent * node.mTransformation;
-  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
-    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      const aiFace& face = mesh.mFaces[f];
-      if (face.mNumIndices != 3) continue;  // points and lines have no surface
-      for (unsigned corner = 0; corner < 3; ++corner) {
-        const aiVector3D v = transform * mesh.mVertices[face.mIndices[corner]];
-        // + 0.0 makes -0 and 0 one position
-        corners.push_back({static_cast<double>(v.x) + 0.0, static_cast<double>(v.y) + 0.0,
-                           static_cast<double>(v.z) + 0.0});
+/// Takes the triangles of all nodes, three corners each.
+class Collector {
+ public:
+  Collector(const aiScene& scene, const path& file)
+      : scene_(scene), file_(file), brightness_(scene, file) {
+    add_node(*scene.mRootNode, aiMatrix4x4());
+  }
+
+  const std::vector<points::Point>& corners() const { return corners_; }
+  SceneBrightness& brightness() { return brightness_; }
+
+ private:
+  void add_node(const aiNode& node, const aiMatrix4x4& parent) {
+    const aiMatrix4x4 transform = parent * node.mTransformation;
+    for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+      const aiMesh& mesh = *scene_.mMeshes[node.mMeshes[m]];
+      for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+        // Points and lines have no surface.
+        if (mesh.mFaces[f].mNumIndices == 3) add_triangle(mesh, mesh.mFaces[f], transform);
       }
     }
+    for (unsigned child = 0; child < node.mNumChildren; ++child) {
+      add_node(*node.mChildren[child], transform);
+    }
   }
-  for (unsigned child = 0; child < node.mNumChildren; ++child) {
-    append_node(scene, *node.mChildren[child], transform, corners);
+
+  void add_triangle(const aiMesh& mesh, const aiFace& face, const aiMatrix4x4& transform) {
+    for (unsigned corner = 0; corner < 3; ++corner) {
+      const unsigned index = face.mIndices[corner];
+      if (index >= mesh.mNumVertices) {
+        refuse(file_, fmt::format("a triangle names vertex {} of {}", index, mesh.mNumVertices),
+               "repair the model");
+      }
+      const aiVector3D v = transform * mesh.mVertices[index];
+      // + 0.0 makes -0 and 0 one position
+      corners_.push_back({static_cast<double>(v.x) + 0.0, static_cast<double>(v.y) + 0.0,
+                          static_cast<double>(v.z) + 0.0});
+    }
+    brightness_.add(mesh, face);
   }
-}
+
+  const aiScene& scene_;
+  const path& file_;
+  SceneBrightness brightness_;
+  std::vector<points::Point> corners_;
+};
 
 void require_finite_corners(const path& file, const std::vector<points::Point>& corners) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -66,8 +96,9 @@ void require_finite_corners(const path& file, const std::vector<points::Point>& 
   }
 }
 
-/// Corners of equal position become one vertex, numbered in order of first use.
-Mesh merge_corners(const std::vector<points::Point>& corners) {
+/// Corners of equal position become one vertex, numbered in order of first use. `kept`: which
+/// triangles stay.
+Mesh merge_corners(const std::vector<points::Point>& corners, std::vector<std::uint32_t>& kept) {
   std::vector<std::uint32_t> by_position(corners.size());
   std::iota(by_position.begin(), by_position.end(), 0u);
   std::sort(by_position.begin(), by_position.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -89,7 +120,9 @@ Mesh merge_corners(const std::vector<points::Point>& corners) {
   }
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
     const std::uint32_t a = vertex[first[i]], b = vertex[first[i + 1]], c = vertex[first[i + 2]];
-    if (a != b && b != c && c != a) mesh.triangles.push_back({a, b, c});
+    if (a == b || b == c || c == a) continue;
+    mesh.triangles.push_back({a, b, c});
+    kept.push_back(static_cast<std::uint32_t>(i / 3));
   }
   return mesh;
 }
@@ -100,23 +133,30 @@ Mesh read_mesh(const path& file) {
   const std::string bytes = read_file(file);
   const std::size_t length = check(file, bytes);
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), length, aiProcess_Triangulate,
-                                                     lower_extension(file).c_str() + 1);
+  const std::string extension = lower_extension(file);
+  // An OBJ names its materials relative to itself, so the library needs to know where it is.
+  const aiScene* scene =
+      extension == ".obj" ? importer.ReadFile(file.string(), aiProcess_Triangulate)
+                          : importer.ReadFileFromMemory(bytes.data(), length, aiProcess_Triangulate,
+                                                        extension.c_str() + 1);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     std::string reason = importer.GetErrorString();
     std::replace(reason.begin(), reason.end(), '\n', ' ');
     refuse(file, "the mesh library refuses it: " + reason, "export the file again");
   }
-  std::vector<points::Point> corners;
-  append_node(*scene, *scene->mRootNode, aiMatrix4x4(), corners);
+  Collector collector(*scene, file);
+  const std::vector<points::Point>& corners = collector.corners();
   if (corners.size() > std::numeric_limits<std::uint32_t>::max()) {
     refuse(file, fmt::format("{} triangles are too many", corners.size() / 3), "reduce the mesh");
   }
   require_finite_corners(file, corners);
-  Mesh mesh = merge_corners(corners);
+  std::vector<std::uint32_t> kept;
+  Mesh mesh = merge_corners(corners, kept);
   if (mesh.triangles.empty()) {
     refuse(file, "the mesh is empty: it has no triangle", "give a model with a surface");
   }
+  mesh.brightness = collector.brightness().take(kept);
+  mesh.unread_pictures = collector.brightness().unread();
   return mesh;
 }
 

@@ -5,10 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "host/file.hpp"
 #include "host/model/ply.hpp"
+#include "host/model/read_dxf.hpp"
 #include "host/model/text.hpp"
+#include "host/text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -20,37 +27,131 @@ using std::filesystem::path;
          "give a point a line: x y z in mm, # for comments");
 }
 
-points::Point parse_point(const path& file, std::size_t line, std::string_view text) {
-  std::array<double, 3> coordinates{};
-  std::size_t count = 0;
-  for (std::string_view field = next_field(text); !field.empty(); field = next_field(text)) {
-    const auto number = to_double(field);
-    if (!number || !std::isfinite(*number)) {
-      refuse_line(file, line, fmt::format("'{:.20}' is not a usable number", field));
+/// Which fields of a line are the coordinates, and what separates fields.
+struct Columns {
+  std::array<std::size_t, 3> of_axis{0, 1, 2};
+  char separator = ' ';     ///< blanks and commas, or a character that alone separates
+  std::size_t count = 0;    ///< a line has exactly so many, 0: at least those of the axes
+  bool all_numbers = true;  ///< also those that are not used
+
+  std::size_t least() const { return std::max({of_axis[0], of_axis[1], of_axis[2]}) + 1; }
+};
+
+/// A row of `.cad`: flag, layer, X, Y, Z.
+constexpr Columns cad_columns{{2, 3, 4}, ' ', 5};
+
+std::vector<std::string_view> fields_of(std::string_view text, char separator) {
+  std::vector<std::string_view> fields;
+  if (separator == ' ') {
+    for (auto field = next_field(text); !field.empty(); field = next_field(text)) {
+      fields.push_back(field);
     }
-    if (count < coordinates.size()) coordinates[count] = *number;
-    ++count;
+    return fields;
   }
-  if (count < coordinates.size()) {
-    refuse_line(file, line, fmt::format("{} of 3 coordinates", count));
+  while (true) {
+    const std::size_t end = text.find(separator);
+    fields.push_back(trimmed(text.substr(0, end)));
+    if (end == std::string_view::npos) return fields;
+    text.remove_prefix(end + 1);
+  }
+}
+
+/// "X", "x_mm" and "\"x\"" are x.
+std::string axis_name(std::string_view field) {
+  std::string name;
+  for (const char letter : field) {
+    if (letter == '"') continue;
+    name += letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+  }
+  return name.ends_with("_mm") ? name.substr(0, name.size() - 3) : name;
+}
+
+/// The columns that a line of names gives.
+Columns named_columns(const path& file, std::size_t line, std::string_view names) {
+  constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
+  Columns columns;
+  columns.all_numbers = false;
+  for (const char separator : {',', ';'}) {
+    if (names.find(separator) != std::string_view::npos) columns.separator = separator;
+  }
+  const std::vector<std::string_view> fields = fields_of(names, columns.separator);
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    const auto found = std::find_if(fields.begin(), fields.end(), [&](std::string_view field) {
+      return axis_name(field) == axes[axis];
+    });
+    if (found == fields.end())
+      refuse_line(file, line, fmt::format("names of columns without '{}'", axes[axis]));
+    columns.of_axis[axis] = static_cast<std::size_t>(found - fields.begin());
+  }
+  return columns;
+}
+
+points::Point parse_point(const path& file, std::size_t line, std::string_view text,
+                          const Columns& columns) {
+  const std::vector<std::string_view> fields = fields_of(text, columns.separator);
+  std::array<double, 3> coordinates{};
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const auto axis = std::find(columns.of_axis.begin(), columns.of_axis.end(), i);
+    if (axis == columns.of_axis.end() && !columns.all_numbers) continue;
+    const auto number = to_double(fields[i]);
+    if (!number || !std::isfinite(*number)) {
+      refuse_line(file, line, fmt::format("'{:.20}' is not a usable number", fields[i]));
+    }
+    if (axis != columns.of_axis.end())
+      coordinates[static_cast<std::size_t>(axis - columns.of_axis.begin())] = *number;
+  }
+  const std::size_t wanted = columns.count > 0 ? columns.count : columns.least();
+  if (fields.size() < wanted || (columns.count > 0 && fields.size() > wanted)) {
+    refuse_line(file, line,
+                columns.all_numbers && columns.count == 0
+                    ? fmt::format("{} of 3 coordinates", fields.size())
+                    : fmt::format("{} of {} columns", fields.size(), wanted));
   }
   return {coordinates[0], coordinates[1], coordinates[2]};
 }
 
-points::PointCloud read_xyz(const path& file, std::string bytes) {
-  std::replace(bytes.begin(), bytes.end(), ',', ' ');
-  std::string_view text = bytes;
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+/// Whether a line has names of columns: words, not numbers.
+bool is_names(std::string_view content) {
+  const std::size_t first = content.find_first_not_of(" \t\",;");
+  if (first == std::string_view::npos) return false;
+  const char letter = content[first];
+  std::string_view rest = content.substr(first);
+  const bool is_letter = (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z');
+  return is_letter && !to_double(next_field(rest));  // nan is a number
+}
+
+points::PointCloud read_text(const path& file, const std::string& bytes, Columns columns) {
+  // Where semicolons separate, a comma is somebody's decimal point: an error, not a separator.
+  const char extra_separator = bytes.find(';') == std::string::npos ? ',' : ';';
+  std::string spaced = bytes;
+  std::replace(spaced.begin(), spaced.end(), extra_separator, ' ');
+  const std::string_view text = bytes;
   points::PointCloud cloud;
-  Lines lines(text);
+  Lines lines(without_byte_order_mark(text));
+  bool names_may_follow = columns.count == 0;
   while (const auto line = lines.next()) {
-    const std::string_view content = line->substr(0, line->find('#'));
+    std::string_view content = line->substr(0, line->find('#'));
+    if (names_may_follow && is_names(content)) {
+      columns = named_columns(file, lines.number(), content);
+      names_may_follow = false;
+      continue;
+    }
+    if (columns.separator == ' ')
+      content = std::string_view(spaced).substr(
+          static_cast<std::size_t>(content.data() - text.data()), content.size());
     std::string_view rest = content;
     if (next_field(rest).empty()) continue;
-    cloud.push_back(parse_point(file, lines.number(), content));
+    names_may_follow = false;
+    cloud.push_back(parse_point(file, lines.number(), content, columns));
   }
   return cloud;
+}
+
+points::PointCloud read_dxf_points(const path& file) {
+  Curves drawing = read_dxf(file);
+  if (!drawing.paths.empty())
+    refuse(file, "it has curves beside its points", "use it as a drawing");
+  return std::move(drawing.points);
 }
 
 points::PointCloud read_ply(const path& file, const std::string& bytes) {
@@ -64,9 +165,11 @@ points::PointCloud read_ply(const path& file, const std::string& bytes) {
 }  // namespace
 
 points::PointCloud read_point_list(const path& file) {
-  std::string bytes = read_file(file);
-  points::PointCloud cloud =
-      lower_extension(file) == ".ply" ? read_ply(file, bytes) : read_xyz(file, std::move(bytes));
+  const std::string extension = lower_extension(file);
+  points::PointCloud cloud = extension == ".dxf"   ? read_dxf_points(file)
+                             : extension == ".ply" ? read_ply(file, read_file(file))
+                             : extension == ".cad" ? read_text(file, read_file(file), cad_columns)
+                                                   : read_text(file, read_file(file), {});
   if (cloud.empty()) refuse(file, "it has no points", "give at least one point");
   return cloud;
 }

@@ -19,7 +19,7 @@ namespace lamplock::model {
 
 /// Throws Error (bad_input) naming the file and the line: missing or empty file, XML or path data
 /// that cannot be understood, not finite or beyond farthest_mm, a use that contains itself or
-/// names nothing, groups too deep, more than most_pieces.
+/// names nothing, groups too deep, more than most_pieces, nothing to draw.
 Curves read_svg(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

@@ -1,8 +1,7 @@
 #include "host/order/local_search.hpp"
 
 #include <algorithm>
-#include <array>
-#include <numeric>
+#include <limits>
 
 #include "host/order/cost.hpp"
 
@@ -18,6 +17,18 @@ constexpr Place longest_piece = 1000;
 constexpr Place longest_moved = 3;
 // Gains below this are rounding, and would let exchanges undo each other.
 constexpr double least_gain = 1e-9;
+
+// Of the search judged by the planner's model.
+// Points on either side of a changed edge that are planned anew; further away a change is not felt.
+constexpr Place window = 6;
+// An exchange that the cost finds worse by more than this is not worth asking the model.
+constexpr double most_loss = 1.0;
+// What the cost counts beside a beat of the model: it knows better what helps the next exchange.
+constexpr double cost_weight = 0.1;
+// The least that must be saved, beats.
+constexpr double least_saving = 1e-3;
+// Windows are no exact measure of the whole, so exchanges might go round in circles.
+constexpr std::size_t most_rounds = 30;
 
 class LocalSearch {
  public:
@@ -38,16 +49,16 @@ class LocalSearch {
   void run() {
     waiting_.assign(tour_.begin(), tour_.end());
     is_waiting_.assign(points_.size() + 1, true);
-    // Rounds over all nodes whose surroundings changed, in the order in which they changed.
-    std::vector<Node> round;
-    while (!waiting_.empty()) {
-      round.swap(waiting_);
-      waiting_.clear();
-      for (const Node node : round) {
-        is_waiting_[node] = false;
-        if (node != free_node_ && try_node(node)) wake({node});
-      }
-    }
+    search(std::numeric_limits<std::size_t>::max());
+    cut_at_free_node();
+  }
+
+  /// The same where beats are wasted, judged by the model.
+  void run_judged(const BeatModel& model) {
+    judge_ = &model;
+    is_waiting_.assign(points_.size() + 1, false);
+    wake_wasted();
+    search(most_rounds);
     cut_at_free_node();
   }
 
@@ -77,12 +88,85 @@ class LocalSearch {
     }
   }
 
+  /// Rounds over all nodes whose surroundings changed, in the order in which they changed.
+  void search(std::size_t rounds) {
+    std::vector<Node> round;
+    for (; !waiting_.empty() && rounds > 0; --rounds) {
+      round.swap(waiting_);
+      waiting_.clear();
+      for (const Node node : round) {
+        is_waiting_[node] = false;
+        if (node != free_node_ && try_node(node)) wake({node});
+      }
+    }
+  }
+
+  /// Nodes next to steps of several beats.
+  void wake_wasted() {
+    PlanState state = judge_->any_speed();
+    for (Place i = 0; i < size_; ++i) {
+      const Node a = at(i), b = at(i + 1);
+      if (a == free_node_ || b == free_node_) {
+        state = judge_->any_speed();
+      } else if (judge_->step(state, points_[a], points_[b]) > 1) {
+        wake({at(i - 1), a, b, at(i + 2)});
+      }
+    }
+  }
+
+  /// A piece of the tour in a new place: nodes counted from the place and in the direction of an
+  /// exchange.
+  struct Piece {
+    Place first = 0, count = 0;
+    bool turned = false;
+  };
+
+  /// Beats of the pieces in this order. The middles of long ones are left out.
+  int beats(Place from, Place step, std::initializer_list<Piece> pieces) const {
+    PlanState state;
+    Node before = free_node_;
+    int sum = 0;
+    for (const Piece& piece : pieces) {
+      for (Place i = 0; i < piece.count; ++i) {
+        if (i == window && piece.count > 2 * window) {
+          i = piece.count - window;
+          before = free_node_;
+        }
+        const Place place = piece.first + (piece.turned ? piece.count - 1 - i : i);
+        const Node node = at(wrap(from + step * place));
+        if (before == free_node_ || node == free_node_) {
+          state = judge_->any_speed();
+        } else {
+          sum += judge_->step(state, points_[before], points_[node]);
+        }
+        before = node;
+      }
+    }
+    return sum;
+  }
+
+  /// Whether an exchange that saves `gain` of the cost is to be made: the pieces `now` of the tour,
+  /// which end before node `end`, would follow each other as `then`.
+  bool accepts(double gain, Place from, Place step, Place end, const Piece& first,
+               const Piece& second, const Piece& moved_first, const Piece& moved_second) const {
+    if (judge_ == nullptr) return gain >= least_gain;
+    if (gain < -most_loss) return false;
+    const Place around = std::min(window, (size_ - end) / 2);
+    const Piece ahead{-around, around}, behind{end, around};
+    const int saved = beats(from, step, {ahead, first, second, behind}) -
+                      beats(from, step, {ahead, moved_first, moved_second, behind});
+    return saved + cost_weight * gain >= least_saving;
+  }
+
+  /// By how much an exchange may seem worse before it is left out unasked.
+  double loss() const { return judge_ != nullptr ? most_loss : 0; }
+
   bool try_node(Node a) {
     for (const Place step : {Place{1}, Place{-1}}) {
       const Place p = place_[a];
       const double now = joint(at(p - step), a, at(p + step), at(p + 2 * step));
       for (const Node c : neighbours_.of(a)) {
-        if (edge(a, c) >= now) break;  // the new edge alone costs more than what goes
+        if (edge(a, c) >= now + loss()) break;  // the new edge alone costs more than what goes
         if (try_two_opt(p, place_[c], step, now)) return true;
       }
     }
@@ -102,7 +186,9 @@ class LocalSearch {
     const Node before_c = at(q - step), after_d = at(q + 2 * step);
     const double gain = now_p + joint(before_c, c, d, after_d) - joint(before_a, a, c, before_c) -
                         joint(after_b, b, d, after_d);
-    if (gain < least_gain) return false;
+    const Place turned = wrap((q - p) * step);  // nodes behind p, up to q
+    if (!accepts(gain, wrap(p + step), step, turned, {0, turned}, {}, {0, turned, true}, {}))
+      return false;
     Place first = step > 0 ? wrap(p + 1) : q, last = step > 0 ? q : wrap(p - 1);
     if (piece(first, last) > size_ / 2) {  // the rest of the circle turned round is the same tour
       std::swap(first, last);
@@ -127,9 +213,9 @@ class LocalSearch {
     double now = joint(before_u, u, a, second) + joint(last_but_one, end, w, after_w);
     if (length == 1) now -= turn(u, a, w);
     const double freed = now - joint(before_u, u, w, after_w);
-    if (freed < least_gain) return false;
+    if (freed < least_gain - loss()) return false;
     for (const Node c : neighbours_.of(a)) {
-      if (edge(a, c) >= freed) break;
+      if (edge(a, c) >= freed + loss()) break;
       const Place q = place_[c];
       if (wrap((q - p) * step) < length) continue;  // inside the piece
       for (const Place side : {Place{1}, Place{-1}}) {
@@ -138,7 +224,11 @@ class LocalSearch {
         double then = joint(before_c, c, a, length > 1 ? second : e) +
                       joint(length > 1 ? last_but_one : c, end, e, after_e);
         if (length == 1) then -= turn(c, a, e);
-        if (freed + joint(before_c, c, e, after_e) - then < least_gain) continue;
+        const double gain = freed + joint(before_c, c, e, after_e) - then;
+        const Place gap = wrap((q - p) * step) + (side == step ? 1 : 0) - length;
+        if (!accepts(gain, p, step, length + gap, {0, length}, {length, gap}, {length, gap},
+                     {0, length, side != step}))
+          continue;
         if (!move(p, length, step, q, side)) continue;
         wake({u, before_u, w, after_w, c, before_c, e, after_e, a, end});
         return true;
@@ -196,6 +286,7 @@ class LocalSearch {
   std::vector<Place> place_;
   std::vector<Node> waiting_;
   std::vector<bool> is_waiting_;
+  const BeatModel* judge_ = nullptr;
 };
 
 }  // namespace
@@ -205,6 +296,12 @@ void improve(std::span<const points::Point> points, const Neighbours& neighbours
   constexpr std::size_t too_few_to_improve = 5;
   if (points.size() < too_few_to_improve) return;
   LocalSearch(points, neighbours, closing, cost, tour).run();
+}
+
+void save_beats(std::span<const points::Point> points, const Neighbours& neighbours,
+                Closing closing, const BeatModel& model, std::vector<std::uint32_t>& tour) {
+  if (points.size() < 2 * static_cast<std::size_t>(window)) return;
+  LocalSearch(points, neighbours, closing, TourCost(model), tour).run_judged(model);
 }
 
 }  // namespace lamplock::order

@@ -35,4 +35,9 @@ enum class Closing {
 void improve(std::span<const points::Point> points, const Neighbours& neighbours, Closing closing,
              const TourCost& cost, std::vector<std::uint32_t>& tour);
 
+/// The same judged by the model of the planner, where it finds wasted beats: several times slower,
+/// for a tour that is good already. It may cost more by `TourCost` afterwards.
+void save_beats(std::span<const points::Point> points, const Neighbours& neighbours,
+                Closing closing, const BeatModel& model, std::vector<std::uint32_t>& tour);
+
 }  // namespace lamplock::order

@@ -11,7 +11,9 @@
 
 #include "host/error.hpp"
 #include "host/order/cost.hpp"
+#include "host/order/cut.hpp"
 #include "host/order/layers.hpp"
+#include "host/order/pieces.hpp"
 #include "host/order/serpentine.hpp"
 #include "host/order/shadow.hpp"
 #include "host/order/tour.hpp"
@@ -29,30 +31,22 @@ void arrange(std::span<Point> points, const Indices& order) {
   for (std::size_t i = 0; i < order.size(); ++i) points[i] = copy[order[i]];
 }
 
-/// Cuts the closed tour and goes it the way that costs least for a machine at `from`.
-void cut_tour(std::span<Point> tour, const Point& from) {
-  std::size_t best = 0;
-  bool backward = false;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < tour.size(); ++i) {
-    const std::size_t before = (i + tour.size() - 1) % tour.size();
-    const double removed = distance(tour[before], tour[i]);
-    // Cut between `before` and i: begin at i and go forward, or begin at `before` and go back.
-    const double forward_cost = distance(from, tour[i]) - removed;
-    const double backward_cost = distance(from, tour[before]) - removed;
-    if (std::min(forward_cost, backward_cost) >= lowest) continue;
-    lowest = std::min(forward_cost, backward_cost);
-    best = i;
-    backward = backward_cost < forward_cost;
-  }
-  std::rotate(tour.begin(), tour.begin() + static_cast<std::ptrdiff_t>(best), tour.end());
-  if (backward) std::reverse(tour.begin(), tour.end());
-}
+/// Puts a layer so that it goes on well after what is fired before it, or from where the machine
+/// stands if that is nothing.
+using Fit =
+    std::function<void(std::span<Point> layer, std::span<const Point> before, const Point& from)>;
 
 /// Goes strips from the end that is nearer.
-void turn_to(std::span<Point> strips, const Point& from) {
-  if (distance(from, strips.back()) < distance(from, strips.front()))
+void turn_to(std::span<Point> strips, std::span<const Point> before, const Point& from) {
+  const Point& last = before.empty() ? from : before.back();
+  if (distance(last, strips.back()) < distance(last, strips.front()))
     std::reverse(strips.begin(), strips.end());
+}
+
+Fit cut_by(const TourCost& cost) {
+  return [cost](std::span<Point> tour, std::span<const Point> before, const Point& from) {
+    cut_tour(tour, before, from, cost);
+  };
 }
 
 /// One job of ordering a cloud that is not empty.
@@ -63,22 +57,25 @@ class Run {
 
   void layers() {
     const Starts starts = sort_into_layers(cloud_, options_.layer_mm);
-    tours(starts, [](std::span<Point> layer) { arrange(layer, even_tour(layer)); });
-  }
-
-  void best() {
-    const BeatModel model(options_.motion);
-    const Starts starts = sort_into_fitting_layers(cloud_, tangent_);
-    tours(starts, [&](std::span<Point> layer) { arrange(layer, beat_tour(layer, model)); });
+    by_layers(
+        starts, [](std::span<Point> layer) { arrange(layer, even_tour(layer)); },
+        cut_by(TourCost()), 1);
   }
 
   void serpentine() {
     const Starts starts = sort_into_layers(cloud_, options_.layer_mm);
-    for_each_layer(
-        cloud_, starts, options_.threads,
-        [](std::span<Point> layer) { arrange(layer, to_and_fro(layer)); }, tell(0, tours_part));
-    join(starts, turn_to);
-    keep_rule(starts);
+    by_layers(
+        starts, [](std::span<Point> layer) { arrange(layer, to_and_fro(layer)); }, turn_to, 1);
+  }
+
+  void best() {
+    constexpr double layers_part = 0.85;
+    const BeatModel model(options_.motion);
+    const Starts starts = sort_into_fitting_layers(cloud_, tangent_);
+    by_layers(
+        starts, [&](std::span<Point> layer) { arrange(layer, beat_tour(layer, model)); },
+        cut_by(TourCost(model)), layers_part);
+    join_pieces(cloud_, starts, options_.start, model, tangent_, tell(layers_part, 1));
   }
 
   void nearest() {
@@ -100,30 +97,19 @@ class Run {
   }
 
  private:
-  // Part of the progress at which all tours have been made; the rest is repair.
-  static constexpr double tours_part = 0.95;
-
-  void tours(const Starts& starts, const LayerWork& make_tour) {
-    for_each_layer(cloud_, starts, options_.threads, make_tour, tell(0, tours_part));
-    join(starts, cut_tour);
-    keep_rule(starts);
-  }
-
-  /// Each layer goes on where the one below ended.
-  void join(const Starts& starts, void (*fit)(std::span<Point>, const Point&)) {
-    Point from = options_.start;
+  /// Arranges each layer, lets each go on where the one below ended, and mends what breaks the rule
+  /// inside it. `end` is the progress behind it.
+  void by_layers(const Starts& starts, const LayerWork& arrange_layer, const Fit& fit, double end) {
+    constexpr double arranged_part = 0.95;
+    for_each_layer(cloud_, starts, options_.threads, arrange_layer, tell(0, arranged_part * end));
+    const std::span<Point> all(cloud_);
     for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
-      const std::span<Point> layer =
-          std::span(cloud_).subspan(starts[i], starts[i + 1] - starts[i]);
-      fit(layer, from);
-      from = layer.back();
+      fit(all.subspan(starts[i], starts[i + 1] - starts[i]), all.first(starts[i]), options_.start);
     }
-  }
-
-  void keep_rule(const Starts& starts) {
     for_each_layer(
         cloud_, starts, options_.threads,
-        [this](std::span<Point> layer) { pull_ahead(layer, tangent_); }, tell(tours_part, 1));
+        [this](std::span<Point> layer) { pull_ahead(layer, tangent_); },
+        tell(arranged_part * end, end));
   }
 
   /// Told points done, tells progress from `first` to `last`.

@@ -89,9 +89,9 @@ RestTree::Node RestTree::join(const Node& a, const Node& b) {
       std::min(a.least, b.least)};
 }
 
-void RestTree::remove(Index point) {
+void RestTree::set_present(Index point, bool present) {
   const std::size_t slot = slot_[point];
-  present_[slot] = 0;
+  present_[slot] = present ? 1 : 0;
   std::size_t node = slot / leaf_points;
   nodes_[leaves_ + node] = leaf(node);
   for (node = (leaves_ + node) / 2; node > 0; node /= 2) {

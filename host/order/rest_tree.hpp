@@ -29,7 +29,8 @@ class RestTree {
 
   bool empty() const { return nodes_[1].least == none; }
   bool holds(Index point) const { return present_[slot_[point]]; }
-  void remove(Index point);
+  void remove(Index point) { set_present(point, false); }
+  void put_back(Index point) { set_present(point, true); }
 
   /// A remaining point that a defect at `apex` shadows (cone.hpp), if there is one.
   std::optional<Index> under_cone(const points::Point& apex, double tangent) const;
@@ -60,6 +61,7 @@ class RestTree {
     }
   };
 
+  void set_present(Index point, bool present);
   Node leaf(std::size_t number) const;
   static Node join(const Node& a, const Node& b);
 

@@ -7,7 +7,10 @@ namespace lamplock::order {
 using points::Point;
 
 std::optional<Shadowed> first_shadowed(std::span<const Point> order, double half_angle_deg) {
-  const double tangent = cone_tangent(half_angle_deg);
+  return find_shadowed(order, cone_tangent(half_angle_deg));
+}
+
+std::optional<Shadowed> find_shadowed(std::span<const Point> order, double tangent) {
   RestTree later(order);
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     later.remove(i);

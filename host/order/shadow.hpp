@@ -32,6 +32,9 @@ struct Shadowed {
 /// (bad_input) for a half angle as cone_tangent() does.
 std::optional<Shadowed> first_shadowed(std::span<const points::Point> order, double half_angle_deg);
 
+/// The same by the tangent of the half angle.
+std::optional<Shadowed> find_shadowed(std::span<const points::Point> order, double tangent);
+
 /// Fires a point of `rest`: first what it would shadow, lowest first where cones are nested, then
 /// itself. Appends to `fired`.
 void fire(RestTree& rest, std::span<const points::Point> points, std::uint32_t point,

@@ -130,8 +130,7 @@ Indices numbered(std::size_t count) {
 }
 
 /// The improved tours of points that all differ and follow the curve.
-std::vector<Indices> even_tours(Points nodes, const TourCost& by) {
-  const Neighbours neighbours = find_neighbours(nodes);
+std::vector<Indices> even_tours(Points nodes, const Neighbours& neighbours, const TourCost& by) {
   std::vector<Indices> tours{numbered(nodes.size())};
   improve(nodes, neighbours, Closing::closed, by, tours.back());
   if (!is_lattice(nodes)) return tours;
@@ -143,14 +142,14 @@ std::vector<Indices> even_tours(Points nodes, const TourCost& by) {
   return tours;
 }
 
-/// The same from two more starts: to the nearest, which follows contours, and to and fro.
-std::vector<Indices> beat_tours(Points nodes, const TourCost& by) {
-  std::vector<Indices> tours = even_tours(nodes, by);
-  const Neighbours neighbours = find_neighbours(nodes);
-  tours.push_back(nearest_first(nodes, nodes.front(), 0));
-  tours.push_back(to_and_fro(nodes));
-  for (auto tour = tours.end() - 2; tour != tours.end(); ++tour) {
-    improve(nodes, neighbours, Closing::closed, by, *tour);
+/// The same from two more starts: to the nearest, which follows contours, and to and fro. These
+/// starts themselves are in it, too.
+std::vector<Indices> beat_tours(Points nodes, const Neighbours& neighbours, const TourCost& by) {
+  std::vector<Indices> tours = even_tours(nodes, neighbours, by);
+  for (const Indices& start : {nearest_first(nodes, nodes.front(), 0), to_and_fro(nodes)}) {
+    tours.push_back(start);
+    tours.push_back(start);
+    improve(nodes, neighbours, Closing::closed, by, tours.back());
   }
   return tours;
 }
@@ -190,7 +189,7 @@ struct Nodes {
 };
 
 /// The first of the tours with the least cost.
-const Indices& cheapest(const std::vector<Indices>& tours, const auto& cost_of) {
+Indices cheapest(const std::vector<Indices>& tours, const auto& cost_of) {
   std::vector<double> costs;
   for (const Indices& tour : tours) costs.push_back(cost_of(tour));
   return tours[static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) -
@@ -203,7 +202,7 @@ Indices even_tour(Points layer) {
   if (layer.empty()) return {};
   const Nodes nodes(layer);
   const TourCost by;
-  const auto tours = even_tours(nodes.points, by);
+  const auto tours = even_tours(nodes.points, find_neighbours(nodes.points), by);
   return nodes.of_layer(
       cheapest(tours, [&](const Indices& tour) { return cost(nodes.points, by, tour); }));
 }
@@ -212,12 +211,14 @@ Indices beat_tour(Points layer, const BeatModel& model) {
   if (layer.empty()) return {};
   const Nodes nodes(layer);
   const TourCost by(model);
-  const auto tours = beat_tours(nodes.points, by);
+  const Neighbours neighbours = find_neighbours(nodes.points);
   // What the model finds equal the cost decides; its weight is that of a tie.
   constexpr double tie = 1e-3;
-  return nodes.of_layer(cheapest(tours, [&](const Indices& tour) {
+  Indices best = cheapest(beat_tours(nodes.points, neighbours, by), [&](const Indices& tour) {
     return beats(nodes.points, model, tour) + tie * cost(nodes.points, by, tour);
-  }));
+  });
+  save_beats(nodes.points, neighbours, Closing::closed, model, best);
+  return nodes.of_layer(best);
 }
 
 }  // namespace lamplock::order

@@ -9,6 +9,7 @@
 
 #include "host/error.hpp"
 #include "host/points/limits.hpp"
+#include "host/points/random.hpp"
 
 namespace lamplock::points {
 namespace {
@@ -72,47 +73,163 @@ void require_valid(const model::Bitmap& bitmap, const BitmapOptions& options) {
   require_positive(options.size_mm, "bitmap", "size");
   require_positive(options.spacing_mm, "bitmap", "spacing");
   require_positive(options.layers, "bitmap", "number of layers");
+  constexpr int most_layers = 10'000;  // a metre at 0.1 mm
+  if (options.layers > most_layers) {
+    throw Error(Exit::bad_input, "bitmap", fmt::format("{} layers", options.layers),
+                fmt::format("give at most {}", most_layers));
+  }
   if (options.layers > 1) require_positive(options.layer_mm, "bitmap", "layer distance");
   if (options.threshold < 0 || options.threshold > 255) {
     throw Error(Exit::bad_input, "bitmap", fmt::format("threshold {}", options.threshold),
                 "give 0 to 255");
   }
+  if (options.tone) require_valid(*options.tone, "bitmap");
   if (bitmap.width <= 0 || bitmap.height <= 0) {
     throw Error(Exit::bad_input, "bitmap", "it has no pixels", "give a picture");
   }
 }
 
+/// The picture as its grid points see it, row by row from the lowest.
+class Grid {
+ public:
+  Grid(const model::Bitmap& bitmap, const BitmapOptions& options)
+      : scale_(options.size_mm / std::max(bitmap.width, bitmap.height)),
+        across_(bitmap.width, bitmap.width * scale_, options.spacing_mm),
+        up_(bitmap.height, bitmap.height * scale_, options.spacing_mm),
+        sums_(bitmap),
+        pixel_rows_(static_cast<std::size_t>(bitmap.height)) {
+    require_count(across_.count * up_.count, "bitmap");
+  }
+
+  std::size_t columns() const { return Side::to_index(across_.count); }
+  std::size_t rows() const { return Side::to_index(up_.count); }
+  Point place(std::size_t i, std::size_t j) const {
+    return {across_.position(i), up_.position(j), 0};
+  }
+
+  /// Mean of the pixels under a grid point, 0..255.
+  double grey(std::size_t i, std::size_t j) const {
+    const auto [left, right] = across_.pixels(i);
+    const auto [bottom, top] = up_.pixels(j);  // counted from the bottom of the picture
+    return sums_.mean(left, right, pixel_rows_ - top, pixel_rows_ - bottom);
+  }
+
+ private:
+  double scale_;
+  Side across_, up_;
+  PixelSums sums_;
+  std::size_t pixel_rows_;
+};
+
 /// The points of one layer at z = 0.
-PointCloud one_layer(const model::Bitmap& bitmap, const BitmapOptions& options) {
-  const double scale = options.size_mm / std::max(bitmap.width, bitmap.height);
-  const Side across(bitmap.width, bitmap.width * scale, options.spacing_mm);
-  const Side up(bitmap.height, bitmap.height * scale, options.spacing_mm);
-  require_count(across.count * up.count, "bitmap");
-  const PixelSums sums(bitmap);
-  const auto rows = static_cast<std::size_t>(bitmap.height);
+PointCloud threshold_layer(const Grid& grid, const BitmapOptions& options) {
   PointCloud cloud;
-  for (std::size_t j = 0; j < Side::to_index(up.count); ++j) {
-    const auto [bottom, top] = up.pixels(j);  // counted from the bottom of the picture
-    for (std::size_t i = 0; i < Side::to_index(across.count); ++i) {
-      const auto [left, right] = across.pixels(i);
-      const bool dark = sums.mean(left, right, rows - top, rows - bottom) < options.threshold;
-      if (dark != options.invert) cloud.push_back({across.position(i), up.position(j), 0});
+  for (std::size_t j = 0; j < grid.rows(); ++j) {
+    for (std::size_t i = 0; i < grid.columns(); ++i) {
+      const bool dark = grid.grey(i, j) < options.threshold;
+      if (dark != options.invert) cloud.push_back(grid.place(i, j));
     }
   }
   return cloud;
+}
+
+/// Wanted share of points, row by row.
+std::vector<float> densities(const Grid& grid, const BitmapOptions& options) {
+  std::vector<float> wanted;
+  wanted.reserve(grid.rows() * grid.columns());
+  for (std::size_t j = 0; j < grid.rows(); ++j) {
+    for (std::size_t i = 0; i < grid.columns(); ++i) {
+      const double bright = grid.grey(i, j) / 255;
+      wanted.push_back(
+          static_cast<float>(options.tone->density(options.invert ? bright : 1 - bright)));
+    }
+  }
+  return wanted;
+}
+
+/// Error diffusion, every other row backwards, with weights moved at random.
+class Dither {
+ public:
+  Dither(std::size_t columns, Random random)
+      : random_(random), here_(columns + 2, 0), ahead_(columns + 2, 0) {
+    for (double& error : here_) error = random_.uniform() - 0.5;  // layers begin differently
+  }
+
+  /// Calls `point(i)` for every point of the next row, in the order of i or against it.
+  template <class Row, class Found>
+  void row(std::size_t columns, const Row& wanted, const Found& point) {
+    for (std::size_t k = 0; k < columns; ++k) {
+      const std::size_t i = backwards_ ? columns - 1 - k : k;
+      const double value = wanted(i) + here_[i + 1];
+      // Pure black and white stay pure: an error stops there.
+      const bool pure = wanted(i) <= 0 || wanted(i) >= 1;
+      const bool dot = pure ? wanted(i) >= 1 : value >= 0.5;
+      if (dot) point(i);
+      if (!pure) spread(i + 1, value - (dot ? 1 : 0));
+    }
+    here_.swap(ahead_);
+    std::fill(ahead_.begin(), ahead_.end(), 0.0);
+    backwards_ = !backwards_;
+  }
+
+ private:
+  /// 7/16 to the next, 3/16, 5/16 and 1/16 to the row ahead: two pairs, in each of which a random
+  /// part of the smaller weight changes places.
+  void spread(std::size_t at, double error) {
+    const double large = (random_.uniform() - 0.5) * 5 / 16, small = (random_.uniform() - 0.5) / 16;
+    const std::size_t next = backwards_ ? at - 1 : at + 1, last = backwards_ ? at + 1 : at - 1;
+    here_[next] += error * (7.0 / 16 + large);
+    ahead_[at] += error * (5.0 / 16 - large);
+    ahead_[last] += error * (3.0 / 16 + small);
+    ahead_[next] += error * (1.0 / 16 - small);
+  }
+
+  Random random_;
+  std::vector<double> here_, ahead_;  // errors; one more at each end
+  bool backwards_ = false;
+};
+
+PointCloud tone_layer(const Grid& grid, const std::vector<float>& wanted, Random random) {
+  PointCloud cloud;
+  Dither dither(grid.columns(), random);
+  for (std::size_t j = 0; j < grid.rows(); ++j) {
+    const std::size_t first = j * grid.columns(), begin = cloud.size();
+    dither.row(
+        grid.columns(), [&](std::size_t i) { return double{wanted[first + i]}; },
+        [&](std::size_t i) { cloud.push_back(grid.place(i, j)); });
+    if (j % 2 != 0) std::reverse(cloud.begin() + static_cast<std::ptrdiff_t>(begin), cloud.end());
+  }
+  return cloud;
+}
+
+/// From the picture's own axes (right, up, layer).
+Point in_plane(const Point& point, double layer_mm, Plane plane) {
+  switch (plane) {
+    case Plane::xz:
+      return {point.x, layer_mm, point.y};
+    case Plane::yz:
+      return {layer_mm, point.x, point.y};
+    case Plane::xy:
+      break;
+  }
+  return {point.x, point.y, layer_mm};
 }
 
 }  // namespace
 
 PointCloud bitmap_points(const model::Bitmap& bitmap, const BitmapOptions& options) {
   require_valid(bitmap, options);
-  const PointCloud layer = one_layer(bitmap, options);
-  require_count(static_cast<double>(layer.size()) * options.layers, "bitmap");
+  const Grid grid(bitmap, options);
+  const std::vector<float> wanted = options.tone ? densities(grid, options) : std::vector<float>{};
+  PointCloud layer = options.tone ? PointCloud{} : threshold_layer(grid, options);
+  const Random seeds(options.seed);
   PointCloud cloud;
-  cloud.reserve(layer.size() * static_cast<std::size_t>(options.layers));
   for (int k = 0; k < options.layers; ++k) {
-    const double z = (k - (options.layers - 1) / 2.0) * options.layer_mm;
-    for (const Point& point : layer) cloud.push_back({point.x, point.y, z});
+    if (options.tone)
+      layer = tone_layer(grid, wanted, Random(seeds.fork(static_cast<unsigned>(k))));
+    require_count(static_cast<double>(cloud.size() + layer.size()), "bitmap");
+    const double depth = (k - (options.layers - 1) / 2.0) * options.layer_mm;
+    for (const Point& point : layer) cloud.push_back(in_plane(point, depth, options.plane));
   }
   return cloud;
 }

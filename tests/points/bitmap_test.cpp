@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
+#include <stb/stb_image_write.h>
 
 #include <set>
 
@@ -54,6 +55,27 @@ TEST(ReadBitmap, PngIsGreyOverWhite) {
   EXPECT_EQ(bitmap.grey, (std::vector<std::uint8_t>{0, 255, 255, 127, 76, 50}));
 }
 
+/// A JPEG of the best quality.
+std::string jpeg_of(int width, int height, const std::vector<std::uint8_t>& grey) {
+  std::string bytes;
+  const auto append = [](void* to, void* data, int size) {
+    static_cast<std::string*>(to)->append(static_cast<const char*>(data),
+                                          static_cast<std::size_t>(size));
+  };
+  EXPECT_NE(stbi_write_jpg_to_func(append, &bytes, width, height, 1, grey.data(), 100), 0);
+  return bytes;
+}
+
+TEST(ReadBitmap, JpegIsGrey) {
+  const TemporaryFolder folder;
+  std::vector<std::uint8_t> grey;
+  for (int i = 0; i < 32 * 24; ++i) grey.push_back(static_cast<std::uint8_t>(i % 32 * 8));
+  const Bitmap bitmap = read_bitmap(folder.write("a.jpg", jpeg_of(32, 24, grey)));
+  ASSERT_EQ(bitmap.width, 32);
+  ASSERT_EQ(bitmap.height, 24);
+  for (std::size_t i = 0; i < grey.size(); ++i) EXPECT_NEAR(bitmap.grey[i], grey[i], 4);
+}
+
 TEST(ReadBitmap, BmpIsUpright) {
   const TemporaryFolder folder;
   const Bitmap bitmap = read_bitmap(folder.write("a.bmp", small_bmp()));
@@ -67,7 +89,8 @@ TEST(ReadBitmap, TruncatedAndForeignFilesAreRefused) {
   std::vector<std::uint8_t> rgba(40 * 30 * 4);
   for (auto& value : rgba) value = static_cast<std::uint8_t>(random());
   for (const auto& [name, bytes] :
-       {std::pair{"a.png", png_of(40, 30, rgba, folder)}, std::pair{"a.bmp", small_bmp()}}) {
+       {std::pair{"a.png", png_of(40, 30, rgba, folder)}, std::pair{"a.bmp", small_bmp()},
+        std::pair{"a.jpg", jpeg_of(40, 30, rgba)}}) {
     const std::size_t stride = bytes.size() / 40 + 1;
     for (std::size_t size = 0; size < bytes.size(); size += stride) {
       const auto path = folder.write(name, bytes.substr(0, size));
@@ -77,19 +100,22 @@ TEST(ReadBitmap, TruncatedAndForeignFilesAreRefused) {
     EXPECT_NE(error_of([&] { read_bitmap(path); }), "");
   }
   const auto text = folder.write("b.png", "no picture at all");
-  EXPECT_THAT(error_of([&] { read_bitmap(text); }), HasSubstr("no PNG or BMP"));
+  EXPECT_THAT(error_of([&] { read_bitmap(text); }), HasSubstr("no PNG, BMP or JPEG"));
   const auto grey_map = folder.write("c.png", std::string("P5 1 1 255\n") + '\0');
-  EXPECT_THAT(error_of([&] { read_bitmap(grey_map); }), HasSubstr("no PNG or BMP"));
+  EXPECT_THAT(error_of([&] { read_bitmap(grey_map); }), HasSubstr("no PNG, BMP or JPEG"));
   EXPECT_THAT(error_of([&] { read_bitmap(folder.file("none.png")); }), HasSubstr("no such file"));
 }
 
 TEST(ReadBitmap, DamagedFilesNeverDoMoreThanFail) {
   const TemporaryFolder folder;
-  const std::string png = png_of(8, 8, std::vector<std::uint8_t>(256, 77), folder);
+  const std::string png = png_of(8, 8, std::vector<std::uint8_t>(256, 77), folder),
+                    bmp = small_bmp(), jpeg = jpeg_of(16, 16, std::vector<std::uint8_t>(256, 77));
   std::mt19937_64 random(4);
   for (int i = 0; i < test::scaled(250); ++i) {
-    std::string bytes = random() % 2 == 0 ? png : small_bmp();
-    bytes[random() % std::min<std::size_t>(bytes.size(), 60)] = static_cast<char>(random());
+    const std::string& whole = i % 3 == 0 ? png : i % 3 == 1 ? bmp : jpeg;
+    std::string bytes = whole;
+    bytes[random() % std::min<std::size_t>(bytes.size(), i % 3 == 2 ? 800 : 60)] =
+        static_cast<char>(random());
     const auto path = folder.write("a.png", bytes);
     try {
       const Bitmap bitmap = read_bitmap(path);

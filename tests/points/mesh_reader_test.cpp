@@ -263,6 +263,11 @@ TEST(Classify, GoesByExtensionAndForPlyByFaces) {
   EXPECT_EQ(classify(folder.write("a.bmp", "x")), InputKind::bitmap);
   EXPECT_EQ(classify(folder.write("a.xyz", "x")), InputKind::points);
   EXPECT_EQ(classify(folder.write("a.csv", "x")), InputKind::points);
+  EXPECT_EQ(classify(folder.write("a.cad", "x")), InputKind::points);
+  EXPECT_EQ(classify(folder.write("a.3mf", "x")), InputKind::mesh);
+  EXPECT_EQ(classify(folder.write("a.glb", "x")), InputKind::mesh);
+  EXPECT_EQ(classify(folder.write("a.JPG", "x")), InputKind::bitmap);
+  EXPECT_EQ(classify(folder.write("a.jpeg", "x")), InputKind::bitmap);
   const Mesh mesh = test::torus(10, 3, 5, 4);
   EXPECT_EQ(classify(folder.write("a.ply", ascii_ply_of(mesh))), InputKind::mesh);
   Mesh no_faces = mesh;

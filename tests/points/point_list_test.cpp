@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "host/file.hpp"
 #include "host/model/read_points.hpp"
@@ -48,6 +50,50 @@ TEST(PointList, RoundTripsAreExact) {
   EXPECT_TRUE(same_bits(read_point_list(folder.file("a.xyz")), cloud));
   model::write_ply(folder.file("a.ply"), cloud);
   EXPECT_TRUE(same_bits(read_point_list(folder.file("a.ply")), cloud));
+  // A drawing has limits of its own.
+  PointCloud near;
+  for (const auto& p : cloud) {
+    if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < 1e9) near.push_back(p);
+  }
+  EXPECT_GE(near.size(), 1u);
+  model::write_dxf(folder.file("a.dxf"), near);
+  // Its map of units, by 1, makes no negative zeros.
+  PointCloud expected = near;
+  for (auto& p : expected) p = {p.x + 0.0, p.y + 0.0, p.z + 0.0};
+  EXPECT_TRUE(same_bits(read_point_list(folder.file("a.dxf")), expected));
+}
+
+TEST(PointList, ReadsRowsOfGlassEngravers) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_point_list(folder.write("a.cad", "1 0 1.5 2 3\r\n1,1,4,5,6\n")),
+            (PointCloud{{1.5, 2, 3}, {4, 5, 6}}));
+  const auto message = [&](const std::string& bytes) {
+    const auto path = folder.write("a.cad", bytes);
+    return error_of([&] { read_point_list(path); });
+  };
+  EXPECT_THAT(message("1 0 1 2 3\n1 0 1 2\n"), HasSubstr("line 2: 4 of 5 columns"));
+  EXPECT_THAT(message("1 0 1 2 3 4\n"), HasSubstr("6 of 5 columns"));
+  EXPECT_THAT(message("1 a 1 2 3\n"), HasSubstr("line 1: 'a'"));
+}
+
+TEST(PointList, NamesOfColumnsSayWhichAreCoordinates) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& bytes) {
+    return read_point_list(folder.write("a.csv", bytes));
+  };
+  EXPECT_EQ(read("x,y,z\n1,2,3\n"), (PointCloud{{1, 2, 3}}));
+  EXPECT_EQ(read("# made by\nindex,beat,X_mm,y_mm,z_mm\n0,7,1,2,3\n1,9,4,5,6\n"),
+            (PointCloud{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(read("\"name\";\"z\";\"y\";\"x\"\na b;3;2;1\n;6; 5 ;4\n"),
+            (PointCloud{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(read("z x y\n3 1 2\n"), (PointCloud{{1, 2, 3}}));
+  EXPECT_EQ(read("1;2;3\n4; 5;6;7\n"), (PointCloud{{1, 2, 3}, {4, 5, 6}}));
+  const auto message = [&](const std::string& bytes) { return error_of([&] { read(bytes); }); };
+  EXPECT_THAT(message("a,b,c\n1,2,3\n"), HasSubstr("line 1: names of columns without 'x'"));
+  EXPECT_THAT(message("x,y,z\n1,2\n"), HasSubstr("line 2: 2 of 3"));
+  EXPECT_THAT(message("x,y,z\n1,,3\n"), HasSubstr("line 2: ''"));
+  EXPECT_THAT(message("x,y,z\nx,y,z\n"), HasSubstr("line 2: 'x'"));
+  EXPECT_THAT(message("1,5;2;3\n"), HasSubstr("'1,5'"));
 }
 
 TEST(PointList, ReadsTheFormsOfText) {

@@ -1,7 +1,10 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <map>
 
+#include "host/model/affine.hpp"
 #include "host/points/contours.hpp"
 #include "host/points/slice.hpp"
 #include "tests/points/shapes.hpp"
@@ -168,8 +171,146 @@ TEST(Slice, FirstAndLastBoundThePlanes) {
   EXPECT_TRUE(slice(test::sphere(10, 9, 9), {.first_mm = 11}).empty());
 }
 
+TEST(Slice, OffsetsAreCountedFromTheMesh) {
+  model::Mesh mesh = test::sphere(10, 50, 50);
+  for (auto& v : mesh.vertices) v.z += 1000;
+  const auto layers = by_layer(
+      slice(mesh, {.layer_mm = 1, .vertex_mm = 1, .first_offset_mm = 0.5, .last_offset_mm = 5.5}));
+  ASSERT_EQ(layers.size(), 15u);
+  EXPECT_NEAR(layers.begin()->first, 990.5, 1e-9);
+  EXPECT_NEAR(layers.rbegin()->first, 1004.5, 1e-9);
+  EXPECT_THAT(error_of([&] { slice(mesh, {.first_mm = 1, .first_offset_mm = 1}); }),
+              ::testing::HasSubstr("by its offset"));
+  EXPECT_NE(error_of([&] { slice(mesh, {.last_mm = 1, .last_offset_mm = 1}); }), "");
+}
+
+/// The mesh with its axes exchanged: what is along z comes to lie along `axis`.
+model::Mesh lying_along(points::Axis axis, model::Mesh mesh) {
+  for (auto& v : mesh.vertices) {
+    if (axis == points::Axis::x) v = {v.z, v.x, v.y};
+    if (axis == points::Axis::y) v = {v.y, v.z, v.x};
+  }
+  return mesh;
+}
+
+// Slicing a body that lies along an axis is slicing the upright body and laying down its points.
+TEST(Slice, AlongAnyAxisIsTheSameLyingDown) {
+  const model::Mesh upright = test::torus(10, 3, 40, 20, 0.02);
+  const points::SliceOptions options{.layer_mm = 0.5, .vertex_mm = 0.4, .twist_mm = 0.1};
+  const PointCloud expected = slice(upright, options);
+  for (const points::Axis axis : {points::Axis::x, points::Axis::y}) {
+    points::SliceOptions along = options;
+    along.frame.axis = axis;
+    const PointCloud cloud = slice(lying_along(axis, upright), along);
+    model::Mesh laid{expected, {}};
+    EXPECT_EQ(cloud, lying_along(axis, laid).vertices);
+  }
+}
+
+TEST(Slice, InATurnedFrameIsTheSameTurned) {
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> angle(-180, 180);
+  const model::Mesh upright = test::torus(10, 3, 40, 20, 0.02);
+  for (int i = 0; i < test::scaled(20); ++i) {
+    points::SliceOptions options{.layer_mm = 0.5, .vertex_mm = 0.4};
+    // Planes away from the rims, where rounding decides whether there is a contour.
+    options.first_offset_mm = 0.251;
+    const PointCloud expected = slice(upright, options);
+    options.frame = {points::Axis::z, angle(random), angle(random), angle(random)};
+    const model::Affine turn = model::turned_about_z(options.frame.turn_z_deg) *
+                               model::turned_about_y(options.frame.turn_y_deg) *
+                               model::turned_about_x(options.frame.turn_x_deg);
+    model::Mesh turned = upright;
+    for (auto& v : turned.vertices) v = turn(v);
+    const PointCloud cloud = slice(turned, options);
+    ASSERT_EQ(cloud.size(), expected.size());
+    for (std::size_t k = 0; k < cloud.size(); ++k) {
+      EXPECT_LT(test::distance(cloud[k], turn(expected[k])), 1e-6);
+    }
+  }
+}
+
+// Every point of a slice lies in one of its planes and on the body, whatever the frame.
+TEST(Slice, TurnedPlanesCutTheSphereInCircles) {
+  points::SliceOptions options{.layer_mm = 1, .vertex_mm = 0.3, .first_mm = -9.5};
+  options.frame = {points::Axis::x, 20, 30, 40};
+  const auto cloud = slice(test::sphere(10, 199, 400), options);
+  const model::Affine turn =
+      model::turned_about_z(40) * model::turned_about_y(30) * model::turned_about_x(20);
+  const points::Point normal = turn({1, 0, 0});
+  std::map<long, std::size_t> planes;
+  for (const auto& p : cloud) {
+    EXPECT_NEAR(std::hypot(p.x, p.y, p.z), 10, 0.01);
+    const double height = p.x * normal.x + p.y * normal.y + p.z * normal.z;
+    EXPECT_NEAR(height - std::floor(height), 0.5, 1e-9);
+    ++planes[std::lround(height - 0.5)];
+  }
+  EXPECT_EQ(planes.size(), 20u);
+}
+
+/// A cylinder round z with `around` sides, its caps fans round a vertex in the middle.
+model::Mesh cylinder(double radius, double half, std::uint32_t around) {
+  model::Mesh mesh{{{0, 0, -half}, {0, 0, half}}, {}};
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const double a = 2 * std::numbers::pi * i / around;
+    for (const double z : {-half, half}) {
+      mesh.vertices.push_back({radius * std::cos(a), radius * std::sin(a), z});
+    }
+  }
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const std::uint32_t low = 2 + 2 * i, next = 2 + 2 * ((i + 1) % around);
+    mesh.triangles.insert(
+        mesh.triangles.end(),
+        {{low, next, next + 1}, {low, next + 1, low + 1}, {0, next, low}, {1, low + 1, next + 1}});
+  }
+  return mesh;
+}
+
+TEST(LostFaces, AreTheCapsOfACylinder) {
+  const model::Mesh mesh = cylinder(5, 10, 360);
+  ASSERT_TRUE(test::is_closed(mesh));
+  const double cap = 180 * 25 * std::sin(2 * std::numbers::pi / 360);
+  const auto upright = points::lost_faces(mesh, {.layer_mm = 0.1});
+  EXPECT_EQ(upright.triangles, 720u);
+  EXPECT_NEAR(upright.area_mm2, 2 * cap, 1e-9);
+  EXPECT_NEAR(upright.share, 2 * cap / (2 * cap + 360 * 20 * 10 * std::sin(std::numbers::pi / 360)),
+              1e-9);
+  // A plane through a cap gives its rim and does not show it either.
+  EXPECT_EQ(points::lost_faces(mesh, {.layer_mm = 1, .first_mm = -10}).triangles, 720u);
+  // Cut from the side the caps are seen, and so they are in any frame that is turned enough.
+  points::SliceOptions options{.layer_mm = 0.1};
+  options.frame.axis = points::Axis::x;
+  // Strips of asin(1/10) to both sides of the highest and the lowest line, 0.025 mm high, remain.
+  EXPECT_NEAR(points::lost_faces(mesh, options).area_mm2, 4 * 5 * std::asin(0.1) * 20, 4);
+  options.frame = {.turn_x_deg = 45};
+  EXPECT_EQ(points::lost_faces(mesh, options).triangles, 0u);
+  // The same cylinder and planes, both turned.
+  options.frame = {.turn_x_deg = 33, .turn_z_deg = -70};
+  const model::Affine turn = model::turned_about_z(-70) * model::turned_about_x(33);
+  model::Mesh turned = mesh;
+  for (auto& v : turned.vertices) v = turn(v);
+  EXPECT_NEAR(points::lost_faces(turned, options).area_mm2, 2 * cap, 1e-6);
+}
+
+TEST(LostFaces, OfARoundBodyAreHardlyAny) {
+  const auto lost = points::lost_faces(test::sphere(10, 199, 400), {.layer_mm = 0.1});
+  EXPECT_GT(lost.triangles, 0u);
+  EXPECT_LT(lost.share, 0.006);
+  EXPECT_EQ(points::lost_faces({}, {}).share, 0);
+  EXPECT_EQ(points::lost_faces(test::box(5, 5, 5), {}, 0).triangles, 4u);
+  EXPECT_NE(error_of([&] { points::lost_faces(test::box(5, 5, 5), {}, 91); }), "");
+}
+
 TEST(Slice, WrongOptionsAreRefused) {
   const model::Mesh mesh = test::box(5, 5, 5);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(error_of([&] { slice(mesh, {.first_mm = nan}); }), "");
+  EXPECT_NE(error_of([&] { slice(mesh, {.twist_mm = nan}); }), "");
+  EXPECT_NE(error_of([&] { slice(mesh, {.frame = {.turn_y_deg = nan}}); }), "");
+  EXPECT_NE(error_of([&] {
+              slice(mesh, {.frame = {.turn_x_deg = std::numeric_limits<double>::infinity()}});
+            }),
+            "");
   EXPECT_NE(error_of([&] { slice(mesh, {.layer_mm = 0}); }), "");
   EXPECT_NE(error_of([&] { slice(mesh, {.vertex_mm = -1}); }), "");
   EXPECT_NE(error_of([&] { slice(mesh, {.layer_mm = 1e-12}); }), "");

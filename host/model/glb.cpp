@@ -1,0 +1,148 @@
+#include "host/model/glb.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host/bytes.hpp"
+#include "host/file.hpp"
+
+namespace lamplock::model {
+namespace {
+
+using nlohmann::json;
+using std::filesystem::path;
+
+constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
+
+[[noreturn]] void refuse_glb(const path& file, const std::string& what) {
+  refuse(file, what, "the file is cut off or damaged: export it again");
+}
+
+/// The next chunk, cut off `rest`; empty at the end of the file.
+std::string_view next_chunk(const path& file, std::string_view& rest, std::string_view type) {
+  if (rest.empty()) return {};
+  if (rest.size() < chunk_header_bytes) refuse_glb(file, "a chunk is cut off");
+  const std::size_t length = load<std::uint32_t>(rest.data());
+  if (rest.substr(4, 4) != type) refuse_glb(file, "a chunk of an unknown kind");
+  if (rest.size() - chunk_header_bytes < length) refuse_glb(file, "a chunk is cut off");
+  const std::string_view chunk = rest.substr(chunk_header_bytes, length);
+  rest.remove_prefix(chunk_header_bytes + length);
+  return chunk;
+}
+
+/// A count or an offset; 0 if it is not there.
+std::uint64_t number_of(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() ? 0 : found->get<std::uint64_t>();
+}
+
+/// Bytes of one number of an accessor; 0 for an unknown type.
+std::uint64_t component_bytes(std::uint64_t type) {
+  constexpr std::uint64_t first =
+      5120;  // BYTE, UNSIGNED_BYTE, SHORT, UNSIGNED_SHORT, -, UINT, FLOAT
+  constexpr std::array<std::uint64_t, 7> bytes{1, 1, 2, 2, 0, 4, 4};
+  return type >= first && type - first < bytes.size() ? bytes[type - first] : 0;
+}
+
+std::uint64_t components(const std::string& type) {
+  if (type == "SCALAR") return 1;
+  if (type == "VEC2") return 2;
+  if (type == "VEC3") return 3;
+  if (type == "VEC4" || type == "MAT2") return 4;
+  if (type == "MAT3") return 9;
+  return type == "MAT4" ? 16 : 0;
+}
+
+class Checker {
+ public:
+  Checker(const path& file, const json& document, std::size_t buffer_bytes)
+      : file_(file), document_(document), buffer_bytes_(buffer_bytes) {}
+
+  void check() const {
+    for (const json& buffer : list("buffers")) {
+      require(!buffer.contains("uri"), "numbers in another file");
+      require(number_of(buffer, "byteLength") <= buffer_bytes_, "less numbers than promised");
+    }
+    require(list("buffers").size() <= 1, "more than one buffer");
+    for (const json& view : list("bufferViews")) {
+      require(number_of(view, "buffer") < list("buffers").size(), "a view of no buffer");
+      require(fits(number_of(view, "byteOffset"), number_of(view, "byteLength"), buffer_bytes_),
+              "a view beyond the buffer");
+    }
+    std::size_t index = 0;
+    for (const json& accessor : list("accessors")) check_accessor(accessor, index++);
+  }
+
+ private:
+  const json& list(const char* key) const {
+    static const json none = json::array();
+    const auto found = document_.find(key);
+    if (found == document_.end()) return none;
+    require(found->is_array(), fmt::format("'{}' is no list", key));
+    return *found;
+  }
+
+  static bool fits(std::uint64_t offset, std::uint64_t length, std::uint64_t room) {
+    return offset <= room && length <= room - offset;
+  }
+
+  void check_accessor(const json& accessor, std::size_t index) const {
+    const auto require_here = [&](bool condition, const char* what) {
+      require(condition, fmt::format("accessor {} {}", index, what));
+    };
+    require_here(!accessor.contains("sparse"), "is sparse, which cannot be read");
+    const std::uint64_t bytes = component_bytes(number_of(accessor, "componentType")) *
+                                components(accessor.value("type", std::string()));
+    require_here(bytes > 0, "has an unknown type");
+    const std::uint64_t count = number_of(accessor, "count");
+    require_here(accessor.contains("bufferView"), "has no numbers");
+    const std::uint64_t view = number_of(accessor, "bufferView");
+    require_here(view < list("bufferViews").size(), "is of no view");
+    const json& of = list("bufferViews")[view];
+    const std::uint64_t room = number_of(of, "byteLength");
+    const std::uint64_t stride = std::max(number_of(of, "byteStride"), bytes);
+    // A count beyond the room must not overflow the product.
+    require_here(count <= room && fits(number_of(accessor, "byteOffset"),
+                                       count == 0 ? 0 : (count - 1) * stride + bytes, room),
+                 "is beyond its view");
+    constexpr std::uint64_t longest_stride = 252;  // by the specification
+    require_here(stride <= longest_stride, "has too long a stride");
+  }
+
+  void require(bool condition, const std::string& what) const {
+    if (!condition) refuse_glb(file_, what);
+  }
+
+  const path& file_;
+  const json& document_;
+  std::size_t buffer_bytes_;
+};
+
+}  // namespace
+
+void check_glb(const path& file, std::string_view bytes) {
+  if (bytes.size() < header_bytes || !bytes.starts_with("glTF")) refuse_glb(file, "no GLB");
+  if (load<std::uint32_t>(bytes.data() + 4) != 2) {
+    refuse(file, "a GLB of another version than 2", "export it as glTF 2.0");
+  }
+  const std::size_t length = load<std::uint32_t>(bytes.data() + 8);
+  if (length < header_bytes || length > bytes.size()) refuse_glb(file, "the file is cut off");
+  std::string_view rest = bytes.substr(header_bytes, length - header_bytes);
+  const std::string_view text = next_chunk(file, rest, "JSON");
+  const std::string_view buffer = next_chunk(file, rest, std::string_view("BIN\0", 4));
+  const json document = json::parse(text, nullptr, false);
+  if (!document.is_object()) refuse_glb(file, "its description cannot be read");
+  try {
+    Checker(file, document, buffer.size()).check();
+  } catch (const json::exception&) {
+    refuse_glb(file, "its description has values of a wrong kind");
+  }
+}
+
+}  // namespace lamplock::model

@@ -1,0 +1,20 @@
+#include "host/model/place.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/file.hpp"
+
+namespace lamplock::model {
+
+std::size_t Place::line() const {
+  const std::string_view before = text.substr(0, offset);
+  return static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
+}
+
+void Place::refuse(const std::string& what, const std::string& remedy) const {
+  lamplock::refuse(file, fmt::format("line {}: {}", line(), what), remedy);
+}
+
+}  // namespace lamplock::model

@@ -1,0 +1,33 @@
+// The basic shapes of SVG as curves (W3C, "Scalable Vector Graphics (SVG) 1.1", chapter 9; radii of
+// rectangles as in SVG 2).
+//
+// In:  an element with the size of what percentages are of. Out: its paths in its own units.
+// Who: read_svg().
+#pragma once
+
+#include <optional>
+#include <pugixml.hpp>
+#include <string_view>
+#include <vector>
+
+#include "host/model/curves.hpp"
+#include "host/model/place.hpp"
+#include "host/model/svg_values.hpp"
+
+namespace lamplock::model {
+
+/// A length attribute in px; `otherwise` if there is none. Throws Error (bad_input).
+double svg_length_of(const pugi::xml_node& node, const char* name, double whole_px,
+                     double otherwise, const Place& place);
+
+/// The rectangle of attributes x, y, width and height inside `port`; 0 for those that are missing.
+/// Throws Error (bad_input) for negative sizes.
+SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const Place& place);
+
+/// The paths of path, rect, circle, ellipse, line, polyline and polygon; nothing for any other
+/// element, which `name` says. Shapes without extent have no path. Throws Error (bad_input) naming
+/// the place.
+std::optional<std::vector<Path>> svg_shape(const pugi::xml_node& node, std::string_view name,
+                                           const SvgBox& port, const Place& place);
+
+}  // namespace lamplock::model

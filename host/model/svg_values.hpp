@@ -1,0 +1,63 @@
+// Values of SVG attributes: numbers, lengths, lists, transforms (W3C, "Scalable Vector Graphics
+// (SVG) 1.1", chapters 4 and 7; CSS units).
+//
+// In:  the text of an attribute. Out: numbers, px, maps.
+// Who: read_svg() and its path data.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "host/model/affine.hpp"
+#include "host/model/place.hpp"
+
+namespace lamplock::model {
+
+/// Takes numbers off the front of a text: separated by blanks, commas or nothing but their signs
+/// and points ("1-2.5.5" is three).
+class SvgScanner {
+ public:
+  SvgScanner(std::string_view text, const Place& place) : rest_(text), place_(place) {}
+
+  /// Skips blanks and one comma.
+  void skip_separator();
+  bool at_end();
+  /// Throws Error (bad_input) if there is no finite number.
+  double number();
+  /// One digit, 0 or 1, which needs no separator behind it.
+  bool flag();
+  bool begins_number();
+  /// The next character that is no blank, taken; 0 at the end.
+  char take();
+  /// Takes letters; empty if there are none.
+  std::string_view word();
+  std::string_view rest() const { return rest_; }
+  const Place& place() const { return place_; }
+
+ private:
+  void skip_blanks();
+
+  std::string_view rest_;
+  Place place_;
+};
+
+/// All numbers of a text. Throws Error (bad_input) if there is anything else.
+std::vector<double> svg_numbers(std::string_view text, const Place& place);
+
+/// A length in px (96 an inch); a percentage is one of `whole_px`. Throws Error (bad_input) for
+/// units of fonts and what is no length.
+double svg_length(std::string_view text, double whole_px, const Place& place);
+
+/// The map of a transform attribute. Throws Error (bad_input).
+Affine svg_transform(std::string_view text, const Place& place);
+
+/// A rectangle of the page or the user's own units.
+struct SvgBox {
+  double x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Fits `view` into `port` as preserveAspectRatio says; empty: centred and whole.
+Affine svg_fit(const SvgBox& view, const SvgBox& port, std::string_view aspect);
+
+}  // namespace lamplock::model

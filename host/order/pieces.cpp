@@ -1,0 +1,166 @@
+#include "host/order/pieces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "host/order/cone.hpp"
+#include "host/order/cost.hpp"
+#include "host/order/cut.hpp"
+#include "host/order/rest_tree.hpp"
+#include "host/order/shadow.hpp"
+
+namespace lamplock::order {
+namespace {
+
+using points::Point;
+using points::PointCloud;
+using Number = std::size_t;  // of a piece
+
+constexpr Number no_piece = std::numeric_limits<Number>::max();
+// Pieces, in the order that came, among which the next one is looked for.
+constexpr std::size_t choice = 64;
+
+/// Places first .. first + count - 1 of the order that came.
+struct Piece {
+  std::size_t first = 0, count = 0;
+  bool ring = false;  // ends where it begins
+  bool fired = false;
+  Number blocker = no_piece;  // a piece that has to be fired before, as far as is known
+};
+
+double usual_step_mm(const PointCloud& order) {
+  std::vector<double> steps;
+  steps.reserve(order.size());
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    steps.push_back(distance(order[i - 1], order[i]));
+  }
+  if (steps.empty()) return 0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+class Join {
+ public:
+  Join(const PointCloud& order, const std::vector<std::size_t>& starts, const BeatModel& model,
+       double tangent)
+      : order_(order), cost_(model), tangent_(tangent), rest_(order), piece_of_(order.size()) {
+    const double step_mm = usual_step_mm(order);
+    const double unit_mm = std::max({model.unit_mm(0), model.unit_mm(1), model.unit_mm(2)});
+    // Rest to rest 2 sqrt(4) = 4 beats: less is hardly worth a detour.
+    constexpr double units_of_a_jump = 2;
+    jump_mm_ = std::max(3 * step_mm, units_of_a_jump * unit_mm);
+    for (std::size_t layer = 0; layer + 1 < starts.size(); ++layer) {
+      split(starts[layer], starts[layer + 1], 2.5 * step_mm);
+    }
+  }
+
+  PointCloud run(Point from, const std::function<void(std::size_t)>& progress) {
+    result_.reserve(order_.size());
+    for (std::size_t left = pieces_.size(); left > 0; --left) {
+      while (pieces_[first_left_].fired) ++first_left_;
+      fire_piece(next_piece(from), from);
+      from = result_.back();
+      if (progress) progress(result_.size());
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void split(std::size_t begin, std::size_t end, double ring_mm) {
+    for (std::size_t i = begin; i < end;) {
+      std::size_t next = i + 1;
+      while (next < end && distance(order_[next - 1], order_[next]) < jump_mm_) ++next;
+      std::fill(piece_of_.begin() + static_cast<std::ptrdiff_t>(i),
+                piece_of_.begin() + static_cast<std::ptrdiff_t>(next), pieces_.size());
+      const bool ring = next - i > 2 && distance(order_[i], order_[next - 1]) < ring_mm;
+      pieces_.push_back({i, next - i, ring});
+      i = next;
+    }
+  }
+
+  std::span<const Point> points_of(const Piece& piece) const {
+    return std::span(order_).subspan(piece.first, piece.count);
+  }
+
+  double way_to(const Point& from, const Piece& piece) const {
+    const auto points = points_of(piece);
+    if (!piece.ring) return std::min(distance(from, points.front()), distance(from, points.back()));
+    double least = std::numeric_limits<double>::infinity();
+    for (const Point& p : points) least = std::min(least, distance(from, p));
+    return least;
+  }
+
+  /// The nearest of the pieces that may be fired now. The first that is left always may.
+  Number next_piece(const Point& from) {
+    std::vector<std::pair<double, Number>> near;
+    for (Number i = first_left_; i < pieces_.size() && near.size() < choice; ++i) {
+      if (!pieces_[i].fired) near.emplace_back(way_to(from, pieces_[i]), i);
+    }
+    std::sort(near.begin(), near.end());
+    for (const auto& [way, i] : near) {
+      if (take(i)) return i;
+    }
+    return first_left_;  // not reached
+  }
+
+  /// Takes the points of a piece out of the rest, unless it shadows what would be left.
+  bool take(Number number) {
+    Piece& piece = pieces_[number];
+    if (piece.blocker != no_piece && !pieces_[piece.blocker].fired) return false;
+    const auto first = static_cast<std::uint32_t>(piece.first);
+    const auto end = static_cast<std::uint32_t>(piece.first + piece.count);
+    for (std::uint32_t i = first; i < end; ++i) rest_.remove(i);
+    if (number == first_left_) return true;
+    for (std::uint32_t i = first; i < end; ++i) {
+      const auto lower = rest_.under_cone(order_[i], tangent_);
+      if (!lower) continue;
+      piece.blocker = piece_of_[*lower];
+      for (std::uint32_t k = first; k < end; ++k) rest_.put_back(k);
+      return false;
+    }
+    return true;
+  }
+
+  void fire_piece(Number number, const Point& from) {
+    Piece& piece = pieces_[number];
+    piece.fired = true;
+    const auto points = points_of(piece);
+    PointCloud other(points.begin(), points.end());
+    if (piece.ring) {
+      cut_tour(other, result_, from, cost_);
+    } else if (distance(from, other.back()) < distance(from, other.front())) {
+      std::reverse(other.begin(), other.end());
+    }
+    if (!keeps_rule(other)) other.assign(points.begin(), points.end());
+    result_.insert(result_.end(), other.begin(), other.end());
+  }
+
+  bool keeps_rule(std::span<const Point> piece) const {
+    const auto [low, high] = std::minmax_element(
+        piece.begin(), piece.end(), [](const Point& p, const Point& q) { return p.z < q.z; });
+    return low->z == high->z || !find_shadowed(piece, tangent_);
+  }
+
+  const PointCloud& order_;
+  TourCost cost_;
+  double tangent_, jump_mm_ = 0;
+  RestTree rest_;
+  std::vector<Number> piece_of_;
+  std::vector<Piece> pieces_;
+  Number first_left_ = 0;
+  PointCloud result_;
+};
+
+}  // namespace
+
+void join_pieces(PointCloud& order, const std::vector<std::size_t>& starts, const Point& from,
+                 const BeatModel& model, double tangent,
+                 const std::function<void(std::size_t)>& progress) {
+  PointCloud joined = Join(order, starts, model, tangent).run(from, progress);
+  if (model.beats(joined) < model.beats(order)) order = std::move(joined);
+}
+
+}  // namespace lamplock::order

@@ -1,0 +1,106 @@
+#include "host/points/fill_faces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "host/points/limits.hpp"
+#include "host/points/surface_blocks.hpp"
+#include "host/points/weld.hpp"
+
+namespace lamplock::points {
+namespace {
+
+/// Neighbours of the arrangement are this much further apart than asked for, so that rounding does
+/// not let weld() take them for too close.
+constexpr double rounding = 1e-9;
+
+Point difference(const Point& p, const Point& q) { return {p.x - q.x, p.y - q.y, p.z - q.z}; }
+double product(const Point& p, const Point& q) { return p.x * q.x + p.y * q.y + p.z * q.z; }
+
+/// A triangle on its longest side: the side goes from `origin` along the unit vector `along`, the
+/// third corner lies `foot` along it and `height` away in direction `away`.
+struct Frame {
+  Point origin, along, away;
+  double length = 0, foot = 0, height = 0;
+};
+
+/// The side begins at the vertex of the lower index and, of equal ones, the side of the lowest
+/// vertices is taken: so two triangles with a common longest side get the same points on it.
+Frame frame_of(const model::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+  std::array<std::uint32_t, 3> order = triangle;
+  std::sort(order.begin(), order.end());
+  constexpr std::array<std::array<std::size_t, 3>, 3> sides{{{0, 1, 2}, {0, 2, 1}, {1, 2, 0}}};
+  Frame frame;
+  Point third;
+  for (const auto& [from, to, other] : sides) {
+    const Point way = difference(mesh.vertices[order[to]], mesh.vertices[order[from]]);
+    const double length = std::sqrt(product(way, way));
+    if (length <= frame.length) continue;
+    frame.origin = mesh.vertices[order[from]];
+    frame.along = {way.x / length, way.y / length, way.z / length};
+    frame.length = length;
+    third = difference(mesh.vertices[order[other]], frame.origin);
+  }
+  frame.foot = product(third, frame.along);
+  const Point up = difference(
+      third, {frame.foot * frame.along.x, frame.foot * frame.along.y, frame.foot * frame.along.z});
+  frame.height = std::sqrt(product(up, up));
+  if (frame.height > 0) {
+    frame.away = {up.x / frame.height, up.y / frame.height, up.z / frame.height};
+  }
+  return frame;
+}
+
+/// Rows from the longest side to the third corner; every other one is moved by half a step.
+void fill(const Frame& frame, double distance_mm, PointCloud& cloud) {
+  const double step = distance_mm * (1 + rounding);
+  const double row_mm = step * std::numbers::sqrt3 / 2;
+  const double last_row = std::floor(frame.height / row_mm + rounding);
+  require_count(static_cast<double>(cloud.size()) + last_row, "faces");
+  for (double row = 0; row <= last_row; ++row) {
+    const double away = row * row_mm;
+    const double up = std::min(away / frame.height, 1.0);
+    const double from = frame.foot * up, to = frame.length - (frame.length - frame.foot) * up;
+    const double offset = std::fmod(row, 2) * step / 2;
+    const double first = std::ceil((from - offset) / step - rounding);
+    const double last = std::floor((to - offset) / step + rounding);
+    require_count(static_cast<double>(cloud.size()) + last - first, "faces");
+    for (double i = first; i <= last; ++i) {
+      const double along = offset + i * step;
+      const auto at = [&](double Point::*axis) {
+        return frame.origin.*axis + along * frame.along.*axis + away * frame.away.*axis;
+      };
+      cloud.push_back({at(&Point::x), at(&Point::y), at(&Point::z)});
+    }
+  }
+}
+
+}  // namespace
+
+FaceFill fill_faces(const model::Mesh& mesh, const FaceFillOptions& options) {
+  require_positive(options.distance_mm, "faces", "distance");
+  if (options.smallest_side_mm != 0) {
+    require_positive(options.smallest_side_mm, "faces", "smallest side");
+  }
+  require_sound(mesh, "faces");
+  const double smallest =
+      options.smallest_side_mm > 0 ? options.smallest_side_mm : options.distance_mm;
+  FaceFill result;
+  PointCloud cloud;
+  for (const auto& triangle : mesh.triangles) {
+    const Frame frame = frame_of(mesh, triangle);
+    if (!(frame.length >= smallest) || !(frame.height > 0)) {
+      ++result.rejected;
+      continue;
+    }
+    fill(frame, options.distance_mm, cloud);
+  }
+  WeldResult welded = weld(std::move(cloud), options.distance_mm);
+  result.points = std::move(welded.points);
+  result.welded = welded.removed;
+  return result;
+}
+
+}  // namespace lamplock::points

@@ -1,0 +1,196 @@
+#include "host/points/shells.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "host/error.hpp"
+#include "host/points/limits.hpp"
+#include "host/points/random.hpp"
+
+namespace lamplock::points {
+namespace {
+
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+/// Neighbours on one shell count up to this many distances.
+constexpr double reach_distances = 2;
+
+double square_of_distance(const Point& p, const Point& q) {
+  const double x = p.x - q.x, y = p.y - q.y, z = p.z - q.z;
+  return x * x + y * y + z * z;
+}
+
+/// Points placed so far, by cells that are hashed into buckets without storing the cell: two cells
+/// in one bucket only cost more comparisons.
+class Placed {
+ public:
+  Placed(std::size_t most, double reach_mm)
+      : reach_(reach_mm),
+        heads_(std::bit_ceil(std::max<std::size_t>(most, 2)), none),
+        next_(most, none) {}
+
+  void add(const PointCloud& points) {
+    const auto index = static_cast<std::uint32_t>(points.size() - 1);
+    const Point& point = points.back();
+    std::uint32_t& head = heads_[bucket(cell(point.x), cell(point.y), cell(point.z))];
+    next_[index] = head;
+    head = index;
+  }
+
+  /// Calls `visit(index)` at least once for every point within the reach, and for others.
+  template <class Visit>
+  void for_each_near(const Point& place, const Visit& visit) const {
+    // Cells are two reaches wide, so a ball touches at most two per axis.
+    const std::array<double, 2> x = cells_round(place.x), y = cells_round(place.y),
+                                z = cells_round(place.z);
+    for (std::size_t i = 0; i < 8; ++i) {
+      const std::size_t a = i & 1, b = i >> 1 & 1, c = i >> 2;
+      const bool repeated =
+          (a != 0 && x[0] == x[1]) || (b != 0 && y[0] == y[1]) || (c != 0 && z[0] == z[1]);
+      if (repeated) continue;
+      for (std::uint32_t k = heads_[bucket(x[a], y[b], z[c])]; k != none; k = next_[k]) visit(k);
+    }
+  }
+
+ private:
+  double cell(double coordinate) const { return std::floor(coordinate / (2 * reach_)); }
+  std::array<double, 2> cells_round(double coordinate) const {
+    return {cell(coordinate - reach_), cell(coordinate + reach_)};
+  }
+  std::size_t bucket(double x, double y, double z) const {
+    // + 0.0 makes -0 and 0 one cell.
+    std::uint64_t hash = 0;
+    for (const double rank : {x, y, z}) {
+      hash = Random(hash ^ std::bit_cast<std::uint64_t>(rank + 0.0)).next();
+    }
+    return static_cast<std::size_t>(hash) & (heads_.size() - 1);
+  }
+
+  double reach_;
+  std::vector<std::uint32_t> heads_, next_;
+};
+
+class Spreader {
+ public:
+  Spreader(std::size_t count, const ShellOptions& options)
+      : options_(options),
+        reach_(reach_distances * options.distance_mm),
+        placed_(count, reach_),
+        members_(static_cast<std::size_t>(options.shells), 0) {
+    result_.points.reserve(count);
+    result_.shell.reserve(count);
+  }
+
+  void place(const Point& point, const Point& inward) {
+    std::optional<std::size_t> best;
+    double best_apart = 0;
+    for (std::size_t shell = 0; shell < members_.size(); ++shell) {
+      const double apart = apart_on(shell, moved(point, inward, shell));
+      if (apart == 0) continue;
+      // The emptier shell where neighbours do not decide.
+      const bool better =
+          !best || apart > best_apart || (apart == best_apart && members_[shell] < members_[*best]);
+      if (!better) continue;
+      best = shell;
+      best_apart = apart;
+    }
+    if (!best) {
+      ++result_.removed;
+      return;
+    }
+    ++members_[*best];
+    result_.points.push_back(moved(point, inward, *best));
+    result_.shell.push_back(static_cast<std::uint8_t>(*best));
+    placed_.add(result_.points);
+  }
+
+  Shells take() { return std::move(result_); }
+
+ private:
+  Point moved(const Point& point, const Point& inward, std::size_t shell) const {
+    const double depth = static_cast<double>(shell) * options_.shell_mm;
+    return {point.x + depth * inward.x, point.y + depth * inward.y, point.z + depth * inward.z};
+  }
+
+  /// Square of the distance to the nearest point on that shell, at most that of the reach; 0 if
+  /// any point is closer than the smallest distance.
+  double apart_on(std::size_t shell, const Point& place) const {
+    const double least = options_.distance_mm * options_.distance_mm;
+    double apart = reach_ * reach_;
+    bool free = true;
+    placed_.for_each_near(place, [&](std::uint32_t i) {
+      const double square = square_of_distance(place, result_.points[i]);
+      free = free && square >= least;
+      if (result_.shell[i] == shell) apart = std::min(apart, square);
+    });
+    return free ? apart : 0;
+  }
+
+  const ShellOptions& options_;
+  double reach_;
+  Placed placed_;
+  std::vector<std::size_t> members_;  // of each shell
+  Shells result_;
+};
+
+void require_valid(std::span<const Point> cloud, std::span<const Point> inward,
+                   const ShellOptions& options) {
+  require_positive(options.distance_mm, "shells", "distance");
+  if (options.shells < 1 || options.shells > std::numeric_limits<std::uint8_t>::max()) {
+    throw Error(Exit::bad_input, "shells", fmt::format("{} shells", options.shells),
+                "give 1 to 255");
+  }
+  if (options.shells > 1) require_positive(options.shell_mm, "shells", "distance of shells");
+  require_count(static_cast<double>(cloud.size()), "shells");
+  if (!inward.empty() && inward.size() != cloud.size()) {
+    throw Error(Exit::bad_input, "shells",
+                fmt::format("{} ways inwards for {} points", inward.size(), cloud.size()),
+                "give one for each point");
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (is_finite(cloud[i]) && (inward.empty() || is_finite(inward[i]))) continue;
+    throw Error(Exit::bad_input, "shells",
+                fmt::format("point {} is ({}, {}, {})", i, cloud[i].x, cloud[i].y, cloud[i].z),
+                "repair the points");
+  }
+}
+
+}  // namespace
+
+Shells spread_over_shells(std::span<const Point> cloud, std::span<const Point> inward,
+                          const ShellOptions& options) {
+  require_valid(cloud, inward, options);
+  Spreader spreader(cloud.size(), options);
+  constexpr Point down{0, 0, -1};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    spreader.place(cloud[i], inward.empty() ? down : inward[i]);
+  }
+  return spreader.take();
+}
+
+PointCloud compensate_depth(PointCloud cloud, const DepthOptions& options) {
+  require_positive(options.full_depth_mm, "depth", "full depth");
+  for (const double density : {options.density_at_face, options.density_at_depth}) {
+    if (density >= 0 && density <= 1) continue;
+    throw Error(Exit::bad_input, "depth", fmt::format("density {}", density), "give 0 to 1");
+  }
+  const Random seeds(options.seed);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double depth =
+        std::clamp((options.entry_z_mm - cloud[i].z) / options.full_depth_mm, 0.0, 1.0);
+    const double density =
+        options.density_at_face + depth * (options.density_at_depth - options.density_at_face);
+    if (Random(seeds.fork(i)).uniform() < density) cloud[count++] = cloud[i];
+  }
+  cloud.resize(count);
+  return cloud;
+}
+
+}  // namespace lamplock::points

@@ -1,0 +1,287 @@
+#include "host/points/tone.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "host/file.hpp"
+#include "host/model/read_mesh.hpp"
+#include "host/points/bitmap_points.hpp"
+#include "tests/points/sampling.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock {
+namespace {
+
+using model::Bitmap;
+using model::Mesh;
+using model::read_mesh;
+using points::bitmap_points;
+using points::Plane;
+using points::PointCloud;
+using points::ToneCurve;
+using test::error_of;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+
+TEST(ToneCurve, IsAPowerBetweenLowestAndHighest) {
+  const ToneCurve tone{.gamma = 2, .lowest = 0.2, .highest = 0.6};
+  EXPECT_DOUBLE_EQ(tone.density(0), 0.2);
+  EXPECT_DOUBLE_EQ(tone.density(0.5), 0.3);
+  EXPECT_DOUBLE_EQ(tone.density(1), 0.6);
+  EXPECT_DOUBLE_EQ(tone.density(7), 0.6);
+  EXPECT_DOUBLE_EQ(tone.density(-1), 0.2);
+  EXPECT_DOUBLE_EQ(tone.density(std::numeric_limits<double>::quiet_NaN()), 0.2);
+  EXPECT_DOUBLE_EQ((ToneCurve{.gamma = 1, .invert = true}).density(0.3), 0.7);
+  EXPECT_NEAR(ToneCurve{}.density(0.5), 0.287, 0.001);  // gamma 1.8
+}
+
+TEST(ToneCurve, WrongOnesAreRefused) {
+  for (const ToneCurve& tone : {ToneCurve{.gamma = 0}, ToneCurve{.lowest = -0.1},
+                                ToneCurve{.highest = 1.1}, ToneCurve{.lowest = 0.6, .highest = 0.5},
+                                ToneCurve{.lowest = std::numeric_limits<double>::quiet_NaN()}}) {
+    EXPECT_NE(error_of([&] { points::require_valid(tone, "tone"); }), "");
+  }
+}
+
+Bitmap even_grey(int side, int grey) {
+  return {side, side,
+          std::vector<std::uint8_t>(static_cast<std::size_t>(side * side),
+                                    static_cast<std::uint8_t>(grey))};
+}
+
+TEST(BitmapTone, ShareOfPointsFollowsTheCurve) {
+  for (const double gamma : {1.0, 1.8}) {
+    for (const int grey : {10, 60, 128, 200, 250}) {
+      for (const bool invert : {false, true}) {
+        const ToneCurve tone{.gamma = gamma};
+        const PointCloud cloud =
+            bitmap_points(even_grey(100, grey),
+                          {.size_mm = 100, .spacing_mm = 1, .invert = invert, .tone = tone});
+        const double bright = grey / 255.0;
+        EXPECT_NEAR(static_cast<double>(cloud.size()) / 10'000,
+                    tone.density(invert ? bright : 1 - bright), 0.01)
+            << grey << ' ' << gamma;
+      }
+    }
+  }
+}
+
+TEST(BitmapTone, BlackIsFullAndWhiteIsEmptyBesideEachOther) {
+  Bitmap halves = even_grey(40, 0);
+  for (std::size_t i = 0; i < halves.grey.size(); ++i) {
+    halves.grey[i] = i % 40 < 13 ? 0 : i % 40 < 27 ? 100 : 255;
+  }
+  const PointCloud cloud =
+      bitmap_points(halves, {.size_mm = 40, .spacing_mm = 1, .tone = ToneCurve{}});
+  int black = 0, white = 0;
+  for (const auto& p : cloud) {
+    black += p.x < -7 ? 1 : 0;
+    white += p.x > 7 ? 1 : 0;
+  }
+  EXPECT_EQ(black, 13 * 40);
+  EXPECT_EQ(white, 0);
+}
+
+TEST(BitmapTone, PointsOfAGreyAreSpreadAndLayersDiffer) {
+  const points::BitmapOptions options{
+      .size_mm = 64, .spacing_mm = 1, .layers = 3, .layer_mm = 2, .tone = ToneCurve{.gamma = 1}};
+  const PointCloud cloud = bitmap_points(even_grey(64, 191), options);  // a quarter
+  std::array<std::vector<std::pair<double, double>>, 3> layers;
+  for (const auto& p : cloud) layers[static_cast<std::size_t>(p.z / 2 + 1)].emplace_back(p.x, p.y);
+  EXPECT_NE(layers[0], layers[1]);
+  EXPECT_NE(layers[1], layers[2]);
+  for (const auto& layer : layers) {
+    // Blue noise: squares of 8 x 8 hold 16 each, hardly more or less (random ones: deviation 3.5).
+    std::array<double, 64> squares{};
+    for (const auto& [x, y] : layer) {
+      ++squares[static_cast<std::size_t>((x + 32) / 8) +
+                8 * static_cast<std::size_t>((y + 32) / 8)];
+    }
+    double deviation = 0;
+    for (const double count : squares) deviation += (count - 16) * (count - 16) / 64;
+    EXPECT_LT(std::sqrt(deviation), 2);
+  }
+  EXPECT_EQ(bitmap_points(even_grey(64, 191), options), cloud);
+  EXPECT_GE(test::smallest_square(cloud), 1 - 1e-12);
+}
+
+TEST(BitmapPoints, PlanesAreTheSamePictureTurned) {
+  const Bitmap bitmap{2, 2, {0, 200, 10, 127}};
+  points::BitmapOptions options{.size_mm = 2, .spacing_mm = 1, .layers = 2, .layer_mm = 3};
+  const PointCloud upright = bitmap_points(bitmap, options);
+  for (const Plane plane : {Plane::xz, Plane::yz}) {
+    options.plane = plane;
+    const PointCloud turned = bitmap_points(bitmap, options);
+    ASSERT_EQ(turned.size(), upright.size());
+    for (std::size_t i = 0; i < turned.size(); ++i) {
+      const auto& p = upright[i];
+      EXPECT_EQ(turned[i], plane == Plane::xz ? (points::Point{p.x, p.z, p.y})
+                                              : (points::Point{p.z, p.x, p.y}));
+    }
+  }
+}
+
+/// A PNG of grey values, rows from the top.
+void write_png(const std::filesystem::path& path, int width, int height,
+               const std::vector<std::uint8_t>& grey) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(width);
+  image.height = static_cast<png_uint_32>(height);
+  image.format = PNG_FORMAT_GRAY;
+  ASSERT_NE(png_image_write_to_file(&image, path.c_str(), 0, grey.data(), 0, nullptr), 0);
+}
+
+constexpr const char* pictured_obj =
+    "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+    "usemtl m\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+
+TEST(Brightness, OfAnObjComesFromItsPicture) {
+  const TemporaryFolder folder;
+  write_png(folder.file("p.png"), 2, 2, {0, 51, 102, 255});
+  folder.write("a.mtl", "newmtl m\nKd 1 1 1\nmap_Kd p.png\n");
+  const Mesh mesh = read_mesh(folder.write("a.obj", pictured_obj));
+  ASSERT_TRUE(mesh.brightness);
+  EXPECT_TRUE(mesh.unread_pictures.empty());
+  // The first triangle is (0, 0), (1, 0), (1, 1); places by weights of the second and third.
+  EXPECT_NEAR(mesh.brightness->at(0, 0.7, 0.2), 1.0, 1e-6);          // (0.9, 0.2): lower right
+  EXPECT_NEAR(mesh.brightness->at(0, 0.1, 0.8), 51 / 255.0, 1e-6);   // (0.9, 0.8): upper right
+  EXPECT_NEAR(mesh.brightness->at(0, 0.2, 0.1), 102 / 255.0, 1e-6);  // (0.3, 0.1): lower left
+  EXPECT_NEAR(mesh.brightness->at(1, 0.1, 0.8), 0, 1e-6);            // (0.1, 0.9): upper left
+}
+
+TEST(Brightness, MissingPicturesAreNamedAndDoNotStopTheMesh) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("a.obj", pictured_obj);
+  EXPECT_FALSE(read_mesh(path).brightness);  // not even the materials
+  folder.write("a.mtl", "newmtl m\nmap_Kd none.png\n");
+  const Mesh mesh = read_mesh(path);
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_FALSE(mesh.brightness);
+  ASSERT_EQ(mesh.unread_pictures.size(), 1u);
+  EXPECT_THAT(mesh.unread_pictures[0], HasSubstr("none.png"));
+  folder.write("none.png", "no picture");
+  EXPECT_EQ(read_mesh(path).unread_pictures.size(), 1u);
+}
+
+TEST(Brightness, OfAPlyComesFromItsVerticesAndLosesFlatTriangles) {
+  const TemporaryFolder folder;
+  const Mesh mesh = read_mesh(folder.write(
+      "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "element face 3\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0 255 255 255\n1 0 0 0 0 0\n0 1 0 255 0 0\n1 1 0 0 0 255\n"
+      "3 0 1 2\n3 0 0 1\n3 3 2 1\n"));
+  ASSERT_TRUE(mesh.brightness);
+  ASSERT_EQ(mesh.triangles.size(), 2u);
+  ASSERT_EQ(mesh.brightness->corners.size(), 2u);
+  EXPECT_NEAR(mesh.brightness->at(0, 0, 0), 1, 1e-3);
+  EXPECT_NEAR(mesh.brightness->at(0, 0.5, 0), 0.5, 1e-3);
+  EXPECT_NEAR(mesh.brightness->at(0, 0, 1), 0.299, 1e-3);
+  EXPECT_NEAR(mesh.brightness->at(1, 0, 0), 0.114, 1e-3);
+}
+
+std::string u32(std::size_t value) {
+  std::string bytes;
+  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<char>(value >> (8 * i) & 0xFF));
+  return bytes;
+}
+
+/// One triangle with a picture inside the file and colours.
+std::string glb_of(const std::string& png, nlohmann::json change = {}) {
+  std::string buffer;
+  const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0,   // positions
+                                   0, 1, 1, 1, 0, 0,            // places of the picture, v down
+                                   1, 1, 1, 1, 1, 1, 1, 1, 1};  // colours
+  for (const float number : numbers) buffer.append(reinterpret_cast<const char*>(&number), 4);
+  buffer += png;
+  while (buffer.size() % 4 != 0) buffer.push_back('\0');
+  nlohmann::json document = nlohmann::json::parse(R"({
+    "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"material": 0,
+      "attributes": {"POSITION": 0, "TEXCOORD_0": 1, "COLOR_0": 2}}]}],
+    "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+    "textures": [{"source": 0}], "images": [{"bufferView": 3, "mimeType": "image/png"}],
+    "accessors": [
+      {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+       "min": [0, 0, 0], "max": [1, 1, 0]},
+      {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"},
+      {"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC3"}],
+    "bufferViews": [
+      {"buffer": 0, "byteOffset": 0, "byteLength": 36},
+      {"buffer": 0, "byteOffset": 36, "byteLength": 24},
+      {"buffer": 0, "byteOffset": 60, "byteLength": 36},
+      {"buffer": 0, "byteOffset": 96, "byteLength": 0}]})");
+  document["buffers"] = {{{"byteLength", buffer.size()}}};
+  document["bufferViews"][3]["byteLength"] = png.size();
+  if (!change.is_null()) document.merge_patch(change);
+  std::string text = document.dump();
+  while (text.size() % 4 != 0) text.push_back(' ');
+  return "glTF" + u32(2) + u32(12 + 8 + text.size() + 8 + buffer.size()) + u32(text.size()) +
+         "JSON" + text + u32(buffer.size()) + std::string("BIN\0", 4) + buffer;
+}
+
+TEST(Brightness, OfAGlbComesFromThePictureInside) {
+  const TemporaryFolder folder;
+  write_png(folder.file("p.png"), 2, 2, {0, 51, 102, 255});
+  const std::string png = read_file(folder.file("p.png"));
+  const Mesh mesh = read_mesh(folder.write("a.glb", glb_of(png)));
+  ASSERT_EQ(mesh.triangles.size(), 1u);
+  ASSERT_TRUE(mesh.brightness);
+  EXPECT_NEAR(mesh.brightness->at(0, 0.8, 0.1), 1.0, 1e-3);          // near (1, 0): lower right
+  EXPECT_NEAR(mesh.brightness->at(0, 0.1, 0.1), 102 / 255.0, 1e-3);  // near (0, 0): lower left
+  EXPECT_NEAR(mesh.brightness->at(0, 0.1, 0.8), 0, 1e-3);            // near (0, 1): upper left
+}
+
+TEST(ReadMesh, DamagedGlbIsRefused) {
+  const TemporaryFolder folder;
+  const std::string whole = glb_of("no picture");
+  EXPECT_EQ(read_mesh(folder.write("a.glb", whole)).unread_pictures.size(), 1u);
+  for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 60) {
+    const auto path = folder.write("b.glb", whole.substr(0, size));
+    EXPECT_THAT(error_of([&] { read_mesh(path); }), HasSubstr("b.glb"));
+  }
+  using nlohmann::json;
+  const json huge = {{"bufferViews", {{{"buffer", 0}, {"byteLength", 4000000000u}}}}};
+  const json far = {
+      {"accessors",
+       {{{"bufferView", 0}, {"componentType", 5126}, {"count", 30}, {"type", "VEC3"}}}}};
+  const json sparse = {{"accessors",
+                        {{{"bufferView", 0},
+                          {"componentType", 5126},
+                          {"count", 3},
+                          {"type", "VEC3"},
+                          {"sparse", json::object()}}}}};
+  const json elsewhere = {{"buffers", {{{"byteLength", 8}, {"uri", "x.bin"}}}}};
+  const json wrong = {{"bufferViews", {{{"buffer", "zero"}, {"byteLength", -1}}}}};
+  for (const json& change : {huge, far, sparse, elsewhere, wrong}) {
+    const auto path = folder.write("c.glb", glb_of("", change));
+    EXPECT_NE(error_of([&] { read_mesh(path); }), "");
+  }
+}
+
+TEST(ReadMesh, DamagedBytesOfAGlbNeverDoMoreThanFail) {
+  const TemporaryFolder folder;
+  std::mt19937_64 random(5);
+  const std::string whole = glb_of("no picture");
+  for (int i = 0; i < test::scaled(300); ++i) {
+    std::string bytes = whole;
+    for (std::uint32_t k = 0; k <= test::below(random, 3); ++k) {
+      bytes[random() % bytes.size()] = static_cast<char>(32 + random() % 95);
+    }
+    const auto path = folder.write("a.glb", bytes);
+    try {
+      EXPECT_FALSE(read_mesh(path).triangles.empty());
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit(), Exit::bad_input);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lamplock
