@@ -186,6 +186,22 @@ job::Job line(int points) {
   return job::make_job(cloud, job::default_profile(), {});
 }
 
+/// Rows so dense that whether to run up to them depends on points far ahead.
+TEST(Estimate, looks_as_far_ahead_as_the_machine) {
+  job::Profile profile = job::default_profile();
+  job::set_lamp_hz(profile, 4000);
+  job::set_acceleration(profile, 10);
+  for (const int length : {20, 60, 120, 250, 400}) {
+    points::PointCloud cloud;
+    for (int row = 0; row < 4; ++row) {
+      cloud.push_back({-15, 2.0 * row + 1, 0});
+      for (int i = 0; i < length; ++i)
+        cloud.push_back({(row % 2 == 0 ? 1 : -1) * 0.025 * (i - length / 2), 2.0 * row, 0});
+    }
+    expect_same(job::make_job(cloud, profile, {}), {}, fmt::format("rows of {}", length));
+  }
+}
+
 TEST(Estimate, of_one_point) {
   const Estimate told = estimate_job(line(1));
   EXPECT_EQ(told.shots, 1u);
