@@ -41,7 +41,7 @@ function add_tile(key, label, text, note, kind) {
 
 function fill_tiles() {
   add_tile('points', 'Points', grouped(report.points), report.shots === report.points ? 'one shot each' : `${grouped(report.shots)} shots`);
-  add_tile('time_s', 'Machine time', time_text(report.time_s), `${fixed(report.points_per_s, 1)} points per second`);
+  add_tile('time_s', 'Machine time', time_text(report.time_s), `${fixed(report.points_per_s, 1)} points/s`);
   add_tile('utilisation', 'Utilisation', `${fixed(100 * report.utilisation, 1)} %`, 'of the lamp\u2019s flashes');
   add_tile('beats_per_point', 'Beats per point', fixed(report.beats_per_point, 3), `${grouped(report.beats)} beats`);
   if (report.missed !== null) {
