@@ -54,8 +54,8 @@ std::vector<Parameter> model_parameters(Object& o) {
       {"up", "--up", &o.up, "Meshes: axis of the file that points up (often y in OBJ)", "", {},
        {"y", "z"}},
       {"transform", "--transform", &o.transform,
-       "Transformation in words, repeated for several, in their order: \"move X Y Z\", \"rotate "
-       "x|y|z DEG\", \"rotate X Y Z DEG\", \"scale F\", \"mirror x|y|z\", \"centre\", \"fit\"",
+       "Transformation in words, several in their order: \"move X Y Z\", \"rotate AXIS DEG\" about x, "
+       "y, z or three numbers, \"scale F\", \"mirror AXIS\", \"centre\", \"fit\"",
        "WORDS", {}, {}, transformation_refusal},
   };
 }
