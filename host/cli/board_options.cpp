@@ -144,7 +144,8 @@ void BoardOptions::add_job_speed(CLI::App& app) {
 }
 
 void BoardOptions::add_job(CLI::App& app) {
-  app.add_option("--from", from, "Go on at this point or line: the first one not fired, pauses counted with the "
+  app.add_option("--from", from,
+                 "Go on at this point or line: the first one not fired, pauses counted with the "
                  "points")
       ->check(number_from(0, true))
       ->type_name("N")
@@ -161,9 +162,14 @@ void BoardOptions::add_job(CLI::App& app) {
       ->check(CLI::Range(1u, std::numeric_limits<std::uint32_t>::max()).description(""))
       ->type_name("N")
       ->group(board_group);
-  app.add_option("--report", report, "Write report.json, shots.csv, shots.ply and cloud.png there")
+  app.add_option("--report", report,
+                 "Write report.html, report.json, shots.csv, shots.ply and cloud.png there")
       ->check(file_name())
       ->type_name("DIR")
+      ->group(board_group);
+  app.add_option("--statistics", statistics, "Add a line (CSV) about the job to this file")
+      ->check(file_name())
+      ->type_name("FILE")
       ->group(board_group);
   app.add_option("--vcd", vcd, "Trace of all pins of a simulated board, for GTKWave")
       ->check(file_name())
@@ -183,10 +189,15 @@ void BoardOptions::add_job(CLI::App& app) {
 }
 
 void BoardOptions::check() const {
-  check_distinct({{"--vcd", vcd}, {"--shots", shots}, {"--timing", timing}, {"--plot", plot.file}});
+  check_distinct({{"--vcd", vcd},
+                  {"--shots", shots},
+                  {"--timing", timing},
+                  {"--plot", plot.file},
+                  {"--statistics", statistics}});
   if (!vcd.empty()) check_target(vcd);
   if (!shots.empty()) check_target(shots);
   if (!report.empty()) check_report_folder(report);
+  if (!statistics.empty()) check_target(statistics);
   if (!timing.empty()) {
     if (board != chip_board)
       throw Error(Exit::bad_input, "--timing", "only the chip has cycles to count",

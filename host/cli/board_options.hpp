@@ -44,7 +44,7 @@ struct BoardOptions {
   std::size_t from = 0;
   std::uint32_t fired = 0, job_speed = 100;
   bool yes = false, dry = false, json = false;
-  std::string report{}, vcd{}, shots{}, timing{};
+  std::string report{}, statistics{}, vcd{}, shots{}, timing{};
   std::size_t hold_at = 0;  ///< points; 0 = no hold
   PlotOptions plot{};
   LampFaults faults{};
@@ -53,7 +53,7 @@ struct BoardOptions {
   void add_choice(CLI::App& app);     ///< --board, --image
   void add_board(CLI::App& app);      ///< these, --yes, --json
   void add_job_speed(CLI::App& app);  ///< --job-speed
-  /// --from, --fired, --job-speed, --dry, --hold-at, --report, --vcd, --shots, --timing, --plot and
+  /// --from, --fired, --job-speed, --dry, --hold-at, --report, --statistics, --vcd, --shots, --timing, --plot and
   /// what is simulated
   void add_job(CLI::App& app);
   bool is_simulated() const { return board == "virtual" || board == "chip"; }

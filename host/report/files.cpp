@@ -7,6 +7,7 @@
 
 #include "host/bytes.hpp"
 #include "host/file.hpp"
+#include "host/report/page.hpp"
 #include "host/report/picture.hpp"
 #include "host/report/report.hpp"
 
@@ -41,8 +42,9 @@ void write_ply(const JobRun& run, const fs::path& path) {
 points::PointCloud engraved(const JobRun& run) {
   if (!run.shots_known) return run.points;
   points::PointCloud cloud(run.shots.size());
-  std::transform(run.shots.begin(), run.shots.end(), cloud.begin(),
-                 [&run](const sim::Shot& shot) { return position_mm(shot, run.steps_per_mm, run.refraction); });
+  std::transform(run.shots.begin(), run.shots.end(), cloud.begin(), [&run](const sim::Shot& shot) {
+    return position_mm(shot, run.steps_per_mm, run.refraction);
+  });
   return cloud;
 }
 
@@ -67,6 +69,7 @@ void write_report(const Report& report, const JobRun& run, const fs::path& folde
   fs::create_directories(folder, error);
   if (error) refuse(folder, "cannot be made (" + error.message() + ")", "choose another folder");
   write_file(folder / "report.json", to_json(report));
+  write_page(report, run, folder / "report.html");
   if (run.shots_known) {
     write_shots_csv(run.shots, run.steps_per_mm, folder / "shots.csv", run.refraction);
     write_ply(run, folder / "shots.ply");

@@ -1,14 +1,16 @@
 #include "host/report/page.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <vector>
 
 #include "host/bytes.hpp"
-#include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/report/page_series.hpp"
 #include "host/report/page_template.hpp"
@@ -50,7 +52,8 @@ Box box_round(const points::PointCloud& cloud) {
 std::uint16_t share(double value, double low, double size) {
   constexpr double whole = 65535;
   if (!(size > 0) || !std::isfinite(value)) return 32768;
-  return static_cast<std::uint16_t>(std::lround(std::clamp((value - low) / size, 0.0, 1.0) * whole));
+  return static_cast<std::uint16_t>(
+      std::lround(std::clamp((value - low) / size, 0.0, 1.0) * whole));
 }
 
 /// Beats of the way to a point; the first one is where the count begins.
@@ -110,12 +113,8 @@ void append_base64(std::string_view bytes, std::string& text) {
 }
 
 Json histogram_json(const Histogram& histogram) {
-  return {{"from", histogram.from},
-          {"bin", histogram.bin},
-          {"counts", histogram.counts},
-          {"least", histogram.least},
-          {"median", histogram.median},
-          {"values", histogram.values}};
+  return {{"from", histogram.from},   {"bin", histogram.bin},       {"counts", histogram.counts},
+          {"least", histogram.least}, {"median", histogram.median}, {"values", histogram.values}};
 }
 
 /// Beats at places evenly spread over the points, for a clock.
@@ -123,7 +122,8 @@ Json clock_json(const PointBeats& beats) {
   Json places = Json::array();
   if (!beats.known || beats.beat.empty()) return places;
   const std::size_t last = beats.beat.size() - 1;
-  for (std::size_t i = 0; i <= clock_places; ++i) places.push_back(beats.beat[last * i / clock_places]);
+  for (std::size_t i = 0; i <= clock_places; ++i)
+    places.push_back(beats.beat[last * i / clock_places]);
   return places;
 }
 
@@ -131,20 +131,38 @@ Json settings_table() {
   Json rows = Json::array();
   for (std::size_t i = 0; i < settings::setting_count; ++i) {
     const settings::Row& row = settings::row(static_cast<settings::Id>(i));
-    rows.push_back({row.number, std::string(row.name), std::string(row.unit),
-                    std::string(row.description)});
+    rows.push_back(
+        {row.number, std::string(row.name), std::string(row.unit), std::string(row.description)});
   }
   return rows;
 }
 
-Json page_json(const Report& report, const JobRun& run, const PageNotes& notes,
-               const PointBeats& beats, const Box& box,
+/// What was said of the points, and what went wrong in the run.
+std::vector<std::string> warnings_of(const Report& report, const JobRun& run) {
+  std::vector<std::string> warnings = run.warnings;
+  const auto warn = [&warnings](std::uint64_t count, const char* what) {
+    if (count > 0) warnings.push_back(fmt::format("{} {}", count, what));
+  };
+  const auto beats = [&report](const char* reason) {
+    const auto found = report.beats_by_reason.find(reason);
+    return found == report.beats_by_reason.end() ? 0 : found->second;
+  };
+  warn(report.missed.value_or(0), "points were not fired");
+  warn(report.doubled.value_or(0), "shots were too many");
+  warn(report.checks.not_made, "shots were not seen by their photosensor");
+  warn(beats("starved"), "beats were lost because points came too late from the computer");
+  warn(beats("outside_tolerance"), "flashes came while the machine was not at its point");
+  warn(beats("no_edge"), "flashes of the lamp were missing");
+  return warnings;
+}
+
+Json page_json(const Report& report, const JobRun& run, const PointBeats& beats, const Box& box,
                const std::vector<std::uint32_t>& shown) {
   const Utilisation use = utilisation_over_time(beats, report.beats);
   return {{"report", Json::parse(to_json(report))},
-          {"estimate", notes.estimate},
-          {"first", notes.first},
-          {"warnings", notes.warnings},
+          {"estimate", !run.foreseen_beats.empty()},
+          {"first", run.first_point},
+          {"warnings", warnings_of(report, run)},
           {"settings_table", settings_table()},
           {"cloud",
            {{"count", shown.size()},
@@ -176,13 +194,13 @@ std::string in_script(const Json& json) {
 
 }  // namespace
 
-std::string page(const Report& report, const JobRun& run, const PageNotes& notes) {
+std::string page(const Report& report, const JobRun& run) {
   const PointBeats beats = point_beats(run);
   const Box box = box_round(run.points);
   const std::vector<std::uint32_t> shown = shown_points(run, beats);
   const std::string_view whole = page_template();
   const std::size_t data = whole.find(data_place), cloud = whole.find(cloud_place);
-  const std::string json = in_script(page_json(report, run, notes, beats, box, shown));
+  const std::string json = in_script(page_json(report, run, beats, box, shown));
   const std::string bytes = cloud_bytes(run, beats, box, shown);
   std::string text;
   text.reserve(whole.size() + json.size() + bytes.size() / 3 * 4 + 8);
@@ -193,9 +211,8 @@ std::string page(const Report& report, const JobRun& run, const PageNotes& notes
   return text;
 }
 
-void write_page(const Report& report, const JobRun& run, const PageNotes& notes,
-                const std::filesystem::path& file) {
-  write_file(file, page(report, run, notes));
+void write_page(const Report& report, const JobRun& run, const std::filesystem::path& file) {
+  write_file(file, page(report, run));
 }
 
 }  // namespace lamplock::report

@@ -1,6 +1,6 @@
 // One page that shows a job: report.html.
 //
-// In:  a judged run, or an estimate in the form of one; warnings.
+// In:  a judged run, or an estimate in the form of one.
 // Out: one HTML file that needs nothing else: style, script and data are in it, and it asks no
 //      server. Template and script: host/report/page/, built into the program.
 // Who: the files of a report, `estimate --page`. Budget: a million points in 4 s and 10 MB.
@@ -14,7 +14,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "host/report/report.hpp"
 
@@ -23,18 +22,10 @@ namespace lamplock::report {
 /// More points than this make a file too large to pass on.
 inline constexpr std::size_t most_points_shown = 1'000'000;
 
-/// What else there is to say.
-struct PageNotes {
-  bool estimate = false;               ///< foreseen, not run
-  std::vector<std::string> warnings;   ///< one line each
-  std::size_t first = 0;               ///< index of the first point in the whole job
-};
-
-/// The page as text.
-std::string page(const Report& report, const JobRun& run, const PageNotes& notes);
+/// The page as text. A run with foreseen beats is shown as an estimate.
+std::string page(const Report& report, const JobRun& run);
 
 /// Writes it. Throws lamplock::Error if the file cannot be written.
-void write_page(const Report& report, const JobRun& run, const PageNotes& notes,
-                const std::filesystem::path& file);
+void write_page(const Report& report, const JobRun& run, const std::filesystem::path& file);
 
 }  // namespace lamplock::report

@@ -16,11 +16,11 @@ namespace lamplock::report {
 
 /// Of every point, in order of firing.
 struct PointBeats {
-  bool known = false;  ///< somebody saw the shots, or foresees them; else all is empty
-  std::vector<std::uint32_t> beat;    ///< of its last shot, from the first of the job; as the point
-                                      ///< before if it had none
-  std::vector<std::uint8_t> missed;   ///< 1: fired less often than ordered
-  std::vector<std::uint32_t> shots;   ///< beat of every shot
+  bool known = false;               ///< somebody saw the shots, or foresees them; else all is empty
+  std::vector<std::uint32_t> beat;  ///< of its last shot, from the first of the job; as the point
+                                    ///< before if it had none
+  std::vector<std::uint8_t> missed;  ///< 1: fired less often than ordered
+  std::vector<std::uint32_t> shots;  ///< beat of every shot
 };
 
 /// Works out the beats of points and shots.
@@ -28,9 +28,9 @@ PointBeats point_beats(const JobRun& run);
 
 /// How many values lie in bins of equal width.
 struct Histogram {
-  double from = 0;                     ///< where the first bin begins
-  double bin = 0;                      ///< width; 0: there is nothing to count
-  std::vector<std::uint64_t> counts;   ///< the last bin takes all larger values too
+  double from = 0;                    ///< where the first bin begins
+  double bin = 0;                     ///< width; 0: there is nothing to count
+  std::vector<std::uint64_t> counts;  ///< the last bin takes all larger values too
   double least = 0, median = 0;
   std::size_t values = 0;
 };

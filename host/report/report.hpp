@@ -1,7 +1,8 @@
 // What a job did: the judge of a run and the files that tell about it.
 //
 // In:  the points as ordered, in firing order; what the laser recorded; the firmware's counters.
-// Out: a Report (numbers), and in a folder report.json, shots.csv, shots.ply, cloud.png.
+// Out: a Report (numbers), and in a folder report.json, report.html, shots.csv, shots.ply,
+//      cloud.png.
 // Who: the command line after `engrave`; end-to-end tests.
 //
 // Missed and doubled points come from what was really fired, not from the firmware's counters:
@@ -62,6 +63,9 @@ struct JobRun {
   /// Instead of shots, of a run that is foreseen: the beat of each, from the first one.
   std::vector<std::uint32_t> foreseen_beats;
 
+  std::size_t first_point = 0;        ///< index of points.front() in the whole job
+  std::vector<std::string> warnings;  ///< about the points, one line each
+
   PerAxis<double> steps_per_mm{200, 200, 200, 200};
   glass::Refraction refraction{};  ///< from the steps of the stage into the glass
 
@@ -110,12 +114,11 @@ std::string to_json(const Report& report);
 /// Writes shots as shots.csv has them: one line each, positions in the glass in mm. Throws
 /// lamplock::Error if the file cannot be written.
 void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
-                     const std::filesystem::path& path,
-                     const glass::Refraction& refraction = {});
+                     const std::filesystem::path& path, const glass::Refraction& refraction = {});
 
-/// Writes report.json, shots.csv, shots.ply and cloud.png into `folder`, which is made if needed.
-/// Without known shots there is no shots.csv and no shots.ply, and the picture shows the points as
-/// ordered. Throws lamplock::Error if a file cannot be written.
+/// Writes report.json, report.html (page.hpp), shots.csv, shots.ply and cloud.png into `folder`,
+/// which is made if needed. Without known shots there is no shots.csv and no shots.ply, and the
+/// picture shows the points as ordered. Throws lamplock::Error if a file cannot be written.
 void write_report(const Report& report, const JobRun& run, const std::filesystem::path& folder);
 
 }  // namespace lamplock::report

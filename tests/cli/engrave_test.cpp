@@ -56,7 +56,8 @@ TEST(Engrave, mesh) {
     EXPECT_NEAR(std::abs(p.x) + std::abs(p.y) + std::abs(p.z), 3, 0.01);  // on the surface
   EXPECT_EQ(Folder::files(folder.path() / "out"), std::vector<std::string>{"report"});
   EXPECT_EQ(Folder::files(folder.path() / "out/report"),
-            (std::vector<std::string>{"cloud.png", "report.json", "shots.csv", "shots.ply"}));
+            (std::vector<std::string>{"cloud.png", "report.html", "report.json", "shots.csv",
+                                      "shots.ply"}));
   EXPECT_THAT(read(folder / "out/report/cloud.png"), testing::StartsWith("\x89PNG"));
 }
 
