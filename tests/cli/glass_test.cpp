@@ -50,8 +50,7 @@ TEST(Glass, ShotsAreInTheGlassAndTheStageIsNot) {
   const std::vector<points::Point> points = walk(150, 5);
   const std::string list = folder.write("p.xyz", xyz(points));
   const std::vector<std::string> glass{list, "--material", "k9", "--block", "20,20,30"};
-  const Json report =
-      run_json(joined({"engrave", "--shots", folder / "shots.csv"}, glass));
+  const Json report = run_json(joined({"engrave", "--shots", folder / "shots.csv"}, glass));
   EXPECT_EQ(report["missed"], 0);
   EXPECT_EQ(report["doubled"], 0);
   EXPECT_LE(report["largest_error_steps"], 0.5 + 1e-9);
@@ -82,7 +81,8 @@ TEST(Glass, BlocksKeepTheirMargin) {
   EXPECT_EQ(narrow.status, 0) << narrow.err;
   EXPECT_THAT(narrow.out, HasSubstr("warning  a margin of 2 mm"));
   const std::string mesh = folder.write("m.stl", octahedron_stl());
-  expect_refused(folder, {"points", mesh, "--size", "15", "--block", "20,20,20", "-o", folder / "o.xyz"},
+  expect_refused(folder,
+                 {"points", mesh, "--size", "15", "--block", "20,20,20", "-o", folder / "o.xyz"},
                  HasSubstr("--size 14"));
   // A move out of the block.
   expect_refused(folder,
@@ -165,9 +165,8 @@ TEST(Pauses, AJobGoesOnFromAnyPlace) {
   for (const int from : {0, 1, 9, 10, 11, 20, 21, 22, 26}) {
     const int pauses_before = from > 21 ? 2 : from > 10 ? 1 : 0;
     const auto left = static_cast<std::size_t>(25 - (from - pauses_before));
-    const Json report =
-        run_json({"engrave", list, "--pause-every", "10", "--pause-beats", "7", "--from",
-                  std::to_string(from), "--shots", folder / "shots.csv"});
+    const Json report = run_json({"engrave", list, "--pause-every", "10", "--pause-beats", "7",
+                                  "--from", std::to_string(from), "--shots", folder / "shots.csv"});
     EXPECT_EQ(report["points"], left) << from;
     EXPECT_EQ(report["missed"], 0) << from;
     EXPECT_EQ(report["doubled"], 0) << from;
@@ -182,12 +181,16 @@ TEST(Description, IsWhatTheOptionsSaid) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   const std::vector<std::string> options{
-      "--size", "6", "--spacing", "0.4", "--block", "30,30,40", "--material", "fused-silica",
-      "--transform", "rotate z 30", "--transform", "move 0 0 2", "--pause-every", "50",
-      "--pause-beats", "5", "--order", "cone", "--mode", "path", "--lamp", "50", "--flashes", "2"};
-  ASSERT_EQ(run(joined({"job", mesh, "-o", folder / "a.llj", "--save", folder / "job.toml"}, options))
-                .status,
-            0);
+      "--size",        "6",           "--spacing",     "0.4",
+      "--block",       "30,30,40",    "--material",    "fused-silica",
+      "--transform",   "rotate z 30", "--transform",   "move 0 0 2",
+      "--pause-every", "50",          "--pause-beats", "5",
+      "--order",       "cone",        "--mode",        "path",
+      "--lamp",        "50",          "--flashes",     "2"};
+  ASSERT_EQ(
+      run(joined({"job", mesh, "-o", folder / "a.llj", "--save", folder / "job.toml"}, options))
+          .status,
+      0);
   const Finished again = run({"job", folder / "job.toml", "-o", folder / "b.llj"});
   ASSERT_EQ(again.status, 0) << again.err << read(folder / "job.toml");
   EXPECT_EQ(read(folder / "a.llj"), read(folder / "b.llj")) << read(folder / "job.toml");
@@ -200,9 +203,12 @@ TEST(Description, WantsNoOptionsThatItHasKeysFor) {
   folder.write("p.xyz", "0 0 0\n1 0 0\n");
   const std::string toml = folder.write("job.toml", "[[object]]\nfile = \"p.xyz\"\n");
   EXPECT_EQ(run_json({"engrave", toml})["shots"], 2);
-  for (const auto& option : std::vector<std::vector<std::string>>{
-           {"--spacing", "0.3"}, {"--lamp", "50"}, {"--invert"}, {"--block", "9,9,9"},
-           {"--transform", "fit"}, {"--no-end-points"}})
+  for (const auto& option : std::vector<std::vector<std::string>>{{"--spacing", "0.3"},
+                                                                  {"--lamp", "50"},
+                                                                  {"--invert"},
+                                                                  {"--block", "9,9,9"},
+                                                                  {"--transform", "fit"},
+                                                                  {"--no-end-points"}})
     expect_refused(folder, joined({"engrave", toml}, option), HasSubstr("job.toml"));
   folder.write("job.toml", "[[object]]\nfile = \"p.xyz\"\n\nsise = 3\n");
   expect_refused(folder, {"engrave", toml}, HasSubstr("job.toml:4: unknown key 'sise'"));
@@ -231,9 +237,9 @@ TEST(Description, SeveralObjectsInOneBlock) {
   EXPECT_GT(cloud.size(), 300u);
   for (std::size_t i = 3; i < cloud.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
-      ASSERT_GE(std::hypot(cloud[i].x - cloud[k].x, cloud[i].y - cloud[k].y,
-                           cloud[i].z - cloud[k].z),
-                0.45 - 1e-9);
+      ASSERT_GE(
+          std::hypot(cloud[i].x - cloud[k].x, cloud[i].y - cloud[k].y, cloud[i].z - cloud[k].z),
+          0.45 - 1e-9);
   const Json report = run_json({"engrave", toml});
   EXPECT_EQ(report["shots"], cloud.size());
   EXPECT_EQ(report["missed"], 0);
@@ -244,8 +250,8 @@ class Methods : public testing::TestWithParam<const char*> {};
 TEST_P(Methods, KeepTheirDistanceAndEngrave) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
-  const std::vector<std::string> how{mesh, "--method", GetParam(), "--size", "6", "--spacing",
-                                     "0.4"};
+  const std::vector<std::string> how{mesh, "--method",  GetParam(), "--size",
+                                     "6",  "--spacing", "0.4"};
   const Json made = run_json(joined({"points", "-o", folder / "o.xyz"}, how));
   EXPECT_GT(made["points"], 200);
   EXPECT_GE(made["spacing"]["smallest_mm"].get<double>(), 0.36 - 1e-9);
@@ -271,15 +277,16 @@ class Orders : public testing::TestWithParam<const char*> {};
 TEST_P(Orders, FireTheSamePoints) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
-  const Json report = run_json(
-      {"engrave", mesh, "--size", "6", "--spacing", "0.4", "--order", GetParam()});
+  const Json report =
+      run_json({"engrave", mesh, "--size", "6", "--spacing", "0.4", "--order", GetParam()});
   EXPECT_GT(report["shots"], 200);
   EXPECT_EQ(report["missed"], 0);
   EXPECT_EQ(report["doubled"], 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(all, Orders,
-                         testing::Values("given", "layers", "serpentine", "nearest", "cone", "best"),
+                         testing::Values("given", "layers", "serpentine", "nearest", "cone",
+                                         "best"),
                          [](const auto& test) { return test.param; });
 
 TEST(Methods, OfDrawings) {
@@ -288,8 +295,8 @@ TEST(Methods, OfDrawings) {
       "d.svg",
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20mm\" height=\"20mm\" "
       "viewBox=\"0 0 20 20\"><circle cx=\"10\" cy=\"10\" r=\"8\"/><text>no</text></svg>");
-  const Json made = run_json({"points", svg, "--spacing", "0.5", "--layers", "3", "--layer", "1",
-                              "-o", folder / "o.dxf"});
+  const Json made = run_json(
+      {"points", svg, "--spacing", "0.5", "--layers", "3", "--layer", "1", "-o", folder / "o.dxf"});
   EXPECT_EQ(made["kind"], "curves");
   EXPECT_EQ(made["points"], 3 * static_cast<int>(2 * M_PI * 8 / 0.5));
   EXPECT_THAT(made["warnings"].dump(), HasSubstr("text"));

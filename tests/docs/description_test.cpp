@@ -32,9 +32,9 @@ std::string table_of(const std::string& section, const std::vector<Parameter>& p
   std::string text = fmt::format(
       "### {}\n\n| key | option | value | default | meaning |\n|---|---|---|---|---|\n", section);
   for (const Parameter& p : parameters)
-    text += fmt::format(
-        "| `{}` | `{}` | {} | {} | {} |\n", p.key, p.option, values_of(p),
-        std::visit([](const auto* place) { return default_text(*place); }, p.place), p.about);
+    text += fmt::format("| `{}` | `{}` | {} | {} | {} |\n", p.key, p.option, values_of(p),
+                        std::visit([](const auto* place) { return default_text(*place); }, p.place),
+                        p.about);
   return text + "\n";
 }
 
