@@ -91,10 +91,11 @@ PointCloud lattice(int points) {
   return cloud;
 }
 
-OrderCloud sliced_example(int points) {
-  constexpr double size_mm = 20;     // as the objects of the source
-  constexpr double area_mm2 = 1304;  // of the example at this size: points times spacing squared
-  const double between_mm = std::sqrt(area_mm2 / points);
+// Of the example at this size: points of a slicing times the square of their spacing.
+constexpr double example_mm = 20, example_area_mm2 = 1304;
+
+OrderCloud sliced_example(int points, double size_mm) {
+  const double between_mm = size_mm / example_mm * std::sqrt(example_area_mm2 / points);
   return {"example, sliced", between_mm,
           points::slice(model::centred_and_scaled(model::example_model(), size_mm),
                         {.layer_mm = between_mm, .vertex_mm = between_mm})};
@@ -121,12 +122,17 @@ std::vector<motion::Target> targets_of(const PointCloud& order) {
 std::vector<OrderCloud> order_clouds(int points) {
   // Layers in which no point shadows another: 0.9 < cos(20 degrees).
   constexpr double layer_part = 0.9;
-  return {sliced_example(points),
+  return {sliced_example(points, example_mm),
           {"sphere", layer_part * spacing_mm, on_a_sphere(points)},
           {"torus", layer_part * spacing_mm, on_a_torus(points)},
           {"lattice", lattice_mm, lattice(points)},
           {"solid", layer_part * spacing_mm, in_a_ball(points, spacing_mm)},
           {"sparse solid", layer_part * sparse_mm, in_a_ball(points, sparse_mm)}};
+}
+
+OrderCloud angle_cloud(int points) {
+  constexpr double between_mm = 0.1;
+  return sliced_example(points, example_mm * between_mm * std::sqrt(points / example_area_mm2));
 }
 
 order::Motion motion_of(const Machine& machine) {

@@ -56,7 +56,7 @@ struct SortingAngle {
   double angle_deg = 0, measured_s = 0;
   double start_stop = 0, free = 0;
 };
-/// Angles and times of the source (glass_tables.hpp).
+/// Angles and times as published (source: glass_tables.hpp), of an object that is not available.
 inline constexpr std::array<SortingAngle, 8> measured_angles{{{10, 217, 0, 0},
                                                               {20, 194, 0, 0},
                                                               {30, 192, 0, 0},
@@ -65,10 +65,13 @@ inline constexpr std::array<SortingAngle, 8> measured_angles{{{10, 217, 0, 0},
                                                               {60, 195, 0, 0},
                                                               {70, 200, 0, 0},
                                                               {80, 213, 0, 0}}};
-/// The source names no machine for these times: 192 s is what it measured at 100 Hz and 7.5 m/s2.
+/// The source names no machine for these times; 192 s lies between what it measured at 100 Hz with
+/// 7 and with 7.5 m/s2.
 inline constexpr Machine angle_machine{100, 7.5, 0.1};
-/// The experiment on the first of order_clouds(), without the shadow rule, which would mend an
-/// order with a small angle.
+/// The example sliced so that points are 0.1 mm apart, as close as most steps of the source's
+/// object.
+OrderCloud angle_cloud(int points);
+/// The experiment, without the shadow rule, which would mend an order with a small angle.
 SortingAngle sorting_angle(const SortingAngle& measured, const OrderCloud& cloud,
                            const PointsPlanned& planned = {});
 

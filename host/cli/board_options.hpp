@@ -1,7 +1,7 @@
 // Where a job runs, and what is left of it.
 //
-// In:  the command line. Out: the board, what is simulated round it, names of files. Who: the commands
-//      that run something on a board.
+// In:  the command line. Out: the board, what is simulated round it, names of files.
+// Who: the commands that run something on a board.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -53,8 +53,8 @@ struct BoardOptions {
   void add_choice(CLI::App& app);     ///< --board, --image
   void add_board(CLI::App& app);      ///< these, --yes, --json
   void add_job_speed(CLI::App& app);  ///< --job-speed
-  /// --from, --fired, --job-speed, --dry, --hold-at, --report, --statistics, --vcd, --shots, --timing, --plot and
-  /// what is simulated
+  /// --from, --fired, --job-speed, --dry, --hold-at, --report, --statistics, --vcd, --shots,
+  /// --timing, --plot and what is simulated
   void add_job(CLI::App& app);
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// Refuses what the board cannot do, before any work is done. Throws Error(bad_input).

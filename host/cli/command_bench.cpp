@@ -47,15 +47,17 @@ std::size_t work(const Options& options, const bench::BenchReport& report) {
 
 void measure_orders(const Options& options, bench::BenchReport& report,
                     const bench::PointsPlanned& planned) {
-  if (!options.wants("orders") && !options.wants("angles")) return;
-  const std::vector<bench::OrderCloud> clouds = bench::order_clouds(report.order_points);
-  if (options.wants("orders"))
+  if (options.wants("orders")) {
+    const std::vector<bench::OrderCloud> clouds = bench::order_clouds(report.order_points);
     for (const bench::Machine& machine : bench::order_machines)
       for (const bench::OrderCloud& cloud : clouds)
         report.orders.push_back(order_figures(cloud, machine, planned));
-  if (options.wants("angles"))
+  }
+  if (options.wants("angles")) {
+    const bench::OrderCloud cloud = bench::angle_cloud(report.order_points);
     for (const bench::SortingAngle& row : bench::measured_angles)
-      report.angles.push_back(sorting_angle(row, clouds.front(), planned));
+      report.angles.push_back(sorting_angle(row, cloud, planned));
+  }
 }
 
 bench::BenchReport measure(const Options& options) {

@@ -28,7 +28,8 @@ Exit engrave(const Options& options) {
 
 void add_engrave(CLI::App& program, Action& action) {
   CLI::App* app = program.add_subcommand(
-      "engrave", "Engrave a model, or all that a description says: points, order, job and machine in one");
+      "engrave",
+      "Engrave a model, or all that a description says: points, order, job and machine in one");
   app->footer(
       "Example:\n  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n"
       "  lamplock engrave examples/block.toml --report report\n"

@@ -53,8 +53,7 @@ Exit frame(Options options) {
   auto port = open_port(options.board);
   const glass::Description description = options.engraving.description();
   const job::Profile profile = frame_profile(options, description);
-  const glass::Volume volume =
-      glass::volume_of(description.glass, work_space_mm(profile.settings));
+  const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
   const points::Bounds box = input_bounds(description, volume);
   console.phase("frame", bounds_text(box));
   job::JobOptions job_options;

@@ -1,9 +1,9 @@
 // `lamplock order`: points in the order of firing.
 #include <memory>
 
+#include "host/cli/bounds_text.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/bounds_text.hpp"
 #include "host/cli/machine_options.hpp"
 #include "host/cli/ordering.hpp"
 #include "host/cli/parameter_options.hpp"
@@ -59,7 +59,8 @@ void add_order(CLI::App& program, Action& action) {
   add_parameters(*app, parameters, "Order");
   app->get_option("--order")->description(
       "best (default): fewest beats; layers: lowest first, short way in each; serpentine: back and "
-      "forth; nearest: nearest of the layer; cone: cheapest by way and height; given: as they come");
+      "forth; nearest: nearest of the layer; cone: cheapest by way and height; given: as they "
+      "come");
   options->machine.add_machine(*app);
   options->machine.add_overrides(*app);
   app->add_flag("--json", options->json, "Print the result as JSON on stdout");

@@ -22,8 +22,7 @@ Exit make_points(const Options& options) {
   options.engraving.check_save();
   const glass::Description description = options.engraving.description();
   const job::Profile profile = profile_of(description.machine);
-  const glass::Volume volume =
-      glass::volume_of(description.glass, work_space_mm(profile.settings));
+  const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
   const Cloud cloud = make_cloud(description, volume, console);
   write_point_file(options.output, cloud.points);
   console.phase("written", options.output);
@@ -44,7 +43,8 @@ Exit make_points(const Options& options) {
 
 void add_points(CLI::App& program, Action& action) {
   CLI::App* app = program.add_subcommand(
-      "points", "Turn a mesh, drawing or bitmap into points, or a description into all of its points");
+      "points",
+      "Turn a mesh, drawing or bitmap into points, or a description into all of its points");
   app->footer(
       "Example:\n  lamplock points model.stl --size 40 --spacing 0.3 -o points.xyz\n"
       "  lamplock points model.stl --block 50,50,80 --lens f43 --transform \"rotate z 30\" \\\n"

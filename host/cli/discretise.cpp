@@ -148,8 +148,7 @@ ObjectPoints object_points(const Object& object, const glass::GlassChoice& glass
                   fmt::format("{}: {}, {}", object.file, model.what, size_text(model.box())));
   const bool keeps_spacing = make_points(model, object, spacing, made);
   require_points(made.points, made.kind, object.file);
-  if (made.kind != InputKind::points)
-    finish(model, object, keeps_spacing, spacing, volume, made);
+  if (made.kind != InputKind::points) finish(model, object, keeps_spacing, spacing, volume, made);
   require_points(made.points, made.kind, object.file);
   check_place(made.points, volume, object.file);
   console.phase("points", result_text(made));

@@ -100,8 +100,7 @@ Work make_work(const EngravingOptions& options, bool dry, Console& console) {
   options.check_save();
   const glass::Description description = options.description();
   const job::Profile profile = profile_of(description.machine);
-  const glass::Volume volume =
-      glass::volume_of(description.glass, work_space_mm(profile.settings));
+  const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
   Cloud cloud = make_cloud(description, volume, console);
   order_cloud(cloud, description, profile.settings, volume, console);
   Work work{options.input, std::move(cloud.points), {}, std::move(cloud.warnings)};

@@ -1,7 +1,7 @@
 // The order of firing, by its name, and told about.
 //
-// In:  a cloud, an order by name with what it needs to know. Out: the cloud in that order; lines for
-//      people. Who: prepare.cpp, `order`.
+// In:  a cloud, an order by name with what it needs to know. Out: the cloud in that order; a line
+//      for people. Who: prepare.cpp, `order`.
 #pragma once
 
 #include <optional>

@@ -1,7 +1,7 @@
 // Parameters of a description (host/glass/parameters.hpp) as options of the command line.
 //
-// In:  a list of parameters. Out: an option each, with its range, default and help; the value goes to
-//      the parameter's place. Who: the commands that make points or jobs.
+// In:  a list of parameters. Out: an option each, with its range, default and help; the value goes
+//      to the parameter's place. Who: the commands that make points or jobs.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -61,8 +61,7 @@ Bounds box_under(const model::Curves& curves, const Affine& map) {
 template <class Model>
 Model placed(Model model, const Affine& first, const Object& object, const Volume& volume) {
   const auto under = [&model](const Affine& map) { return box_under(model, map); };
-  const Affine map =
-      glass::placement(first, object.transform, volume, under, object.file);
+  const Affine map = glass::placement(first, object.transform, volume, under, object.file);
   return map == Affine{} ? model : model::transformed(std::move(model), map);
 }
 
@@ -112,7 +111,8 @@ PlacedModel placed_curves(const Object& object, const Volume& volume) {
   PlacedModel result;
   result.kind = InputKind::curves;
   for (const auto& [name, count] : curves.left_out)
-    result.warnings.push_back(fmt::format("{} x {} cannot be engraved and is left out", count, name));
+    result.warnings.push_back(
+        fmt::format("{} x {} cannot be engraved and is left out", count, name));
   if (curves.paths.empty() && curves.points.empty())
     throw Error(Exit::bad_input, object.file, "has no curves", "draw lines, arcs or splines");
   const Affine first = into_the_middle(box_of(curves), object.size_mm, volume);

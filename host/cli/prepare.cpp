@@ -88,8 +88,8 @@ class Merger {
 };
 
 std::string spacing_text(const points::SpacingReport& spacing) {
-  std::string text = fmt::format("at least {:.4g} mm, on average {:.4g} mm", spacing.smallest_mm,
-                                 spacing.mean_mm);
+  std::string text =
+      fmt::format("at least {:.4g} mm, on average {:.4g} mm", spacing.smallest_mm, spacing.mean_mm);
   if (spacing.duplicates > 0)
     text += fmt::format(", {} at the place of another", spacing.duplicates);
   return text;
@@ -102,16 +102,17 @@ void judge_spacing(Cloud& cloud, const glass::GlassChoice& glass, Console& conso
   if (cloud.points.size() < 2) return;
   console.phase("spacing", spacing_text(spacing));
   if (spacing.duplicates > 0)
-    cloud.warnings.push_back(fmt::format("{} points lie exactly where another one does, the first "
-                                         "are points {} and {}",
-                                         spacing.duplicates, spacing.first, spacing.second));
+    cloud.warnings.push_back(
+        fmt::format("{} points lie exactly where another one does, the first "
+                    "are points {} and {}",
+                    spacing.duplicates, spacing.first, spacing.second));
   if (!glass.lens) return;
   const double wanted = glass::lens_named(*glass.lens).spacing_mm;
   constexpr double rounding = 1e-9;
   if (spacing.duplicates == 0 && spacing.smallest_mm < wanted * (1 - rounding))
-    cloud.warnings.push_back(fmt::format("points {} and {} are {:.4g} mm apart, the lens wants {:g}",
-                                         spacing.first, spacing.second, spacing.smallest_mm,
-                                         wanted));
+    cloud.warnings.push_back(
+        fmt::format("points {} and {} are {:.4g} mm apart, the lens wants {:g}", spacing.first,
+                    spacing.second, spacing.smallest_mm, wanted));
 }
 
 /// A margin that is smaller than what glass wants.

@@ -2,7 +2,8 @@
 //
 //   objects (discretise.hpp) -> one cloud, welded -> what spacing it has -> order
 //
-// In:  a description; the volume that points may be in. Out: points in mm, coordinates of the glass.
+// In:  a description; the volume that points may be in. Out: points in mm, in
+//      coordinates of the glass.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // What options of the command line accept.
 //
-// In:  the text of a value. Out: nothing, or what is wrong with it. Who: the options of the commands.
+// In:  the text of a value. Out: nothing, or what is wrong with it. Who: options of commands.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -25,8 +25,8 @@ points::Bounds Block::inside() const { return box_of(*this, margin_mm); }
 void require_block(const Block& block) {
   const points::Point& size = block.size_mm;
   const auto refuse = [&](const std::string& what, const char* remedy) {
-    throw Error(Exit::bad_input,
-                fmt::format("block {:g} x {:g} x {:g} mm", size.x, size.y, size.z), what, remedy);
+    throw Error(Exit::bad_input, fmt::format("block {:g} x {:g} x {:g} mm", size.x, size.y, size.z),
+                what, remedy);
   };
   const double shortest = std::min({size.x, size.y, size.z});
   if (!points::is_finite(size) || !(shortest > 0))

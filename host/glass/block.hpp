@@ -1,7 +1,7 @@
-// The block of glass: how large it is, where it lies, and how far from its faces points have to stay.
+// The block of glass: how large it is, where it lies, how far from its faces points have to stay.
 //
-// A defect near a face cracks it, so 3 to 5 mm inside the glass stay free ("Mechatronic positioning of
-// a pulsed laser beam in devices forming 3-D objects in glass").
+// A defect near a face cracks it, so 3 to 5 mm inside the glass stay free ("Mechatronic positioning
+// of a pulsed laser beam in devices forming 3-D objects in glass").
 //
 // In:  size, middle and margin in mm. Out: the box of the glass and the box that points may be in.
 // Who: descriptions of jobs; the placement of objects and the check of their points.

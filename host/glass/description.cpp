@@ -168,8 +168,8 @@ std::string value_text(const Parameter& parameter) {
 
 /// A file's name from the folder of the description.
 std::string file_text(const std::string& file, const fs::path& folder) {
-  const fs::path from_there =
-      fs::absolute(file).lexically_normal().lexically_relative(fs::absolute(folder).lexically_normal());
+  const fs::path from_there = fs::absolute(file).lexically_normal().lexically_relative(
+      fs::absolute(folder).lexically_normal());
   return quoted(from_there.empty() ? fs::absolute(file).string() : from_there.string());
 }
 

@@ -1,5 +1,5 @@
-// The description of a job: everything that decides what is engraved where, and how, in one TOML file,
-// so that a job can be repeated to the byte (examples/block.toml is a commented one).
+// The description of a job: everything that decides what is engraved where, and how, in one TOML
+// file, so that a job can be repeated to the byte (examples/block.toml is a commented one).
 //
 //   [machine]   the profile and what is different for this job     [order]   in which order
 //   [glass]     block, material, lens                              [pause]   against heat

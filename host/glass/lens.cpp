@@ -9,8 +9,8 @@
 namespace lamplock::glass {
 namespace {
 
-// Welding distances of "Mechatronic positioning of a pulsed laser beam in devices forming 3-D objects
-// in glass".
+// Welding distances of "Mechatronic positioning of a pulsed laser beam in devices forming 3-D
+// objects in glass".
 constexpr std::array known{Lens{"f43", 43, 0.09}, Lens{"f70", 70, 0.13}};
 
 }  // namespace

@@ -9,7 +9,8 @@
 namespace lamplock::glass {
 namespace {
 
-// Data sheets of N-BK7 (SCHOTT) and of fused silica; K9 is the Chinese name of the same crown glass.
+// Data sheets of N-BK7 (SCHOTT) and of fused silica; K9 is the Chinese name of the same crown
+// glass.
 constexpr std::array known{Material{"k9", 1.5168, "crown glass K9, the usual block"},
                            Material{"bk7", 1.5168, "crown glass BK7, the same as K9"},
                            Material{"fused-silica", 1.458, "fused silica, quartz glass"}};

@@ -1,13 +1,13 @@
 // Refraction at a flat entry face: where the stage stands for a defect at a place in the glass.
 //
-// The beam comes from +z and enters through a face of constant z. Rays near the axis are refracted so
-// that a stage move dz moves the focus by n dz ("Mechatronic positioning of a pulsed laser beam in
-// devices forming 3-D objects in glass"): stage z = entry + (glass z - entry) / n. x and y are left
-// alone. Point clouds are in glass coordinates, jobs in stage coordinates, reports in glass
+// The beam comes from +z and enters through a face of constant z. Rays near the axis are refracted
+// so that a stage move dz moves the focus by n dz ("Mechatronic positioning of a pulsed laser beam
+// in devices forming 3-D objects in glass"): stage z = entry + (glass z - entry) / n. x and y are
+// left alone. Point clouds are in glass coordinates, jobs in stage coordinates, reports in glass
 // coordinates again.
 //
-// In:  a point in one of the two. Out: the same point in the other; above the face, in air, both are
-//      one. Who: making jobs, reports, the check of the machine's reach.
+// In:  a point in one of the two. Out: the same point in the other; above the face, in air, both
+//      are one. Who: making jobs, reports, the check of the machine's reach.
 #pragma once
 
 #include "host/points/bounds.hpp"

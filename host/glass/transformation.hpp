@@ -6,8 +6,8 @@
 //   scale F, scale X Y Z  from the middle of the block
 //   mirror x|y|z          left and right of the plane through the middle of the block
 //   centre                the middle of the object's box goes to the middle of the block
-//   fit                   as large as the block less its margin and the machine permit, in the middle
-//                         of that room
+//   fit                   as large as the block less its margin and the machine permit, in the
+//                         middle of that room
 //
 // In:  the words, as a description or the command line has them; the box of the object under a map;
 //      the block. Out: one map for all of them. Who: the command line, before an object becomes

@@ -14,9 +14,9 @@ using points::Point;
 Point point_of(const Triple& three) { return {three[0], three[1], three[2]}; }
 
 Bounds common(const Bounds& a, const Bounds& b) {
-  return {{std::max(a.low.x, b.low.x), std::max(a.low.y, b.low.y), std::max(a.low.z, b.low.z)},
-          {std::min(a.high.x, b.high.x), std::min(a.high.y, b.high.y),
-           std::min(a.high.z, b.high.z)}};
+  return {
+      {std::max(a.low.x, b.low.x), std::max(a.low.y, b.low.y), std::max(a.low.z, b.low.z)},
+      {std::min(a.high.x, b.high.x), std::min(a.high.y, b.high.y), std::min(a.high.z, b.high.z)}};
 }
 
 double chosen_index(const GlassChoice& glass) {

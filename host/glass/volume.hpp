@@ -1,10 +1,10 @@
 // Where points may be: inside the block less its margin, and where the machine's focus can go.
 //
-// In:  what is said about the glass, the work space of the machine. Out: the refraction, and boxes in
-//      glass coordinates. Who: the placement of objects, the check of their points, making jobs.
+// In:  what is said about the glass, the work space of the machine. Out: the refraction, and boxes
+//      in glass coordinates. Who: the placement of objects, the check of their points, making jobs.
 //
-// The block lies in the middle of the work space unless it is told where. Its top is the entry face;
-// without a block that is the top of the work space.
+// The block lies in the middle of the work space unless it is told where. Its top is the entry
+// face; without a block that is the top of the work space.
 #pragma once
 
 #include <optional>
@@ -28,8 +28,8 @@ struct Volume {
   points::Point middle() const;
 };
 
-/// Throws Error(bad_input): a material and an index, an index below 1, a block that is none, a block
-/// of which the machine reaches nothing.
+/// Throws Error(bad_input): a material and an index, an index below 1, a block that is none, a
+/// block of which the machine reaches nothing.
 Volume volume_of(const GlassChoice& glass, const points::Bounds& work_space);
 
 }  // namespace lamplock::glass

@@ -1,7 +1,7 @@
 // A job: what the firmware is to do, in steps.
 //
-// In:  a cloud of points [mm] in the order to engrave, in coordinates of the glass, a machine profile,
-//      options. Jobs of rows of pixels are made by host/raster.
+// In:  a cloud of points [mm] in the order to engrave, in coordinates of the glass, a machine
+//      profile, options. Jobs of rows of pixels are made by host/raster.
 // Out: the header and the targets or lines; RecordEncoder cuts them into payloads for DATA frames,
 //      from any of them on.
 // Who: the command line makes jobs, the sender and the job file carry them.
@@ -45,7 +45,7 @@ struct Job {
   wire::JobHeader header;
   std::vector<motion::Target> targets;
   Rows rows;
-  settings::Values settings;  ///< the job was made for these
+  settings::Values settings;       ///< the job was made for these
   glass::Refraction refraction{};  ///< from the stage back into the glass
 
   /// Rows of pixels instead of points.

@@ -39,8 +39,8 @@ void require_whole_bmp(const std::filesystem::path& file, const std::string& byt
   if (bytes.size() < need) refuse(file, "the image is cut off", "export it again");
 }
 
-/// Nor does it miss the end of a PNG: 8 bytes, then chunks of length (big-endian), type, data and
-/// check sum up to the chunk IEND.
+/// Nor does it miss the end of a PNG (that of a JPEG it does): 8 bytes, then chunks of length
+/// (big-endian), type, data and check sum up to the chunk IEND.
 void require_whole_png(const std::filesystem::path& file, const std::string& bytes) {
   constexpr std::size_t signature = 8, around_data = 12;
   if (bytes.compare(1, 3, "PNG") != 0) return;
@@ -48,32 +48,6 @@ void require_whole_png(const std::filesystem::path& file, const std::string& byt
     const std::size_t length = u32_at(bytes, at, std::endian::big);
     if (bytes.compare(at + 4, 4, "IEND") == 0) return;
     at += around_data + length;
-  }
-  refuse(file, "the image is cut off", "export it again");
-}
-
-/// Nor that of a JPEG (ITU-T T.81, annex B): segments of 0xFF, marker, length (big-endian, its own
-/// two bytes included) up to the end of image; behind the start of a scan its data, in which a
-/// marker is never 0 (a stuffed byte) nor one of the eight restarts.
-void require_whole_jpeg(const std::filesystem::path& file, const std::string& bytes) {
-  constexpr std::uint8_t end_of_image = 0xD9, start_of_scan = 0xDA, restart = 0xD0, fill = 0xFF;
-  if (!bytes.starts_with("\xFF\xD8")) return;
-  const auto byte = [&](std::size_t at) { return load<std::uint8_t>(bytes.data() + at); };
-  bool in_scan = false;
-  for (std::size_t at = 2; at + 2 <= bytes.size();) {
-    const std::uint8_t marker = byte(at + 1);
-    if (byte(at) != fill || marker == fill) {
-      ++at;
-    } else if (marker == end_of_image) {
-      return;
-    } else if (in_scan && (marker == 0 || (marker & 0xF8) == restart)) {
-      at += 2;
-    } else if (at + 4 <= bytes.size()) {
-      in_scan = marker == start_of_scan;
-      at += 2 + std::size_t{byte(at + 2)} * 256 + byte(at + 3);
-    } else {
-      break;
-    }
   }
   refuse(file, "the image is cut off", "export it again");
 }
@@ -113,7 +87,6 @@ Bitmap decode_bitmap(const std::filesystem::path& path, const std::string& bytes
   bitmap.height = static_cast<int>(height);
   require_whole_png(path, bytes);
   require_whole_bmp(path, bytes, bitmap.width, bitmap.height);
-  require_whole_jpeg(path, bytes);
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(data, length, &bitmap.width, &bitmap.height, &channels, STBI_rgb_alpha),
       stbi_image_free);

@@ -71,7 +71,8 @@ void CurveCollector::add(Path path, const Affine& map, const std::string& layer,
 }
 
 void CurveCollector::add(const Point& point, const Affine& map, const Place& place) {
-  const Point placed = map(point);
+  // The identity, left out, keeps even the sign of zeros: point lists come back as they were.
+  const Point placed = map == Affine{} ? point : map(point);
   if (!is_within_reach(placed)) refuse_far(place);
   if (curves_.points.size() == points::most_points)
     place.refuse(fmt::format("more than {} points", points::most_points), "divide the drawing");

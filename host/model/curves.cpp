@@ -66,10 +66,12 @@ class Flattener {
     const double sweep = std::abs(arc.end - arc.start);
     // 1 - cos(h / 2) = 2 sin^2(h / 4), which keeps its digits for large radii
     const double step = 4 * std::asin(std::sqrt(std::min(1.0, tolerance_ / radius / 2)));
-    const double count = std::max(1.0, std::ceil(sweep / std::min(step, std::numbers::pi / 2)));
-    points::require_count(static_cast<double>(vertices_.size()) + count, "curve");
-    for (double i = 1; i <= count; ++i) {
-      vertices_.push_back(arc_motion(arc, arc.start + (arc.end - arc.start) * (i / count)).at);
+    const double chords = std::max(1.0, std::ceil(sweep / std::min(step, std::numbers::pi / 2)));
+    points::require_count(static_cast<double>(vertices_.size()) + chords, "curve");
+    const auto count = static_cast<std::size_t>(chords);
+    for (std::size_t i = 1; i <= count; ++i) {
+      const double part = static_cast<double>(i) / chords;
+      vertices_.push_back(arc_motion(arc, arc.start + (arc.end - arc.start) * part).at);
     }
   }
 
@@ -119,8 +121,9 @@ void stretch_over(const Arc& arc, PointCloud& cloud) {
   const auto [low, high] = std::minmax(arc.start, arc.end);
   for (const double first :
        {std::atan2(arc.v.x, arc.u.x), std::atan2(arc.v.y, arc.u.y), std::atan2(arc.v.z, arc.u.z)}) {
-    for (double t = first + pi * std::ceil((low - first) / pi); t <= high; t += pi) {
-      cloud.push_back(arc_motion(arc, t).at);
+    const double from = std::ceil((low - first) / pi), to = std::floor((high - first) / pi);
+    for (auto half_turn = std::llround(from); half_turn <= std::llround(to); ++half_turn) {
+      cloud.push_back(arc_motion(arc, first + pi * static_cast<double>(half_turn)).at);
     }
   }
   cloud.push_back(arc_motion(arc, arc.start).at);

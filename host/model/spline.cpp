@@ -39,7 +39,6 @@ std::size_t stretch_at(const Spline& spline, double t) {
   const auto degree = static_cast<std::ptrdiff_t>(spline.degree);
   const auto last = static_cast<std::ptrdiff_t>(spline.poles.size());
   auto k = std::upper_bound(knots.begin() + degree, knots.begin() + last, t) - knots.begin() - 1;
-  k = std::max(k, degree);
   while (k > degree && knots[static_cast<std::size_t>(k)] == knots[static_cast<std::size_t>(k) + 1])
     --k;
   return static_cast<std::size_t>(k);

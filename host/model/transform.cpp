@@ -44,8 +44,7 @@ Affine turned_about(const Point& axis, double degrees) {
   // Rodrigues' formula, for each unit vector.
   const auto turned = [&](const Point& v) {
     const Point square = cross(u, v), along = times(u, (1 - cosine) * dot(u, v));
-    return Point{cosine * v.x + sine * square.x + along.x,
-                 cosine * v.y + sine * square.y + along.y,
+    return Point{cosine * v.x + sine * square.x + along.x, cosine * v.y + sine * square.y + along.y,
                  cosine * v.z + sine * square.z + along.z};
   };
   return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), {}};

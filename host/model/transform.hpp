@@ -1,5 +1,5 @@
-// Size and place. Comes in: a mesh in its file's units, or a cloud. Goes out: the same in mm, where the
-// user wants it. Called between the readers and the discretisers; point lists are only moved if
+// Size and place. Comes in: a mesh in its file's units, or a cloud. Goes out: the same in mm, where
+// the user wants it. Called between the readers and the discretisers; point lists are only moved if
 // that is asked for. Maps themselves are in affine.hpp; here is what placing objects needs of them.
 #pragma once
 

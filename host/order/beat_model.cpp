@@ -8,6 +8,9 @@
 namespace lamplock::order {
 namespace {
 
+// Of one step: weeks at 100 Hz. Keeps what is not finite out of conversions.
+constexpr int most_beats = 100'000'000;
+
 // Units of one axis: acceleration limit 1, time in beats; `limit` is that of the speed.
 
 /// The least start speed from which a way can be gone in time; |way| <= limit * time.
@@ -84,8 +87,8 @@ int BeatModel::least_beats(const SpeedBox& speeds, const Way& way) const {
     least = std::max(
         {least, size / limit_[a], -speed + std::sqrt(std::max(0.0, speed * speed + 2 * size))});
   }
-  constexpr double most = 1e9;  // days; keeps what is not finite out of the conversion
-  return static_cast<int>(std::min(std::ceil(least * (1 - 1e-12)), most));
+  constexpr double rounding = 1e-12;
+  return static_cast<int>(std::min(std::ceil(least * (1 - rounding)), double{most_beats}));
 }
 
 /// The fewest beats from `first` on in which the way can be gone, and the speeds behind it.
@@ -93,13 +96,14 @@ int BeatModel::feasible_beats(const SpeedBox& speeds, const Way& way, int first,
                               SpeedBox& to) const {
   if (reach(speeds, way, first, to)) return first;
   const int least = std::max(first + 1, least_beats(speeds, way));
-  // From any speed an axis can stop and come back; the bound keeps rounding from looping on.
-  const int most = 4 * least + 1000;
-  for (int beats = least; beats < most; ++beats) {
+  // From any speed an axis can stop and come back. Long ways need not be known to the beat.
+  constexpr int exact_up_to = 32;
+  int beats = least;
+  for (; beats < most_beats; beats += std::max(1, beats / exact_up_to)) {
     if (reach(speeds, way, beats, to)) return beats;
   }
   to = {};
-  return most;
+  return beats;
 }
 
 int BeatModel::step(PlanState& state, const points::Point& from, const points::Point& to) const {

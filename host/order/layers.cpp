@@ -29,24 +29,6 @@ double points_a_plane(const PointCloud& cloud) {
   return static_cast<double>(cloud.size()) / static_cast<double>(planes);
 }
 
-/// Median distance to the nearest other point, of a part of the points; 0 if half of them are
-/// doubled.
-double usual_spacing_mm(const PointCloud& cloud) {
-  constexpr std::size_t most_asked = 20'000;  // in a row, so that their neighbours are there too
-  const std::size_t count = std::min(cloud.size(), most_asked);
-  const std::size_t first = (cloud.size() - count) / 2;
-  const std::span<const Point> part = std::span(cloud).subspan(first, count);
-  const Neighbours neighbours = find_neighbours(part);
-  if (neighbours.per_point == 0) return 0;
-  std::vector<double> nearest(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    nearest[i] = distance(part[i], part[neighbours.of(i)[0]]);
-  }
-  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(nearest.begin(), middle, nearest.end());
-  return *middle;
-}
-
 Starts starts_where(std::size_t points, const auto& begins) {
   Starts starts{0};
   for (std::size_t i = 1; i < points; ++i) {
@@ -57,6 +39,22 @@ Starts starts_where(std::size_t points, const auto& begins) {
 }
 
 }  // namespace
+
+double usual_spacing_mm(const PointCloud& cloud) {
+  constexpr std::size_t most_asked = 20'000;  // in a row, so that their neighbours are there too
+  const std::size_t count = std::min(cloud.size(), most_asked);
+  const std::size_t first = (cloud.size() - count) / 2;
+  const std::span<const Point> part = std::span(cloud).subspan(first, count);
+  const Neighbours neighbours = find_neighbours(part, 1);
+  if (neighbours.per_point == 0) return 0;
+  std::vector<double> nearest(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    nearest[i] = distance(part[i], part[neighbours.of(i)[0]]);
+  }
+  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  return *middle;
+}
 
 Starts sort_into_layers(PointCloud& cloud, double layer_mm) {
   const double lowest = std::min_element(cloud.begin(), cloud.end(), lower)->z;

@@ -22,7 +22,7 @@ constexpr double least_gain = 1e-9;
 // Points on either side of a changed edge that are planned anew; further away a change is not felt.
 constexpr Place window = 6;
 // An exchange that the cost finds worse by more than this is not worth asking the model.
-constexpr double most_loss = 1.0;
+constexpr double most_loss = 1.5;
 // What the cost counts beside a beat of the model: it knows better what helps the next exchange.
 constexpr double cost_weight = 0.1;
 // The least that must be saved, beats.

@@ -24,14 +24,13 @@ struct Adaptor {
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Adaptor>,
                                                  Adaptor, 3, std::uint32_t>;
 
-// Lists of 5 to 8 are usual; more gained under 0.5 % here.
-constexpr std::size_t most_neighbours = 7;
+constexpr std::size_t most_neighbours = 10;
 
 }  // namespace
 
-Neighbours find_neighbours(std::span<const points::Point> points) {
+Neighbours find_neighbours(std::span<const points::Point> points, std::size_t count) {
   Neighbours neighbours;
-  neighbours.per_point = std::min(most_neighbours, points.empty() ? 0 : points.size() - 1);
+  neighbours.per_point = std::min({most_neighbours, count, points.empty() ? 0 : points.size() - 1});
   neighbours.list.reserve(points.size() * neighbours.per_point);
   const Adaptor adaptor{points};
   const Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));

@@ -13,6 +13,7 @@
 #include "host/order/cost.hpp"
 #include "host/order/cut.hpp"
 #include "host/order/layers.hpp"
+#include "host/order/parts.hpp"
 #include "host/order/pieces.hpp"
 #include "host/order/serpentine.hpp"
 #include "host/order/shadow.hpp"
@@ -71,11 +72,13 @@ class Run {
   void best() {
     constexpr double layers_part = 0.85;
     const BeatModel model(options_.motion);
-    const Starts starts = sort_into_fitting_layers(cloud_, tangent_);
+    const Starts layers = sort_into_fitting_layers(cloud_, tangent_);
+    const double jump = jump_mm(cloud_, model);
+    const Starts starts = split_into_parts(cloud_, layers, jump, tangent_);
     by_layers(
         starts, [&](std::span<Point> layer) { arrange(layer, beat_tour(layer, model)); },
         cut_by(TourCost(model)), layers_part);
-    join_pieces(cloud_, starts, options_.start, model, tangent_, tell(layers_part, 1));
+    join_pieces(cloud_, starts, options_.start, jump, model, tangent_, tell(layers_part, 1));
   }
 
   void nearest() {
@@ -130,6 +133,7 @@ void check(const PointCloud& cloud, const OrderOptions& options) {
   points::require_count(static_cast<double>(cloud.size()), "order");
   points::require_positive(options.layer_mm, "order", "layer thickness");
   cone_tangent(options.half_angle_deg);
+  require_coordinates(cloud);
   for (const double weight : {options.cone.up, options.cone.down}) {
     if (std::isfinite(weight)) continue;
     throw Error(Exit::bad_input, "order", fmt::format("a weight of the cone is {}", weight),

@@ -54,7 +54,7 @@ struct OrderOptions {
 
 /// A permutation of `cloud`, deterministic. Time n log n, memory linear. Throws Error (bad_input)
 /// for a thickness or a limit of the machine that is not positive, a half angle outside its range,
-/// weights that are not finite, or too many points. Coordinates must be finite.
+/// weights or coordinates that are not finite, or too many points.
 points::PointCloud order(points::PointCloud cloud, Ordering ordering,
                          const OrderOptions& options = {});
 

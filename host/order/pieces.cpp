@@ -8,6 +8,7 @@
 #include "host/order/cone.hpp"
 #include "host/order/cost.hpp"
 #include "host/order/cut.hpp"
+#include "host/order/layers.hpp"
 #include "host/order/rest_tree.hpp"
 #include "host/order/shadow.hpp"
 
@@ -30,6 +31,7 @@ struct Piece {
   Number blocker = no_piece;  // a piece that has to be fired before, as far as is known
 };
 
+/// Median way from a point to the next.
 double usual_step_mm(const PointCloud& order) {
   std::vector<double> steps;
   steps.reserve(order.size());
@@ -44,16 +46,19 @@ double usual_step_mm(const PointCloud& order) {
 
 class Join {
  public:
-  Join(const PointCloud& order, const std::vector<std::size_t>& starts, const BeatModel& model,
-       double tangent)
-      : order_(order), cost_(model), tangent_(tangent), rest_(order), piece_of_(order.size()) {
-    const double step_mm = usual_step_mm(order);
-    const double unit_mm = std::max({model.unit_mm(0), model.unit_mm(1), model.unit_mm(2)});
-    // Rest to rest 2 sqrt(4) = 4 beats: less is hardly worth a detour.
-    constexpr double units_of_a_jump = 2;
-    jump_mm_ = std::max(3 * step_mm, units_of_a_jump * unit_mm);
+  Join(const PointCloud& order, const std::vector<std::size_t>& starts, double jump,
+       const BeatModel& model, double tangent)
+      : order_(order),
+        cost_(model),
+        tangent_(tangent),
+        jump_mm_(jump),
+        rest_(order),
+        piece_of_(order.size()) {
+    // A ring's ends are not much further apart than its points.
+    constexpr double steps_between_ends = 2.5;
+    const double ring_mm = steps_between_ends * usual_step_mm(order);
     for (std::size_t layer = 0; layer + 1 < starts.size(); ++layer) {
-      split(starts[layer], starts[layer + 1], 2.5 * step_mm);
+      split(starts[layer], starts[layer + 1], ring_mm);
     }
   }
 
@@ -146,7 +151,7 @@ class Join {
 
   const PointCloud& order_;
   TourCost cost_;
-  double tangent_, jump_mm_ = 0;
+  double tangent_, jump_mm_;
   RestTree rest_;
   std::vector<Number> piece_of_;
   std::vector<Piece> pieces_;
@@ -156,10 +161,18 @@ class Join {
 
 }  // namespace
 
+double jump_mm(const PointCloud& cloud, const BeatModel& model) {
+  constexpr double spacings = 3;
+  // Rest to rest 2 sqrt(4) = 4 beats: less is hardly worth a detour.
+  constexpr double units = 4;
+  const double unit_mm = std::max({model.unit_mm(0), model.unit_mm(1), model.unit_mm(2)});
+  return std::max(spacings * usual_spacing_mm(cloud), units * unit_mm);
+}
+
 void join_pieces(PointCloud& order, const std::vector<std::size_t>& starts, const Point& from,
-                 const BeatModel& model, double tangent,
+                 double jump, const BeatModel& model, double tangent,
                  const std::function<void(std::size_t)>& progress) {
-  PointCloud joined = Join(order, starts, model, tangent).run(from, progress);
+  PointCloud joined = Join(order, starts, jump, model, tangent).run(from, progress);
   if (model.beats(joined) < model.beats(order)) order = std::move(joined);
 }
 

@@ -17,9 +17,13 @@
 
 namespace lamplock::order {
 
-/// `starts` as in layers.hpp. Progress is told as points done. The machine comes from `from`.
+/// A way that is long for this cloud and this machine, mm. The cloud must be sorted by height.
+double jump_mm(const points::PointCloud& cloud, const BeatModel& model);
+
+/// `starts` as in layers.hpp, of layers or of parts of them (parts.hpp); `jump` as above. Progress
+/// is told as points done. The machine comes from `from`.
 void join_pieces(points::PointCloud& order, const std::vector<std::size_t>& starts,
-                 const points::Point& from, const BeatModel& model, double tangent,
+                 const points::Point& from, double jump, const BeatModel& model, double tangent,
                  const std::function<void(std::size_t)>& progress);
 
 }  // namespace lamplock::order

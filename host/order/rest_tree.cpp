@@ -1,9 +1,13 @@
 #include "host/order/rest_tree.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <bit>
+#include <cmath>
 #include <utility>
 
+#include "host/error.hpp"
 #include "host/order/cone.hpp"
 
 namespace lamplock::order {
@@ -48,6 +52,18 @@ bool may_be_under(const Point& apex, const Bounds& box, double tangent) {
 }
 
 }  // namespace
+
+void require_coordinates(std::span<const Point> points) {
+  constexpr double most_mm = 1e6;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& p = points[i];
+    // Written so that what is no number fails.
+    if (std::abs(p.x) <= most_mm && std::abs(p.y) <= most_mm && std::abs(p.z) <= most_mm) continue;
+    throw Error(Exit::bad_input, "order",
+                fmt::format("point {} lies at ({}, {}, {}) mm", i, p.x, p.y, p.z),
+                "give coordinates in mm, within a kilometre");
+  }
+}
 
 RestTree::RestTree(std::span<const Point> points) {
   const auto places = along_curve(points);

@@ -20,11 +20,15 @@
 
 namespace lamplock::order {
 
+/// Throws Error (bad_input) with index and coordinates of the first point that is not finite or
+/// further than a kilometre out, which no machine is.
+void require_coordinates(std::span<const points::Point> points);
+
 class RestTree {
  public:
   using Index = std::uint32_t;
 
-  /// Coordinates must be finite, at most 2^32 - 1 points.
+  /// At most 2^32 - 2 points, with coordinates that require_coordinates() lets pass.
   explicit RestTree(std::span<const points::Point> points);
 
   bool empty() const { return nodes_[1].least == none; }

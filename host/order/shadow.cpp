@@ -7,6 +7,7 @@ namespace lamplock::order {
 using points::Point;
 
 std::optional<Shadowed> first_shadowed(std::span<const Point> order, double half_angle_deg) {
+  require_coordinates(order);
   return find_shadowed(order, cone_tangent(half_angle_deg));
 }
 

@@ -28,8 +28,8 @@ struct Shadowed {
 };
 
 /// The lowest `first` that shadows a later point, with one of those it shadows; nothing if the
-/// order keeps the rule. Time n log n for usual clouds. Coordinates must be finite. Throws Error
-/// (bad_input) for a half angle as cone_tangent() does.
+/// order keeps the rule. Time n log n for usual clouds. Throws Error (bad_input) for a half
+/// angle as cone_tangent() does and for coordinates as require_coordinates() does.
 std::optional<Shadowed> first_shadowed(std::span<const points::Point> order, double half_angle_deg);
 
 /// The same by the tangent of the half angle.

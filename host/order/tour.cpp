@@ -154,14 +154,37 @@ std::vector<Indices> beat_tours(Points nodes, const Neighbours& neighbours, cons
   return tours;
 }
 
-/// Beats of a closed tour by the model, gone in this direction.
+/// Beats of a closed tour by the model, without those wasted on its longest step, where it will be
+/// cut as a rule.
 double beats(Points nodes, const BeatModel& model, const Indices& tour) {
   PlanState state = model.any_speed();
   double sum = 0;
+  int longest = 1;
   for (std::size_t i = 0; i < tour.size(); ++i) {
-    sum += model.step(state, nodes[tour[i]], nodes[tour[(i + 1) % tour.size()]]);
+    const int step = model.step(state, nodes[tour[i]], nodes[tour[(i + 1) % tour.size()]]);
+    sum += step;
+    longest = std::max(longest, step);
   }
-  return sum;
+  return sum - (longest - 1);
+}
+
+/// Rotates a closed tour so that its longest edge is the closing one. Open, if that is a jump, as
+/// between the first and the last row of a lattice: it will be cut there.
+Closing open_at_jump(Points nodes, Indices& tour) {
+  constexpr double mean_steps_of_a_jump = 4;
+  const std::size_t n = tour.size();
+  double sum = 0, longest = 0;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double length = distance(nodes[tour[i]], nodes[tour[(i + 1) % n]]);
+    sum += length;
+    if (length <= longest) continue;
+    longest = length;
+    at = i + 1;
+  }
+  std::rotate(tour.begin(), tour.begin() + static_cast<std::ptrdiff_t>(at % n), tour.end());
+  const double mean = sum / static_cast<double>(n);
+  return longest > mean_steps_of_a_jump * mean ? Closing::open : Closing::closed;
 }
 
 /// Points that differ, along the curve, and where those of each stand there.
@@ -202,7 +225,8 @@ Indices even_tour(Points layer) {
   if (layer.empty()) return {};
   const Nodes nodes(layer);
   const TourCost by;
-  const auto tours = even_tours(nodes.points, find_neighbours(nodes.points), by);
+  const auto tours =
+      even_tours(nodes.points, find_neighbours(nodes.points, short_way_neighbours), by);
   return nodes.of_layer(
       cheapest(tours, [&](const Indices& tour) { return cost(nodes.points, by, tour); }));
 }
@@ -211,13 +235,14 @@ Indices beat_tour(Points layer, const BeatModel& model) {
   if (layer.empty()) return {};
   const Nodes nodes(layer);
   const TourCost by(model);
-  const Neighbours neighbours = find_neighbours(nodes.points);
+  const Neighbours neighbours = find_neighbours(nodes.points, few_beats_neighbours);
   // What the model finds equal the cost decides; its weight is that of a tie.
   constexpr double tie = 1e-3;
   Indices best = cheapest(beat_tours(nodes.points, neighbours, by), [&](const Indices& tour) {
     return beats(nodes.points, model, tour) + tie * cost(nodes.points, by, tour);
   });
-  save_beats(nodes.points, neighbours, Closing::closed, model, best);
+  const Closing closing = open_at_jump(nodes.points, best);
+  save_beats(nodes.points, neighbours, closing, model, best);
   return nodes.of_layer(best);
 }
 

@@ -21,8 +21,8 @@ void check_bounds(std::span<const Point> cloud, const Bounds& room, const std::s
       Exit::bad_input, where,
       fmt::format("{} of {} points {}, the first is point {} at ({:.6g}, {:.6g}, {:.6g}) mm", bad,
                   cloud.size(),
-                  is_finite(point) ? "lie outside " + place : "are unusable or outside",
-                  first, point.x, point.y, point.z),
+                  is_finite(point) ? "lie outside " + place : "are unusable or outside", first,
+                  point.x, point.y, point.z),
       fmt::format("make the object fit x {:g}..{:g}, y {:g}..{:g}, z {:g}..{:g} mm", low.x, high.x,
                   low.y, high.y, low.z, high.z));
 }

@@ -58,7 +58,8 @@ void fill(const Frame& frame, double distance_mm, PointCloud& cloud) {
   const double step = distance_mm * (1 + rounding);
   const double row_mm = step * std::numbers::sqrt3 / 2;
   const double last_row = std::floor(frame.height / row_mm + rounding);
-  require_count(static_cast<double>(cloud.size()) + last_row, "faces");
+  const double about = frame.length * frame.height / 2 / (step * row_mm);
+  require_count(static_cast<double>(cloud.size()) + std::max(about, last_row), "faces");
   for (double row = 0; row <= last_row; ++row) {
     const double away = row * row_mm;
     const double up = std::min(away / frame.height, 1.0);

@@ -81,15 +81,7 @@ class Body {
                            block.z * cells_in_a_row};
     for (int i = 0; i < cells_in_a_row; ++i) {
       for (int j = 0; j < cells_in_a_row; ++j) {
-        for (int k = 0; k < cells_in_a_row; ++k) {
-          const BlockIndex cell{first.x + i, first.y + j, first.z + k};
-          const Point low = cells_.grid.box(cell).low;
-          const bool at_surface =
-              std::binary_search(cells_.blocks.begin(), cells_.blocks.end(), cell);
-          if (at_surface || contains(centre_of(low, options_.distance_mm))) {
-            found.push_back({low, at_surface});
-          }
-        }
+        add_column({first.x + i, first.y + j, first.z}, found);
       }
     }
     return found;
@@ -130,6 +122,25 @@ class Body {
   }
 
  private:
+  /// Cells in a row upwards. Only the surface parts inside and outside, so between two cells of the
+  /// surface one is looked at for all.
+  void add_column(const BlockIndex& first, std::vector<Cell>& found) const {
+    auto surface = std::lower_bound(cells_.blocks.begin(), cells_.blocks.end(), first);
+    std::optional<bool> inside;
+    BlockIndex cell = first;
+    for (; cell.z < first.z + cells_in_a_row; ++cell.z) {
+      const Point low = cells_.grid.box(cell).low;
+      const bool at_surface = surface != cells_.blocks.end() && *surface == cell;
+      if (at_surface) {
+        ++surface;
+        inside.reset();
+      } else if (!inside) {
+        inside = contains(centre_of(low, options_.distance_mm));
+      }
+      if (at_surface || *inside) found.push_back({low, at_surface});
+    }
+  }
+
   double radius_at(const Point& place) const {
     if (options_.light_depth_mm <= 0) return options_.distance_mm;
     const double light = std::exp(-inside_.filled_above_mm(place) / options_.light_depth_mm);

@@ -4,7 +4,8 @@
 //
 // Inside is where a ray upwards crosses the surface an odd number of times. Points are thrown as
 // random darts and gaps are filled from an octree of the places that no point covers, by the blocks
-// and groups of blue_noise(). Budget: a million points in 10 s on two cores.
+// and groups of blue_noise(). Budget: a million points in a body of 280 000 triangles in 20 s on two
+// cores, less in plain bodies.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +25,9 @@ struct SolidOptions {
   double lowest_density = 0.05;  // however deep; more than 0, at most 1
 };
 
-/// About 0.73 * volume / distance^3 points. Throws Error (bad_input) for options out of range, a
-/// mesh that is not closed (names the first open edge), a vertex that is not finite, or too many
-/// points.
+/// About 0.65 * volume / distance^3 points; every place well inside is closer than 1.45 distances
+/// to one. Throws Error (bad_input) for options out of range, a mesh that is not closed (names the
+/// first open edge), a vertex that is not finite, or too many points.
 PointCloud fill_solid(const model::Mesh& mesh, const SolidOptions& options);
 
 }  // namespace lamplock::points

@@ -3,9 +3,15 @@
 #include <sys/resource.h>
 
 #include "host/model/example.hpp"
+#include "host/model/mesh_faults.hpp"
 #include "host/order/order.hpp"
+#include "host/points/blue_noise.hpp"
+#include "host/points/fill_faces.hpp"
+#include "host/points/fill_solid.hpp"
 #include "host/points/rays.hpp"
+#include "host/points/shells.hpp"
 #include "host/points/slice.hpp"
+#include "host/points/spacing.hpp"
 #include "host/points/weld.hpp"
 
 namespace lamplock {
@@ -41,6 +47,57 @@ void slice(benchmark::State& state) {
   count(state, number);
 }
 BENCHMARK(slice)->Unit(benchmark::kMillisecond);
+
+/// Argument: smallest distance in um; the first gives a million points, the second ten.
+void blue_noise(benchmark::State& state) {
+  const model::Mesh mesh = model::example_model();
+  const double distance_mm = static_cast<double>(state.range(0)) / 1000;
+  std::size_t number = 0;
+  for (auto _ : state) number = points::blue_noise(mesh, {.distance_mm = distance_mm}).size();
+  count(state, number);
+}
+BENCHMARK(blue_noise)->Arg(100)->Arg(31)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+void fill_faces(benchmark::State& state) {
+  const model::Mesh mesh = model::example_model();
+  std::size_t number = 0;
+  for (auto _ : state) number = points::fill_faces(mesh, {.distance_mm = 0.1}).points.size();
+  count(state, number);
+}
+BENCHMARK(fill_faces)->Unit(benchmark::kMillisecond);
+
+void fill_solid(benchmark::State& state) {
+  const model::Mesh mesh = model::example_model();
+  std::size_t number = 0;
+  for (auto _ : state) number = points::fill_solid(mesh, {.distance_mm = 0.18}).size();
+  count(state, number);
+}
+BENCHMARK(fill_solid)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+void shells(benchmark::State& state) {
+  const model::Mesh mesh = model::example_model();
+  const points::PointCloud cloud = points::blue_noise(mesh, {.distance_mm = 0.1});
+  for (auto _ : state) {
+    const auto inward = points::inward_ways(mesh, cloud, 0.01);
+    benchmark::DoNotOptimize(points::spread_over_shells(cloud, inward, {}));
+  }
+  count(state, cloud.size());
+}
+BENCHMARK(shells)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+void spacing(benchmark::State& state) {
+  const auto cloud = points::blue_noise(model::example_model(), {.distance_mm = 0.1});
+  for (auto _ : state) benchmark::DoNotOptimize(points::spacing_of(cloud));
+  count(state, cloud.size());
+}
+BENCHMARK(spacing)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+void mesh_faults(benchmark::State& state) {
+  const model::Mesh mesh = model::example_model();
+  for (auto _ : state) benchmark::DoNotOptimize(model::find_faults(mesh));
+  count(state, mesh.triangles.size());
+}
+BENCHMARK(mesh_faults)->Unit(benchmark::kMillisecond);
 
 void weld(benchmark::State& state) {
   const points::PointCloud cloud = ray_points();

@@ -184,9 +184,10 @@ TEST(Words, WhatFitsTouchesTheMargin) {
 
 TEST(Words, ThatAreNone) {
   for (const char* words :
-       {"", " ", "turn z 5", "move 1 2", "move 1 2 3 4", "move a b c", "rotate z", "rotate w 3",
-        "rotate 0 0 0 3", "rotate z nan", "scale", "scale 0", "scale -1", "scale 1 2", "scale inf",
-        "mirror", "mirror q", "mirror x y", "centre 1", "fit 2", "move 1e999 0 0"})
+       {"",         " ",          "turn z 5",       "move 1 2",     "move 1 2 3 4", "move a b c",
+        "rotate z", "rotate w 3", "rotate 0 0 0 3", "rotate z nan", "scale",        "scale 0",
+        "scale -1", "scale 1 2",  "scale inf",      "mirror",       "mirror q",     "mirror x y",
+        "centre 1", "fit 2",      "move 1e999 0 0"})
     EXPECT_THAT(test::error_of([&] { check_transformation(words, "a.toml:3"); }),
                 HasSubstr("a.toml:3"))
         << words;

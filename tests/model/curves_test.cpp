@@ -303,6 +303,11 @@ TEST(Affine, TurnsComposeAndGoBack) {
   EXPECT_NEAR(turned_about_z(30)(Point{2, 0, 0}).y, 1, 1e-12);
   std::mt19937_64 random(7);
   for (int i = 0; i < test::scaled(200); ++i) {
+    const double degrees = uniform(random, -800, 800), radians = degrees * pi / 180;
+    const Point along{std::cos(radians), std::sin(radians), 0};
+    EXPECT_LT(distance(turned_about_z(degrees)(Point{1, 0, 0}), along), 1e-12);
+    EXPECT_LT(distance(turned_about_x(degrees)(Point{0, 1, 0}), Point{0, along.x, along.y}), 1e-12);
+    EXPECT_LT(distance(turned_about_y(degrees)(Point{0, 0, 1}), Point{along.y, 0, along.x}), 1e-12);
     const Affine turn = moved(1, 2, 3) * turned_about_z(uniform(random, -400, 400)) *
                         turned_about_y(uniform(random, -400, 400)) *
                         turned_about_x(uniform(random, -400, 400));

@@ -121,6 +121,8 @@ TEST_F(Svg, PathsKnowAllCommands) {
               2 * ArcLength(data("M0 0C0 1 1 1 1 0")).total(), 1e-9);
   EXPECT_NEAR(ArcLength(data("M0 0Q1 1 2 0T4 0")).total(),
               2 * ArcLength(data("M0 0Q1 1 2 0")).total(), 1e-9);
+  EXPECT_NEAR(ArcLength(data("M0 0C0 1 1 1 1 0T4 4")).total(),
+              ArcLength(data("M0 0C0 1 1 1 1 0")).total() + 5, 1e-9);
   EXPECT_NEAR(ArcLength(data("M0 0L5 5T8 9")).total(), std::sqrt(50.0) + 5, 1e-9);
   const Curves two = shapes("<path d='M0 0 H1 M5 5 m1 1 h2 z l0 3'/>");
   ASSERT_EQ(two.paths.size(), 3u);

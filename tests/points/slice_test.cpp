@@ -292,6 +292,15 @@ TEST(LostFaces, AreTheCapsOfACylinder) {
   EXPECT_NEAR(points::lost_faces(turned, options).area_mm2, 2 * cap, 1e-6);
 }
 
+TEST(LostFaces, AreNotThoseThatPlanesCut) {
+  // A box with its caps tilted by 3 degrees: each triangle is cut by some planes.
+  const model::Affine turn = model::turned_about_x(3);
+  model::Mesh mesh = test::box(5, 5, 5);
+  for (auto& v : mesh.vertices) v = turn(v);
+  EXPECT_EQ(points::lost_faces(mesh, {.layer_mm = 0.1}).triangles, 0u);
+  EXPECT_EQ(points::lost_faces(mesh, {.layer_mm = 4, .first_mm = -2}).triangles, 4u);
+}
+
 TEST(LostFaces, OfARoundBodyAreHardlyAny) {
   const auto lost = points::lost_faces(test::sphere(10, 199, 400), {.layer_mm = 0.1});
   EXPECT_GT(lost.triangles, 0u);

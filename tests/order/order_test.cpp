@@ -4,12 +4,13 @@
 #include <rapidcheck.h>
 
 #include <algorithm>
-#include <tuple>
+#include <array>
+#include <limits>
 
-#include "host/model/example.hpp"
+#include "host/bench/orders.hpp"
 #include "host/order/cost.hpp"
 #include "host/points/slice.hpp"
-#include "tests/points/shapes.hpp"
+#include "tests/order/clouds.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock {
@@ -20,15 +21,7 @@ using order::OrderOptions;
 using points::Point;
 using points::PointCloud;
 using test::error_of;
-
-bool is_permutation_of(PointCloud a, PointCloud b) {
-  const auto less = [](const Point& p, const Point& q) {
-    return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z);
-  };
-  std::sort(a.begin(), a.end(), less);
-  std::sort(b.begin(), b.end(), less);
-  return a == b;
-}
+using test::is_permutation_of;
 
 double travel(const PointCloud& cloud) {
   double sum = 0;
@@ -147,15 +140,74 @@ TEST(Order, LayersAreJoinedWithoutLongJumps) {
   }
 }
 
+constexpr std::array all_orderings{Ordering::given,   Ordering::layers, Ordering::serpentine,
+                                   Ordering::nearest, Ordering::cone,   Ordering::best};
+
 TEST(Order, DoesNotDependOnThreads) {
   std::mt19937_64 random(16);
-  const PointCloud cloud = test::random_cloud(random, 8000, 5);
-  const auto with = [&](unsigned threads) {
-    return order::order(cloud, Ordering::layers, {.layer_mm = 0.5, .threads = threads});
-  };
-  const auto one = with(1);
-  EXPECT_EQ(with(2), one);
-  EXPECT_EQ(with(7), one);
+  const PointCloud cloud = test::random_cloud(random, 3000, 3);
+  for (const Ordering ordering : all_orderings) {
+    const auto with = [&](unsigned threads) {
+      return order::order(cloud, ordering, {.layer_mm = 0.5, .threads = threads});
+    };
+    const auto one = with(1);
+    EXPECT_EQ(with(2), one);
+    EXPECT_EQ(with(7), one);
+  }
+}
+
+TEST(Order, SerpentineOfALatticeTakesNoLongStep) {
+  PointCloud cloud;
+  for (int i = 0; i < 7 * 11 * 3; ++i) {
+    cloud.push_back({i % 7 * 0.1, i / 7 % 11 * 0.1, i / 77 * 0.1});
+  }
+  std::shuffle(cloud.begin(), cloud.end(), std::mt19937_64(18));
+  const auto ordered = order::order(cloud, Ordering::serpentine, {.layer_mm = 0.1});
+  EXPECT_NEAR(travel(ordered), 0.1 * (7 * 11 * 3 - 1), 1e-9);
+}
+
+TEST(Order, BestNeedsNoMoreBeatsThanTheOthers) {
+  const bench::Machine machine{100, 2, 1};
+  for (bench::OrderCloud& cloud : bench::order_clouds(std::max(600, test::scaled(3000)))) {
+    const auto figures = bench::order_figures(cloud, machine);
+    for (const double beats : figures.beats) {
+      EXPECT_LE(figures.beats.back(), beats * 1.0005) << cloud.name;
+    }
+  }
+}
+
+TEST(Order, BestSavesATenthOfNearestWhereBeatsAreScarce) {
+  const bench::Machine machine{100, 2, 1};
+  for (const bench::OrderCloud& cloud : bench::order_clouds(std::max(1500, test::scaled(3000)))) {
+    const auto figures = bench::order_figures(cloud, machine);
+    const double nearest = figures.beats[2];
+    if (nearest < 1.15) continue;  // hardly anything can be saved
+    EXPECT_LT(figures.beats.back(), 0.9 * nearest) << cloud.name;
+  }
+}
+
+TEST(Order, BestGoesUpOneLegAfterTheOther) {
+  // Two columns 40 mm apart: their cones do not meet, so one jump is enough.
+  PointCloud legs;
+  for (int i = 0; i < 200; ++i) {
+    for (const double x : {0.0, 40.0}) {
+      for (int k = 0; k < 6; ++k) {
+        const double a = k * std::numbers::pi / 3;
+        legs.push_back({x + 0.2 * std::cos(a), 0.2 * std::sin(a), i * 0.1});
+      }
+    }
+  }
+  const auto ordered = order::order(legs, Ordering::best);
+  EXPECT_LT(travel(ordered), 2 * 40 + 0.3 * static_cast<double>(legs.size()));
+}
+
+TEST(Order, NamesAreThoseOfTheOrderings) {
+  for (const Ordering ordering : all_orderings) {
+    EXPECT_EQ(order::ordering_named(order::ordering_names[static_cast<std::size_t>(ordering)]),
+              ordering);
+  }
+  EXPECT_FALSE(order::ordering_named("random"));
+  EXPECT_FALSE(order::ordering_named(""));
 }
 
 TEST(Order, BeginsNearTheStart) {
@@ -171,27 +223,63 @@ TEST(Order, BeginsNearTheStart) {
 TEST(Order, ReportsProgressAndCanBeGivenUp) {
   std::mt19937_64 random(17);
   const PointCloud cloud = test::random_cloud(random, 5000, 5);
-  double last = 0;
-  order::order(cloud, Ordering::layers, {.layer_mm = 0.5, .progress = [&](double part) {
-                                           EXPECT_GE(part, last);
-                                           last = part;
-                                         }});
-  EXPECT_EQ(last, 1);
   struct GivenUp {};
-  EXPECT_THROW(order::order(cloud, Ordering::layers,
-                            {.layer_mm = 0.5, .progress = [](double) { throw GivenUp(); }}),
-               GivenUp);
+  for (const Ordering ordering : all_orderings) {
+    if (ordering == Ordering::given) continue;
+    OrderOptions options;
+    options.layer_mm = 0.5;
+    double last = 0;
+    options.progress = [&](double part) {
+      EXPECT_GE(part, last);
+      last = part;
+    };
+    order::order(cloud, ordering, options);
+    EXPECT_EQ(last, 1);
+    options.progress = [](double) { throw GivenUp(); };
+    EXPECT_THROW(order::order(cloud, ordering, options), GivenUp);
+  }
 }
 
 TEST(Order, ManyEqualPointsTakeNoLonger) {
-  PointCloud cloud(200000, Point{1, 2, 3});
+  PointCloud cloud(static_cast<std::size_t>(test::scaled(100'000)), Point{1, 2, 3});
   cloud.push_back({4, 5, 3});
-  EXPECT_TRUE(is_permutation_of(order::order(cloud, Ordering::layers), cloud));
+  for (const Ordering ordering : all_orderings) {
+    EXPECT_TRUE(is_permutation_of(order::order(cloud, ordering), cloud));
+  }
 }
 
-TEST(Order, WrongLayersAreRefused) {
-  EXPECT_NE(error_of([] { order::order({{0, 0, 0}}, Ordering::layers, {.layer_mm = 0}); }), "");
-  EXPECT_TRUE(order::order({}, Ordering::layers, {}).empty());
+TEST(Order, WrongOptionsAreRefused) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](const OrderOptions& options, Ordering ordering = Ordering::best) {
+    return !error_of([&] { order::order({{0, 0, 0}, {1, 0, 0}}, ordering, options); }).empty();
+  };
+  EXPECT_TRUE(refused({.layer_mm = 0}, Ordering::layers));
+  EXPECT_TRUE(refused({.layer_mm = nan}, Ordering::nearest));
+  EXPECT_TRUE(refused({.half_angle_deg = 90}, Ordering::layers));
+  EXPECT_TRUE(refused({.half_angle_deg = nan}));
+  EXPECT_TRUE(refused({.cone = {nan, 1}}, Ordering::cone));
+  EXPECT_TRUE(refused({.motion = {.beat_s = 0}}));
+  EXPECT_TRUE(refused({.motion = {.accel_mm_s2 = {1, 0, 1}}}));
+  EXPECT_TRUE(refused({.motion = {.speed_mm_s = {1, 1, nan}}}));
+  EXPECT_TRUE(refused({.motion = {.accel_mm_s2 = {1e-200, 1, 1}, .beat_s = 1e-100}}));
+  for (const Ordering ordering : all_orderings) {
+    EXPECT_TRUE(order::order({}, ordering, {}).empty());
+  }
+  EXPECT_NE(error_of([&] {
+              order::order({{0, 0, 0}, {0, 0, nan}}, Ordering::best);
+            }).find("point 1"),
+            std::string::npos);
+}
+
+TEST(Order, MachinesOfAnySizeAreManaged) {
+  std::mt19937_64 random(20);
+  const PointCloud cloud = test::random_cloud(random, 300, 50);
+  for (const double size : {1e-6, 1e-2, 1e3, 1e9}) {
+    OrderOptions options;
+    options.motion.accel_mm_s2 = {size, size, size};
+    options.motion.speed_mm_s = {1, size, 1000};
+    EXPECT_TRUE(is_permutation_of(order::order(cloud, Ordering::best, options), cloud));
+  }
 }
 
 }  // namespace
