@@ -147,8 +147,11 @@ std::vector<float> densities(const Grid& grid, const BitmapOptions& options) {
   return wanted;
 }
 
-/// Error diffusion, every other row backwards, with weights moved at random.
+/// Error diffusion, every other row backwards, with weights and threshold moved at random.
 class Dither {
+  /// Less leaves half grey a chequerboard, more makes greys grainy.
+  static constexpr double threshold_noise = 0.6;
+
  public:
   Dither(std::size_t columns, Random random)
       : random_(random), here_(columns + 2, 0), ahead_(columns + 2, 0) {
@@ -163,7 +166,8 @@ class Dither {
       const double value = wanted(i) + here_[i + 1];
       // Pure black and white stay pure: an error stops there.
       const bool pure = wanted(i) <= 0 || wanted(i) >= 1;
-      const bool dot = pure ? wanted(i) >= 1 : value >= 0.5;
+      const double level = 0.5 + threshold_noise * (random_.uniform() - 0.5);
+      const bool dot = pure ? wanted(i) >= 1 : value >= level;
       if (dot) point(i);
       if (!pure) spread(i + 1, value - (dot ? 1 : 0));
     }

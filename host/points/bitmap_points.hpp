@@ -4,9 +4,9 @@
 // parallel planes, row by row from the lowest. Called by the command line.
 //
 // Density from grey: the error of each grid point is spread over its neighbours (Floyd and
-// Steinberg, "An Adaptive Algorithm for Spatial Greyscale", 1976) with weights moved at random
-// (Ulichney, "Dithering with Blue Noise", 1988), so that points follow the tone everywhere, no
-// pattern shows and layers differ.
+// Steinberg, "An Adaptive Algorithm for Spatial Greyscale", 1976) with weights and threshold moved
+// at random (Ulichney, "Dithering with Blue Noise", 1988), so that points follow the tone
+// everywhere, no pattern shows and layers differ.
 #pragma once
 
 #include <cstdint>

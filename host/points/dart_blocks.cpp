@@ -124,7 +124,7 @@ bool BlockDarts::is_free(const Point& place, double radius) const {
 bool BlockDarts::is_covered(const Corners& triangle, double radius) const {
   // A dart that covers every corner is in the reach of the outermost ones.
   const double reach = radius + rounded_into_next_cell * all_.distance_;
-  const auto& [a, b, c] = triangle;
+  const Point &a = triangle[0], &b = triangle[1], &c = triangle[2];
   const Point low{std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})};
   const Point high{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})};
   return any_within(moved(low, -reach), moved(high, reach), [&](const Point& point, double other) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "host/points/limits.hpp"
@@ -57,19 +58,19 @@ Frame frame_of(const model::Mesh& mesh, const std::array<std::uint32_t, 3>& tria
 void fill(const Frame& frame, double distance_mm, PointCloud& cloud) {
   const double step = distance_mm * (1 + rounding);
   const double row_mm = step * std::numbers::sqrt3 / 2;
-  const double last_row = std::floor(frame.height / row_mm + rounding);
+  const double rows = std::floor(frame.height / row_mm + rounding) + 1;
   const double about = frame.length * frame.height / 2 / (step * row_mm);
-  require_count(static_cast<double>(cloud.size()) + std::max(about, last_row), "faces");
-  for (double row = 0; row <= last_row; ++row) {
-    const double away = row * row_mm;
+  require_count(static_cast<double>(cloud.size()) + std::max(about, rows), "faces");
+  for (std::int64_t row = 0; row < static_cast<std::int64_t>(rows); ++row) {
+    const double away = static_cast<double>(row) * row_mm;
     const double up = std::min(away / frame.height, 1.0);
     const double from = frame.foot * up, to = frame.length - (frame.length - frame.foot) * up;
-    const double offset = std::fmod(row, 2) * step / 2;
+    const double offset = row % 2 == 0 ? 0 : step / 2;
     const double first = std::ceil((from - offset) / step - rounding);
-    const double last = std::floor((to - offset) / step + rounding);
-    require_count(static_cast<double>(cloud.size()) + last - first, "faces");
-    for (double i = first; i <= last; ++i) {
-      const double along = offset + i * step;
+    const double count = std::floor((to - offset) / step + rounding) - first + 1;
+    require_count(static_cast<double>(cloud.size()) + count, "faces");
+    for (std::int64_t i = 0; i < static_cast<std::int64_t>(count); ++i) {
+      const double along = offset + (first + static_cast<double>(i)) * step;
       const auto at = [&](double Point::*axis) {
         return frame.origin.*axis + along * frame.along.*axis + away * frame.away.*axis;
       };

@@ -58,6 +58,10 @@ TEST(FillFaces, TheCommonLongestSideHasOneRowOfPoints) {
   int on_diagonal = 0;
   for (const auto& p : fill.points) on_diagonal += std::abs(p.x - p.y) < 1e-9 ? 1 : 0;
   EXPECT_EQ(on_diagonal, 12);  // 4 * sqrt(2) / 0.5 = 11.3
+  // Both rows begin at the same end, so one triangle is the mirror image of the other.
+  for (const auto& p : fill.points) {
+    EXPECT_LT(test::nearest_distance({p.y, p.x, 0}, fill.points), 1e-9);
+  }
 }
 
 TEST(FillFaces, EveryPlaceIsNearAPoint) {

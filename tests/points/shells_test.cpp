@@ -122,6 +122,13 @@ TEST(InwardWays, TheNearestTriangleCountsWithinReach) {
   const PointCloud cloud{{1.2, 0, 0}, {0, -2.3, 1}, {0.2, 0.3, 2.9}, {9, 0, 0}, {0, 0, -3}};
   const auto ways = inward_ways(mesh, cloud, 0.5);
   EXPECT_EQ(ways, (std::vector<Point>{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, -1}, {0, 0, 1}}));
+  // In the plane of a triangle, but beside it.
+  model::Mesh two;
+  two.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 1, 0}, {0.2, 2, 0}, {0.2, 1, 1}};
+  two.triangles = {{0, 1, 2}, {3, 4, 5}};
+  EXPECT_EQ(inward_ways(two, PointCloud{{0.2, 0.2, 0.3}}, 0.5).front(), (Point{0, 0, -1}));
+  two.triangles[0] = {0, 2, 1};
+  EXPECT_EQ(inward_ways(two, PointCloud{{0.2, 0.2, 0.3}}, 0.5).front(), (Point{0, 0, 1}));
   EXPECT_EQ(inward_ways({}, cloud, 1).size(), cloud.size());
   EXPECT_NE(error_of([&] { inward_ways(mesh, cloud, 0); }), "");
 }

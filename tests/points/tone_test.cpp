@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -109,6 +110,17 @@ TEST(BitmapTone, PointsOfAGreyAreSpreadAndLayersDiffer) {
   EXPECT_GE(test::smallest_square(cloud), 1 - 1e-12);
 }
 
+// Half grey by plain error diffusion is a chequerboard, which shows where it breaks.
+TEST(BitmapTone, HalfGreyIsNoChequerboard) {
+  const PointCloud cloud = bitmap_points(
+      even_grey(64, 127), {.size_mm = 64, .spacing_mm = 1, .tone = ToneCurve{.gamma = 1}});
+  std::size_t beside = 0;
+  for (std::size_t i = 1; i < cloud.size(); ++i) {
+    if (test::distance(cloud[i - 1], cloud[i]) < 1.1) ++beside;
+  }
+  EXPECT_GT(static_cast<double>(beside) / static_cast<double>(cloud.size()), 0.1);
+}
+
 TEST(BitmapPoints, PlanesAreTheSamePictureTurned) {
   const Bitmap bitmap{2, 2, {0, 200, 10, 127}};
   points::BitmapOptions options{.size_mm = 2, .spacing_mm = 1, .layers = 2, .layer_mm = 3};
@@ -193,7 +205,8 @@ std::string u32(std::size_t value) {
 }
 
 /// One triangle with a picture inside the file and colours.
-std::string glb_of(const std::string& png, nlohmann::json change = {}) {
+std::string glb_of(
+    const std::string& png, const std::function<void(nlohmann::json&)>& change = [](auto&) {}) {
   std::string buffer;
   const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0,   // positions
                                    0, 1, 1, 1, 0, 0,            // places of the picture, v down
@@ -219,7 +232,7 @@ std::string glb_of(const std::string& png, nlohmann::json change = {}) {
       {"buffer": 0, "byteOffset": 96, "byteLength": 0}]})");
   document["buffers"] = {{{"byteLength", buffer.size()}}};
   document["bufferViews"][3]["byteLength"] = png.size();
-  if (!change.is_null()) document.merge_patch(change);
+  change(document);
   std::string text = document.dump();
   while (text.size() % 4 != 0) text.push_back(' ');
   return "glTF" + u32(2) + u32(12 + 8 + text.size() + 8 + buffer.size()) + u32(text.size()) +
@@ -247,22 +260,28 @@ TEST(ReadMesh, DamagedGlbIsRefused) {
     EXPECT_THAT(error_of([&] { read_mesh(path); }), HasSubstr("b.glb"));
   }
   using nlohmann::json;
-  const json huge = {{"bufferViews", {{{"buffer", 0}, {"byteLength", 4000000000u}}}}};
-  const json far = {
-      {"accessors",
-       {{{"bufferView", 0}, {"componentType", 5126}, {"count", 30}, {"type", "VEC3"}}}}};
-  const json sparse = {{"accessors",
-                        {{{"bufferView", 0},
-                          {"componentType", 5126},
-                          {"count", 3},
-                          {"type", "VEC3"},
-                          {"sparse", json::object()}}}}};
-  const json elsewhere = {{"buffers", {{{"byteLength", 8}, {"uri", "x.bin"}}}}};
-  const json wrong = {{"bufferViews", {{{"buffer", "zero"}, {"byteLength", -1}}}}};
-  for (const json& change : {huge, far, sparse, elsewhere, wrong}) {
+  const auto refusal = [&](const std::function<void(json&)>& change) {
     const auto path = folder.write("c.glb", glb_of("", change));
-    EXPECT_NE(error_of([&] { read_mesh(path); }), "");
-  }
+    return error_of([&] { read_mesh(path); });
+  };
+  EXPECT_THAT(refusal([](json& d) { d["bufferViews"][0]["byteLength"] = 4'000'000'000u; }),
+              HasSubstr("a view beyond the buffer"));
+  EXPECT_THAT(refusal([](json& d) { d["bufferViews"][1]["buffer"] = 1; }),
+              HasSubstr("a view of no buffer"));
+  EXPECT_THAT(refusal([](json& d) { d["buffers"][0]["byteLength"] = 1000; }), HasSubstr("less"));
+  EXPECT_THAT(refusal([](json& d) { d["buffers"][0]["uri"] = "x.bin"; }),
+              HasSubstr("another file"));
+  EXPECT_THAT(refusal([](json& d) { d["accessors"][1]["count"] = 4; }),
+              HasSubstr("accessor 1 is beyond its view"));
+  EXPECT_THAT(refusal([](json& d) { d["accessors"][0]["count"] = 1u << 31; }),
+              HasSubstr("accessor 0 is beyond its view"));
+  EXPECT_THAT(refusal([](json& d) { d["accessors"][2]["bufferView"] = 9; }), HasSubstr("no view"));
+  EXPECT_THAT(refusal([](json& d) { d["accessors"][2]["componentType"] = 1; }), HasSubstr("type"));
+  EXPECT_THAT(refusal([](json& d) { d["accessors"][2]["sparse"] = json::object(); }),
+              HasSubstr("sparse"));
+  EXPECT_THAT(refusal([](json& d) { d["bufferViews"] = "none"; }), HasSubstr("no list"));
+  EXPECT_THAT(refusal([](json& d) { d["bufferViews"][0]["byteOffset"] = "zero"; }),
+              HasSubstr("wrong kind"));
 }
 
 TEST(ReadMesh, DamagedBytesOfAGlbNeverDoMoreThanFail) {
