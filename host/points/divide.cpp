@@ -61,9 +61,11 @@ PointCloud divide(const model::Curves& curves, const DivideOptions& options) {
       append_layer(curves, along, k, options, cloud);
     }
   }
-  for (std::size_t i = 0; options.layers > 1 && i < cloud.size(); ++i) {
-    const auto k = static_cast<double>(i / layer);  // twist changes no counts
-    cloud[i].z += (k - (options.layers - 1) / 2.0) * options.layer_mm;
+  if (options.layers == 1 || layer == 0) return cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::size_t k = i / layer;  // twist changes no counts
+    const double half = (options.layers - 1) / 2.0;
+    cloud[i].z += (static_cast<double>(k) - half) * options.layer_mm;
   }
   return cloud;
 }
