@@ -12,21 +12,6 @@ namespace {
 using points::Bounds;
 using points::Point;
 
-double outside(double value, double low, double high) {
-  return std::max({low - value, value - high, 0.0});
-}
-
-/// Square of the distance.
-struct Nearest {
-  Point from;
-  double cost(const Point& p) const { return square(p.x - from.x, p.y - from.y, p.z - from.z); }
-  double bound(const Bounds& box) const {
-    return square(outside(from.x, box.low.x, box.high.x), outside(from.y, box.low.y, box.high.y),
-                  outside(from.z, box.low.z, box.high.z));
-  }
-  static double square(double x, double y, double z) { return x * x + y * y + z * z; }
-};
-
 struct Cone {
   Point from;
   ConeWeights weights;
@@ -38,8 +23,8 @@ struct Cone {
     const double low = box.low.z - from.z, high = box.high.z - from.z;
     double least = std::min(height(low), height(high));
     if (low < 0 && high > 0) least = std::min(least, 0.0);
-    return std::max(outside(from.x, box.low.x, box.high.x),
-                    outside(from.y, box.low.y, box.high.y)) +
+    return std::max(distance_outside(from.x, box.low.x, box.high.x),
+                    distance_outside(from.y, box.low.y, box.high.y)) +
            least;
   }
 };

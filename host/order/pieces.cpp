@@ -20,7 +20,7 @@ using points::PointCloud;
 using Number = std::size_t;  // of a piece
 
 constexpr Number no_piece = std::numeric_limits<Number>::max();
-// Pieces, in the order that came, among which the next one is looked for.
+// Pieces, in the order that came, among which the next one is looked for besides the nearest.
 constexpr std::size_t choice = 64;
 
 /// Places first .. first + count - 1 of the order that came.
@@ -104,6 +104,9 @@ class Join {
     for (Number i = first_left_; i < pieces_.size() && near.size() < choice; ++i) {
       if (!pieces_[i].fired) near.emplace_back(way_to(from, pieces_[i]), i);
     }
+    // However many layers up: where there are many legs, those pieces do not reach the next layer.
+    const Number nearest = piece_of_[rest_.cheapest(Nearest{from})];
+    near.emplace_back(way_to(from, pieces_[nearest]), nearest);
     std::sort(near.begin(), near.end());
     for (const auto& [way, i] : near) {
       if (take(i)) return i;

@@ -24,6 +24,25 @@ namespace lamplock::order {
 /// further than a kilometre out, which no machine is.
 void require_coordinates(std::span<const points::Point> points);
 
+/// How far a value lies outside an interval.
+inline double distance_outside(double value, double low, double high) {
+  return std::max({low - value, value - high, 0.0});
+}
+
+/// Metric of RestTree: the square of the distance from a place.
+struct Nearest {
+  points::Point from;
+  double cost(const points::Point& p) const {
+    return square(p.x - from.x, p.y - from.y, p.z - from.z);
+  }
+  double bound(const points::Bounds& box) const {
+    return square(distance_outside(from.x, box.low.x, box.high.x),
+                  distance_outside(from.y, box.low.y, box.high.y),
+                  distance_outside(from.z, box.low.z, box.high.z));
+  }
+  static double square(double x, double y, double z) { return x * x + y * y + z * z; }
+};
+
 class RestTree {
  public:
   using Index = std::uint32_t;
