@@ -1,7 +1,9 @@
 // Blocks of glass: descriptions, refraction, margins, pauses, several objects, every method.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "host/job/job_file.hpp"
@@ -196,6 +198,30 @@ TEST(Description, IsWhatTheOptionsSaid) {
   EXPECT_EQ(read(folder / "a.llj"), read(folder / "b.llj")) << read(folder / "job.toml");
   EXPECT_EQ(run({"frame", folder / "job.toml"}).status, 0);
   EXPECT_EQ(run_json({"engrave", folder / "job.toml"})["shots"].get<int>() % 2, 0);
+}
+
+TEST(Description, IsEstimatedToTheBeat) {
+  const Folder folder;
+  folder.write("m.stl", octahedron_stl());
+  const std::string toml = folder.write(
+      "job.toml",
+      "[glass]\nmaterial = \"k9\"\nblock = [30, 30, 40]\n[pause]\nevery = 60\nbeats = 30\n"
+      "[[object]]\nfile = \"m.stl\"\nsize = 6\nspacing = 0.5\n");
+  const Json foreseen = run_json({"estimate", toml});
+  const Json report = run_json({"engrave", toml});
+  for (const char* key : {"points", "shots", "beats", "beats_before", "utilisation"})
+    EXPECT_EQ(foreseen[key], report[key]) << key;
+}
+
+TEST(Description, OfTheExamplesIsOne) {
+  namespace fs = std::filesystem;
+  const Folder folder;
+  for (const char* file : {"block.toml", "badge.svg", "machine.toml"})
+    fs::copy_file(fs::path(LAMPLOCK_ROOT) / "examples" / file, folder / file);
+  EXPECT_EQ(run({"example", folder / "nautilus.stl"}).status, 0);
+  const Json made = run_json({"points", folder / "block.toml", "-o", folder / "o.ply"});
+  EXPECT_GT(made["points"], 10000);
+  EXPECT_EQ(made["warnings"], Json::array());
 }
 
 TEST(Description, WantsNoOptionsThatItHasKeysFor) {
