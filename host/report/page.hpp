@@ -3,7 +3,7 @@
 // In:  a judged run, or an estimate in the form of one.
 // Out: one HTML file that needs nothing else: style, script and data are in it, and it asks no
 //      server. Template and script: host/report/page/, built into the program.
-// Who: the files of a report, `estimate --page`. Budget: a million points in 4 s and 10 MB.
+// Who: the files of a report, `estimate --page`. Budget: a million points in 2 s and 15 MB.
 //
 // Data: JSON for numbers and charts, and for the cloud eight bytes a point in base64: x y z as
 // shares of the box round the cloud (16 bits each, little endian), the beats of the way to it
