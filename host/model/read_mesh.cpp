@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <string>
 #include <tuple>
@@ -14,6 +15,7 @@
 #include "host/file.hpp"
 #include "host/model/glb.hpp"
 #include "host/model/mesh_checks.hpp"
+#include "host/model/mtl.hpp"
 #include "host/model/ply.hpp"
 #include "host/model/scene_brightness.hpp"
 
@@ -42,8 +44,8 @@ std::size_t check(const path& file, const std::string& bytes) {
 /// Takes the triangles of all nodes, three corners each.
 class Collector {
  public:
-  Collector(const aiScene& scene, const path& file)
-      : scene_(scene), file_(file), brightness_(scene, file) {
+  Collector(const aiScene& scene, const path& file, std::map<std::string, std::string> pictures)
+      : scene_(scene), file_(file), brightness_(scene, file, std::move(pictures)) {
     add_node(*scene.mRootNode, aiMatrix4x4());
   }
 
@@ -130,21 +132,23 @@ Mesh merge_corners(const std::vector<points::Point>& corners, std::vector<std::u
 }  // namespace
 
 Mesh read_mesh(const path& file) {
-  const std::string bytes = read_file(file);
+  std::string bytes = read_file(file);
   const std::size_t length = check(file, bytes);
-  Assimp::Importer importer;
   const std::string extension = lower_extension(file);
-  // An OBJ names its materials relative to itself, so the library needs to know where it is.
-  const aiScene* scene =
-      extension == ".obj" ? importer.ReadFile(file.string(), aiProcess_Triangulate)
-                          : importer.ReadFileFromMemory(bytes.data(), length, aiProcess_Triangulate,
-                                                        extension.c_str() + 1);
+  std::map<std::string, std::string> pictures;
+  if (extension == ".obj") {
+    pictures = pictures_of_materials(file, bytes);
+    bytes = without_material_libraries(std::move(bytes));
+  }
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), length, aiProcess_Triangulate,
+                                                     extension.c_str() + 1);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     std::string reason = importer.GetErrorString();
     std::replace(reason.begin(), reason.end(), '\n', ' ');
     refuse(file, "the mesh library refuses it: " + reason, "export the file again");
   }
-  Collector collector(*scene, file);
+  Collector collector(*scene, file, std::move(pictures));
   const std::vector<points::Point>& corners = collector.corners();
   if (corners.size() > std::numeric_limits<std::uint32_t>::max()) {
     refuse(file, fmt::format("{} triangles are too many", corners.size() / 3), "reduce the mesh");

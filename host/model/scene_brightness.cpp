@@ -10,9 +10,11 @@
 
 namespace lamplock::model {
 
-SceneBrightness::SceneBrightness(const aiScene& scene, const std::filesystem::path& file)
+SceneBrightness::SceneBrightness(const aiScene& scene, const std::filesystem::path& file,
+                                 std::map<std::string, std::string> pictures)
     : scene_(scene),
       file_(file),
+      pictures_(std::move(pictures)),
       // "glTF 2.0 Specification", 3.7.2.1: COLOR_0 is linear; the other formats do not say.
       linear_(lower_extension(file) == ".glb"),
       textures_(scene.mNumMaterials) {
@@ -68,6 +70,11 @@ std::uint32_t SceneBrightness::texture_of(unsigned material) {
   std::optional<std::uint32_t>& known = textures_[material];
   if (known) return *known;
   known = Brightness::no_texture;
+  const std::string material_name = scene_.mMaterials[material]->GetName().C_Str();
+  if (const auto found = pictures_.find(material_name); found != pictures_.end()) {
+    known = read_texture(found->second);
+    return *known;
+  }
   for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
     aiString name;
     if (scene_.mMaterials[material]->GetTexture(type, 0, &name) != aiReturn_SUCCESS) continue;

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,8 +19,10 @@ namespace lamplock::model {
 
 class SceneBrightness {
  public:
-  /// `file` is where pictures are looked for beside, and what errors name. Both outlive this.
-  SceneBrightness(const aiScene& scene, const std::filesystem::path& file);
+  /// `file` is where pictures are looked for beside, and what errors name; `pictures` are those of
+  /// materials by name that the scene does not know of. Scene and file outlive this.
+  SceneBrightness(const aiScene& scene, const std::filesystem::path& file,
+                  std::map<std::string, std::string> pictures);
 
   /// The next triangle; its indices exist in `mesh`.
   void add(const aiMesh& mesh, const aiFace& triangle);
@@ -40,6 +43,7 @@ class SceneBrightness {
 
   const aiScene& scene_;
   const std::filesystem::path& file_;
+  std::map<std::string, std::string> pictures_;
   bool linear_ = false;  // colours of vertices are light, not values of a picture
   bool wanted_ = false;  // any mesh has brightness
   bool coloured_ = false;

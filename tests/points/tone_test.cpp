@@ -180,6 +180,33 @@ TEST(Brightness, MissingPicturesAreNamedAndDoNotStopTheMesh) {
   EXPECT_EQ(read_mesh(path).unread_pictures.size(), 1u);
 }
 
+TEST(Brightness, OptionsOfAPictureAreSkipped) {
+  const TemporaryFolder folder;
+  write_png(folder.file("my p.png"), 1, 1, {51});
+  folder.write(
+      "a.mtl",
+      "newmtl other\nmap_Kd x.png\nnewmtl m\nmap_Kd -o 0 0 -mm 0 1 -clamp on my p.png\r\n");
+  const Mesh mesh = read_mesh(folder.write("a.obj", pictured_obj));
+  ASSERT_TRUE(mesh.brightness);
+  EXPECT_NEAR(mesh.brightness->at(0, 0.3, 0.3), 0.2, 1e-6);
+}
+
+TEST(Brightness, DamagedMaterialsNeverStopTheMesh) {
+  const TemporaryFolder folder;
+  std::mt19937_64 random(6);
+  const std::string whole =
+      "newmtl m\nKd 1 1 1\nNs 10\nillum 2\nmap_Kd -o 0 0 0 -s 1 1 1 p.png\nmap_Bump -bm 1 b.png\n";
+  const auto path = folder.write("a.obj", pictured_obj);
+  for (int i = 0; i < test::scaled(500); ++i) {
+    std::string bytes = whole.substr(0, 1 + random() % whole.size());
+    for (std::uint32_t k = test::below(random, 4); k > 0; --k) {
+      bytes[random() % bytes.size()] = static_cast<char>(random());
+    }
+    folder.write("a.mtl", bytes);
+    EXPECT_EQ(read_mesh(path).triangles.size(), 2u);
+  }
+}
+
 TEST(Brightness, OfAPlyComesFromItsVerticesAndLosesFlatTriangles) {
   const TemporaryFolder folder;
   const Mesh mesh = read_mesh(folder.write(
