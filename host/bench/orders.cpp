@@ -85,8 +85,8 @@ PointCloud lattice(int points) {
   const int side = std::max(1, static_cast<int>(std::lround(std::cbrt(points))));
   PointCloud cloud;
   for (int i = 0; i < side * side * side; ++i) {
-    cloud.push_back(
-        {i % side * lattice_mm, i / side % side * lattice_mm, i / side / side * lattice_mm});
+    const int x = i % side, y = i / side % side, z = i / side / side;
+    cloud.push_back({x * lattice_mm, y * lattice_mm, z * lattice_mm});
   }
   return cloud;
 }

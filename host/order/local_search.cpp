@@ -54,8 +54,9 @@ class LocalSearch {
   }
 
   /// The same where beats are wasted, judged by the model.
-  void run_judged(const BeatModel& model) {
+  void run_judged(const BeatModel& model, std::size_t most_asked) {
     judge_ = &model;
+    asks_left_ = most_asked;
     is_waiting_.assign(points_.size() + 1, false);
     wake_wasted();
     search(most_rounds);
@@ -91,12 +92,12 @@ class LocalSearch {
   /// Rounds over all nodes whose surroundings changed, in the order in which they changed.
   void search(std::size_t rounds) {
     std::vector<Node> round;
-    for (; !waiting_.empty() && rounds > 0; --rounds) {
+    for (; !waiting_.empty() && rounds > 0 && !exhausted(); --rounds) {
       round.swap(waiting_);
       waiting_.clear();
       for (const Node node : round) {
         is_waiting_[node] = false;
-        if (node != free_node_ && try_node(node)) wake({node});
+        if (node != free_node_ && !exhausted() && try_node(node)) wake({node});
       }
     }
   }
@@ -148,15 +149,18 @@ class LocalSearch {
   /// Whether an exchange that saves `gain` of the cost is to be made: the pieces `now` of the tour,
   /// which end before node `end`, would follow each other as `then`.
   bool accepts(double gain, Place from, Place step, Place end, const Piece& first,
-               const Piece& second, const Piece& moved_first, const Piece& moved_second) const {
+               const Piece& second, const Piece& moved_first, const Piece& moved_second) {
     if (judge_ == nullptr) return gain >= least_gain;
-    if (gain < -most_loss) return false;
+    if (gain < -most_loss || exhausted()) return false;
+    --asks_left_;
     const Place around = std::min(window, (size_ - end) / 2);
     const Piece ahead{-around, around}, behind{end, around};
     const int saved = beats(from, step, {ahead, first, second, behind}) -
                       beats(from, step, {ahead, moved_first, moved_second, behind});
     return saved + cost_weight * gain >= least_saving;
   }
+
+  bool exhausted() const { return judge_ != nullptr && asks_left_ == 0; }
 
   /// By how much an exchange may seem worse before it is left out unasked.
   double loss() const { return judge_ != nullptr ? most_loss : 0; }
@@ -287,6 +291,7 @@ class LocalSearch {
   std::vector<Node> waiting_;
   std::vector<bool> is_waiting_;
   const BeatModel* judge_ = nullptr;
+  std::size_t asks_left_ = 0;
 };
 
 }  // namespace
@@ -299,9 +304,10 @@ void improve(std::span<const points::Point> points, const Neighbours& neighbours
 }
 
 void save_beats(std::span<const points::Point> points, const Neighbours& neighbours,
-                Closing closing, const BeatModel& model, std::vector<std::uint32_t>& tour) {
+                Closing closing, const BeatModel& model, std::size_t most_asked,
+                std::vector<std::uint32_t>& tour) {
   if (points.size() < 2 * static_cast<std::size_t>(window)) return;
-  LocalSearch(points, neighbours, closing, TourCost(model), tour).run_judged(model);
+  LocalSearch(points, neighbours, closing, TourCost(model), tour).run_judged(model, most_asked);
 }
 
 }  // namespace lamplock::order

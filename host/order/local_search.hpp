@@ -44,7 +44,9 @@ void improve(std::span<const points::Point> points, const Neighbours& neighbours
 
 /// The same judged by the model of the planner, where it finds wasted beats: several times slower,
 /// for a tour that is good already. It may cost more by `TourCost` afterwards.
+/// `most_asked` bounds the time: the model is asked so often at most, about 4 us each.
 void save_beats(std::span<const points::Point> points, const Neighbours& neighbours,
-                Closing closing, const BeatModel& model, std::vector<std::uint32_t>& tour);
+                Closing closing, const BeatModel& model, std::size_t most_asked,
+                std::vector<std::uint32_t>& tour);
 
 }  // namespace lamplock::order

@@ -50,6 +50,13 @@ Fit cut_by(const TourCost& cost) {
   };
 }
 
+/// How often `best` may ask the model for a point: what a million points can have within 20 s on
+/// two cores; small clouds more, as often as helps.
+std::size_t asked_a_point(std::size_t points) {
+  constexpr std::size_t asked_in_all = 7'000'000, most = 200;
+  return std::clamp<std::size_t>(asked_in_all / points, 7, most);
+}
+
 /// One job of ordering a cloud that is not empty.
 class Run {
  public:
@@ -72,11 +79,12 @@ class Run {
   void best() {
     constexpr double layers_part = 0.85;
     const BeatModel model(options_.motion);
+    const std::size_t asked = asked_a_point(cloud_.size());
     const Starts layers = sort_into_fitting_layers(cloud_, tangent_);
     const double jump = jump_mm(cloud_, model);
     const Starts starts = split_into_parts(cloud_, layers, jump, tangent_);
     by_layers(
-        starts, [&](std::span<Point> layer) { arrange(layer, beat_tour(layer, model)); },
+        starts, [&](std::span<Point> layer) { arrange(layer, beat_tour(layer, model, asked)); },
         cut_by(TourCost(model)), layers_part);
     join_pieces(cloud_, starts, options_.start, jump, model, tangent_, tell(layers_part, 1));
   }

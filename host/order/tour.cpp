@@ -173,6 +173,7 @@ double beats(Points nodes, const BeatModel& model, const Indices& tour) {
 Closing open_at_jump(Points nodes, Indices& tour) {
   constexpr double mean_steps_of_a_jump = 4;
   const std::size_t n = tour.size();
+  if (n == 0) return Closing::closed;
   double sum = 0, longest = 0;
   std::size_t at = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -214,6 +215,7 @@ struct Nodes {
 /// The first of the tours with the least cost.
 Indices cheapest(const std::vector<Indices>& tours, const auto& cost_of) {
   std::vector<double> costs;
+  costs.reserve(tours.size());
   for (const Indices& tour : tours) costs.push_back(cost_of(tour));
   return tours[static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) -
                                         costs.begin())];
@@ -231,7 +233,7 @@ Indices even_tour(Points layer) {
       cheapest(tours, [&](const Indices& tour) { return cost(nodes.points, by, tour); }));
 }
 
-Indices beat_tour(Points layer, const BeatModel& model) {
+Indices beat_tour(Points layer, const BeatModel& model, std::size_t asked_a_point) {
   if (layer.empty()) return {};
   const Nodes nodes(layer);
   const TourCost by(model);
@@ -242,7 +244,7 @@ Indices beat_tour(Points layer, const BeatModel& model) {
     return beats(nodes.points, model, tour) + tie * cost(nodes.points, by, tour);
   });
   const Closing closing = open_at_jump(nodes.points, best);
-  save_beats(nodes.points, neighbours, closing, model, best);
+  save_beats(nodes.points, neighbours, closing, model, asked_a_point * layer.size(), best);
   return nodes.of_layer(best);
 }
 

@@ -20,7 +20,8 @@ namespace lamplock::order {
 /// gone either way; the tour of a lattice has one long edge that is meant to be cut.
 std::vector<std::uint32_t> even_tour(std::span<const points::Point> layer);
 
-/// The same for as few beats as can be found.
-std::vector<std::uint32_t> beat_tour(std::span<const points::Point> layer, const BeatModel& model);
+/// The same for as few beats as can be found by asking the model about so many exchanges a point.
+std::vector<std::uint32_t> beat_tour(std::span<const points::Point> layer, const BeatModel& model,
+                                     std::size_t asked_a_point);
 
 }  // namespace lamplock::order

@@ -159,7 +159,8 @@ TEST(Order, DoesNotDependOnThreads) {
 TEST(Order, SerpentineOfALatticeTakesNoLongStep) {
   PointCloud cloud;
   for (int i = 0; i < 7 * 11 * 3; ++i) {
-    cloud.push_back({i % 7 * 0.1, i / 7 % 11 * 0.1, i / 77 * 0.1});
+    const int x = i % 7, y = i / 7 % 11, z = i / 77;
+    cloud.push_back({x * 0.1, y * 0.1, z * 0.1});
   }
   std::shuffle(cloud.begin(), cloud.end(), std::mt19937_64(18));
   const auto ordered = order::order(cloud, Ordering::serpentine, {.layer_mm = 0.1});
