@@ -16,6 +16,7 @@ struct Options {
 Exit engrave(const Options& options) {
   Console console(options.board.json);
   options.board.check();
+  options.engraving.check_save();
   auto port = open_port(options.board);
   Work work = make_work(options.engraving, options.board.dry, console);
   take_off_fired(work, options.board);
@@ -27,9 +28,11 @@ Exit engrave(const Options& options) {
 
 void add_engrave(CLI::App& program, Action& action) {
   CLI::App* app = program.add_subcommand(
-      "engrave", "Engrave a mesh, bitmap or point list: points, order, job and machine in one");
+      "engrave",
+      "Engrave a model, or all that a description says: points, order, job and machine in one");
   app->footer(
       "Example:\n  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n"
+      "  lamplock engrave examples/block.toml --report report\n"
       "  lamplock engrave points.xyz --board /dev/ttyACM0 --machine machine.toml\n"
       "  lamplock engrave points.xyz --plot motion.svg --plot-beats 0,60 --hold-at 30\n\n"
       "Ctrl-C holds the machine with the laser off, Enter resumes, Ctrl-C again stops. In a\n"
@@ -37,6 +40,7 @@ void add_engrave(CLI::App& program, Action& action) {
       "Exit status: 0 done, 1 job failed, 2 bad input, 3 no device, 130 interrupted.");
   const auto options = std::make_shared<Options>();
   options->engraving.add(*app, true);
+  options->engraving.add_save(*app);
   options->board.add_board(*app);
   options->board.add_job(*app);
   app->callback([options, &action] { action = [options] { return engrave(*options); }; });

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "host/cli/commands.hpp"
+#include "host/cli/engraving.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/prepare.hpp"
 #include "host/cli/run_job.hpp"
@@ -17,16 +18,14 @@ using settings::Id;
 constexpr double default_speed_m_s = 0.05;
 
 struct Options {
-  std::string input;
   double speed_m_s = default_speed_m_s;
-  PointsOptions points;
-  MachineOptions machine;
+  EngravingOptions engraving;
   BoardOptions board;
 };
 
 /// The machine's own speeds, none above the wanted one; no lamp is needed where nothing fires.
-job::Profile frame_profile(const Options& options) {
-  job::Profile profile = options.machine.profile();
+job::Profile frame_profile(const Options& options, const glass::Description& description) {
+  job::Profile profile = profile_of(description.machine);
   for (int axis = 0; axis < profile.settings.whole(Id::axes); ++axis) {
     const Id id = settings::for_axis(Id::max_rate_x, axis);
     const double own = in_units(profile.settings, id);
@@ -52,17 +51,19 @@ Exit frame(Options options) {
   Console console(options.board.json);
   options.board.check();
   auto port = open_port(options.board);
-  const job::Profile profile = frame_profile(options);
-  const points::Bounds box =
-      input_bounds(options.input, options.points, work_space_mm(profile.settings));
+  const glass::Description description = options.engraving.description();
+  const job::Profile profile = frame_profile(options, description);
+  const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
+  const points::Bounds box = input_bounds(description, volume);
   console.phase("frame", bounds_text(box));
   job::JobOptions job_options;
   job_options.mode = motion::JoinMode::start_stop;
   job_options.dry = true;
-  Work work{options.input, corners(box), {}};
+  job_options.refraction = volume.refraction;
+  Work work{options.engraving.input, corners(box), {}, {}};
   work.job = job::make_job(work.points, profile, job_options);
   const Outcome outcome = run_job(work, options.board, std::move(port), console);
-  console.document({{"input", options.input},
+  console.document({{"input", options.engraving.input},
                     {"bounds", bounds_json(box)},
                     {"board", options.board.board},
                     {"done", outcome.result.end == link::JobEnd::done}});
@@ -76,11 +77,7 @@ void add_frame(CLI::App& program, Action& action) {
       "frame", "Run round the bounds of an object with firing disabled, at the height of its top");
   app->footer("Example:\n  lamplock frame model.stl --size 40 --board /dev/ttyACM0");
   const auto options = std::make_shared<Options>();
-  app->add_option("INPUT", options->input, "Mesh, bitmap or point list")
-      ->required()
-      ->type_name("FILE");
-  options->points.add(*app);
-  options->machine.add_machine(*app);
+  options->engraving.add_place(*app, true);
   app->add_option("--speed", options->speed_m_s, "Highest speed, never above the machine's own")
       ->check(number_from(0, false))
       ->type_name("M_S")

@@ -23,6 +23,8 @@ void describe(const job::Job& job, const std::string& file, Console& console) {
   const points::Bounds box = points::bounds(points_of(job));
   console.say("{}: {} {}s, {}{}", file, job.size(), job.item(), mode_name(job.header.mode),
               job.header.dry ? ", dry" : "");
+  const std::size_t pauses = job.is_rows() ? 0 : job.size() - job.points_before(job.size());
+  if (pauses > 0) console.say("  {} of them pauses", pauses);
   console.say("  inside {}", bounds_text(box));
   console.say("  made for settings {:08x}, which it states:", job.settings.hash());
   Json overrides = Json::object();
@@ -55,6 +57,7 @@ Exit make_or_show(const Options& options) {
   if (options.output.empty())
     throw Error(Exit::bad_input, "lamplock job", "where to write is missing", "give -o FILE.llj");
   check_target(options.output);
+  options.engraving.check_save();
   const Work work = make_work(options.engraving, options.dry, console);
   write_whole(options.output, [&work](const auto& path) { job::write_job_file(path, work.job); });
   console.phase("written", options.output);
@@ -71,6 +74,7 @@ void add_job(CLI::App& program, Action& action) {
       "  lamplock job --show model.llj");
   const auto options = std::make_shared<Options>();
   options->engraving.add(*app, false);
+  options->engraving.add_save(*app);
   app->add_option("-o,--output", options->output, "Job file to write")->type_name("FILE.llj");
   app->add_option("--show", options->show, "Show what is in a job file")->type_name("FILE.llj");
   app->add_flag("--dry", options->dry, "A job that moves and never fires");

@@ -1,19 +1,23 @@
 // `lamplock order`: points in the order of firing.
 #include <memory>
 
+#include "host/cli/bounds_text.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/options.hpp"
+#include "host/cli/machine_options.hpp"
+#include "host/cli/ordering.hpp"
+#include "host/cli/parameter_options.hpp"
 #include "host/cli/point_file.hpp"
-#include "host/cli/prepare.hpp"
+#include "host/model/input.hpp"
 #include "host/model/read_points.hpp"
 
 namespace lamplock::cli {
 namespace {
 
 struct Options {
-  std::string input, output, order = "layers";
-  double layer_mm = order::OrderOptions{}.layer_mm;
+  std::string input, output;
+  MachineOptions machine{};
+  glass::OrderChoice order{};
   bool json = false;
 };
 
@@ -26,14 +30,14 @@ Exit order_points(const Options& options) {
   points::PointCloud cloud = model::read_point_list(options.input);
   console.phase("points",
                 fmt::format("{} in {}", cloud.size(), bounds_text(points::bounds(cloud))));
-  const bool given = options.order == "given";
-  order_cloud(cloud, given ? order::Ordering::given : order::Ordering::layers, options.layer_mm,
-              console);
+  const std::string name = options.order.name.value_or(default_order);
+  const order::Motion motion = motion_of(options.machine.profile().settings, {});
+  order_points(cloud, name, order_options(options.order, {}, motion), console);
   write_point_file(options.output, cloud);
   console.phase("written", options.output);
   console.document({{"input", options.input},
                     {"output", options.output},
-                    {"order", options.order},
+                    {"order", name},
                     {"points", cloud.size()},
                     {"bounds", bounds_json(points::bounds(cloud))}});
   return Exit::done;
@@ -46,18 +50,19 @@ void add_order(CLI::App& program, Action& action) {
   app->footer("Example:\n  lamplock order points.xyz --layer 0.3 -o ordered.xyz");
   const auto options = std::make_shared<Options>();
   app->add_option("INPUT", options->input, "Point list")->required()->type_name("FILE");
-  app->add_option("-o,--output", options->output, "Point list to write, .xyz or .ply")
+  app->add_option("-o,--output", options->output, "Point list to write: .xyz, .ply or .dxf")
       ->required()
       ->type_name("FILE");
-  app->add_option("--order", options->order,
-                  "layers: lowest layer first, short way in it; given: as they come")
-      ->check(one_of({"given", "layers"}))
-      ->type_name("given|layers")
-      ->capture_default_str();
-  app->add_option("--layer", options->layer_mm, "Thickness of a layer")
-      ->check(number_from(0, false))
-      ->type_name("MM")
-      ->capture_default_str();
+  std::vector<glass::Parameter> parameters = glass::parameters(options->order);
+  for (glass::Parameter& parameter : parameters)
+    if (parameter.key == "layer") parameter.option = "--layer";  // there are no others here
+  add_parameters(*app, parameters, "Order");
+  app->get_option("--order")->description(
+      "best (default): fewest beats; layers: lowest first, short way in each; serpentine: back and "
+      "forth; nearest: nearest of the layer; cone: cheapest by way and height; given: as they "
+      "come");
+  options->machine.add_machine(*app);
+  options->machine.add_overrides(*app);
   app->add_flag("--json", options->json, "Print the result as JSON on stdout");
   app->callback([options, &action] { action = [options] { return order_points(*options); }; });
 }

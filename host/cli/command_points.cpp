@@ -3,7 +3,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/options.hpp"
+#include "host/cli/engraving.hpp"
 #include "host/cli/point_file.hpp"
 #include "host/cli/prepare.hpp"
 
@@ -11,44 +11,51 @@ namespace lamplock::cli {
 namespace {
 
 struct Options {
-  std::string input, output;
+  std::string output;
   bool json = false;
-  PointsOptions points;
-  MachineOptions machine;
+  EngravingOptions engraving;
 };
 
 Exit make_points(const Options& options) {
   Console console(options.json);
   check_point_file(options.output);
-  const job::Profile profile = options.machine.profile();
-  const Cloud cloud =
-      make_cloud(options.input, options.points, work_space_mm(profile.settings), console);
+  options.engraving.check_save();
+  const glass::Description description = options.engraving.description();
+  const job::Profile profile = profile_of(description.machine);
+  const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
+  const Cloud cloud = make_cloud(description, volume, console);
   write_point_file(options.output, cloud.points);
   console.phase("written", options.output);
-  console.document({{"input", options.input},
-                    {"kind", kind_name(cloud.kind)},
+  options.engraving.save(description, console);
+  console.document({{"input", options.engraving.input},
+                    {"kind", cloud.kind},
                     {"output", options.output},
                     {"points", cloud.points.size()},
                     {"welded", cloud.welded},
-                    {"bounds", bounds_json(points::bounds(cloud.points))}});
+                    {"rejected", cloud.rejected},
+                    {"spacing", spacing_json(cloud.spacing)},
+                    {"bounds", bounds_json(points::bounds(cloud.points))},
+                    {"warnings", cloud.warnings}});
   return Exit::done;
 }
 
 }  // namespace
 
 void add_points(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand("points", "Turn a mesh or bitmap into points");
-  app->footer("Example:\n  lamplock points model.stl --size 40 --spacing 0.3 -o points.xyz");
+  CLI::App* app = program.add_subcommand(
+      "points",
+      "Turn a mesh, drawing or bitmap into points, or a description into all of its points");
+  app->footer(
+      "Example:\n  lamplock points model.stl --size 40 --spacing 0.3 -o points.xyz\n"
+      "  lamplock points model.stl --block 50,50,80 --lens f43 --transform \"rotate z 30\" \\\n"
+      "      --transform fit -o points.ply --save block.toml");
   const auto options = std::make_shared<Options>();
-  app->add_option("INPUT", options->input, "Mesh (stl, obj, ply), bitmap (png, bmp) or point list")
-      ->required()
-      ->type_name("FILE");
-  app->add_option("-o,--output", options->output, "Point list to write, .xyz or .ply")
+  options->engraving.add_place(*app, true);
+  app->add_option("-o,--output", options->output, "Point list to write: .xyz, .ply or .dxf")
       ->required()
       ->type_name("FILE");
   app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  options->points.add(*app);
-  options->machine.add_machine(*app);
+  options->engraving.add_save(*app);
   app->callback([options, &action] { action = [options] { return make_points(*options); }; });
 }
 

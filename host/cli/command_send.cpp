@@ -31,7 +31,7 @@ Exit send_file(const Options& options) {
   Console console(options.board.json);
   options.board.check();
   auto port = open_port(options.board);
-  Work work{options.file, {}, job::read_job_file(options.file)};
+  Work work{options.file, {}, job::read_job_file(options.file), {}};
   work.job.header.dry = work.job.header.dry || options.board.dry;
   if (work.job.is_rows()) return send_rows(work, options.board, std::move(port), console);
   work.points = points_of(work.job);

@@ -25,6 +25,7 @@ void add_raster(CLI::App& program, Action& action);
 void add_send(CLI::App& program, Action& action);
 void add_settings(CLI::App& program, Action& action);
 void add_console(CLI::App& program, Action& action);
+void add_estimate(CLI::App& program, Action& action);
 void add_engrave(CLI::App& program, Action& action);
 void add_frame(CLI::App& program, Action& action);
 void add_operate(CLI::App& program, Action& action);

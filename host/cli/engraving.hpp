@@ -1,28 +1,51 @@
-// What `engrave` and `job` have in common: from an input to a job.
+// What is engraved where, and how: what the commands that make points or jobs have in common.
+//
+// In:  the command line: a file with options, or a description that says it all. Out: a description
+//      (host/glass/description.hpp); from that to a job.
+// Who: `points`, `frame`, `engrave`, `job`, `estimate`.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "host/cli/console.hpp"
-#include "host/cli/options.hpp"
 #include "host/cli/run_job.hpp"
+#include "host/glass/description.hpp"
 
 namespace lamplock::cli {
 
 /// Everything that decides what is engraved, and how.
-struct EngravingOptions {
+class EngravingOptions {
+ public:
   std::string input{};
-  MachineOptions machine{};
-  PointsOptions points{};
-  OrderOption order{};
-  ModeOption mode{};
-  unsigned flashes = 1;
 
   /// Adds all options; the input is optional if the command can do without.
   void add(CLI::App& app, bool input_required);
+  /// Adds those that decide where points are: the object, the glass, the machine's profile.
+  void add_place(CLI::App& app, bool input_required);
+  /// Adds --save.
+  void add_save(CLI::App& app);
+
+  /// What was said: by the file if that is a description, else by the options. Throws
+  /// Error(bad_input), also if both say something.
+  glass::Description description() const;
+
+  /// Refuses --save where nothing can be written, before any work is done. Throws Error(bad_input).
+  void check_save() const;
+  /// With --save: writes the description.
+  void save(const glass::Description& description, Console& console) const;
+
+ private:
+  void add_section(CLI::App& app, const std::vector<glass::Parameter>& parameters,
+                   const std::string& group);
+
+  glass::Description said_{.objects = std::vector<glass::Object>(1)};
+  std::vector<CLI::Option*> options_;  ///< that a description has keys for
+  std::string save_;
 };
 
-/// Reads, discretises, orders and rounds to steps. Throws Error(bad_input).
+/// Reads, discretises, orders and rounds to steps; with --save also saves. Throws Error(bad_input).
 Work make_work(const EngravingOptions& options, bool dry, Console& console);
 
 }  // namespace lamplock::cli

@@ -6,13 +6,14 @@ namespace lamplock::cli {
 
 points::PointCloud points_of(const job::Job& job) {
   const PerAxis<double> resolution = steps_per_mm(job.settings);
-  const auto point = [&resolution](const StepPosition& steps) {
-    return points::Point{steps[0] / resolution[0], steps[1] / resolution[1],
-                         steps[2] / resolution[2]};
+  const auto point = [&](const StepPosition& steps) {
+    return job.refraction.glass(
+        {steps[0] / resolution[0], steps[1] / resolution[1], steps[2] / resolution[2]});
   };
   points::PointCloud cloud;
   cloud.reserve(job.size());
-  for (const motion::Target& target : job.targets) cloud.push_back(point(target.steps));
+  for (std::size_t i = 0; i < job.targets.size(); ++i)
+    if (!job.is_pause(i)) cloud.push_back(point(job.targets[i].steps));
   for (const job::Line& line : job.rows.lines) cloud.push_back(point(line.to.steps));
   return cloud;
 }

@@ -6,7 +6,7 @@
 
 namespace lamplock::cli {
 
-/// Where the targets of a job lie, or the ends of its lines [mm].
+/// Where the points of a job lie in the glass, or the ends of its lines [mm]; pauses have none.
 points::PointCloud points_of(const job::Job& job);
 
 }  // namespace lamplock::cli

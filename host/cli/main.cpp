@@ -45,6 +45,7 @@ Exit run(int argc, char** argv) {
       "Each command explains itself: lamplock engrave --help");
   lamplock::cli::Action action;
   lamplock::cli::add_example(program, action);
+  lamplock::cli::add_estimate(program, action);
   lamplock::cli::add_engrave(program, action);
   lamplock::cli::add_points(program, action);
   lamplock::cli::add_order(program, action);

@@ -9,17 +9,19 @@ namespace lamplock::cli {
 
 void check_point_file(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
-  if (extension != ".xyz" && extension != ".ply")
+  if (extension != ".xyz" && extension != ".ply" && extension != ".dxf")
     throw Error(Exit::bad_input, file.string(), "is not a kind of point list",
-                "name it .xyz or .ply");
+                "name it .xyz, .ply or .dxf");
   check_target(file);
 }
 
 void write_point_file(const std::filesystem::path& file, std::span<const points::Point> cloud) {
-  const bool ply = lower_extension(file) == ".ply";
+  const std::string extension = lower_extension(file);
   write_whole(file, [&](const std::filesystem::path& path) {
-    if (ply)
+    if (extension == ".ply")
       model::write_ply(path, cloud);
+    else if (extension == ".dxf")
+      model::write_dxf(path, cloud);
     else
       model::write_xyz(path, cloud);
   });

@@ -1,4 +1,4 @@
-// Point lists as results: .xyz or .ply, by the extension. Who: `points`, `order`.
+// Point lists as results: .xyz, .ply or .dxf, by the extension. Who: `points`, `order`.
 #pragma once
 
 #include <filesystem>

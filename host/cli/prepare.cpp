@@ -1,211 +1,26 @@
 #include "host/cli/prepare.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
-#include <string>
+#include <optional>
 #include <utility>
 
-#include "host/cli/progress.hpp"
-#include "host/error.hpp"
-#include "host/model/bitmap.hpp"
-#include "host/model/read_mesh.hpp"
-#include "host/model/read_points.hpp"
-#include "host/model/transform.hpp"
-#include "host/points/bitmap_points.hpp"
-#include "host/points/bounds_check.hpp"
-#include "host/points/rays.hpp"
-#include "host/points/slice.hpp"
+#include "host/cli/discretise.hpp"
+#include "host/cli/ordering.hpp"
+#include "host/glass/lens.hpp"
 #include "host/points/weld.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::cli {
 namespace {
 
-namespace fs = std::filesystem;
 using model::InputKind;
 using points::Bounds;
-using points::Point;
 using points::PointCloud;
 using settings::Id;
-
-/// Rounding of scaled coordinates; far below a step.
-constexpr double rounding_mm = 1e-6;
-
-Bounds widened(const Bounds& box, double by) {
-  return {{box.low.x - by, box.low.y - by, box.low.z - by},
-          {box.high.x + by, box.high.y + by, box.high.z + by}};
-}
-
-void move_by(PointCloud& cloud, const Point& way) {
-  for (Point& point : cloud) point = {point.x + way.x, point.y + way.y, point.z + way.z};
-}
-
-std::string size_text(const Bounds& box) {
-  return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", box.high.x - box.low.x, box.high.y - box.low.y,
-                     box.high.z - box.low.z);
-}
-
-/// The largest size at which a box still fits, relative to its present one.
-double fitting_scale(const Bounds& box, const Bounds& room) {
-  double scale = std::numeric_limits<double>::infinity();
-  const auto axis = [&scale](double side, double space) {
-    if (side > 0) scale = std::min(scale, space / side);
-  };
-  axis(box.high.x - box.low.x, room.high.x - room.low.x);
-  axis(box.high.y - box.low.y, room.high.y - room.low.y);
-  axis(box.high.z - box.low.z, room.high.z - room.low.z);
-  return scale;
-}
-
-/// Tells before the work that the object is too large.
-void check_size(const fs::path& input, const Bounds& box, const Bounds& room) {
-  const double scale = fitting_scale(box, widened(room, rounding_mm));
-  if (scale >= 1) return;
-  const double size = std::floor(scale * box.longest_side() * 10) / 10;
-  throw Error(Exit::bad_input, input.string(),
-              fmt::format("is {}, the work space {}", size_text(box), size_text(room)),
-              size > 0 ? fmt::format("give --size {:g} or less", size)
-                       : "check travel in the machine profile");
-}
-
-/// Centred on the origin, in mm.
-model::Mesh read_sized_mesh(const fs::path& input, const PointsOptions& options) {
-  model::Mesh mesh = model::read_mesh(input);
-  if (options.up == "y") mesh = model::y_up_to_z_up(std::move(mesh));
-  const double size =
-      options.size_mm ? *options.size_mm : points::bounds(mesh.vertices).longest_side();
-  return model::centred_and_scaled(std::move(mesh), size);
-}
-
-PointCloud mesh_points(const model::Mesh& mesh, const PointsOptions& options) {
-  if (options.method == "rays") {
-    points::RayOptions rays;
-    rays.pitch_mm = options.spacing_mm;
-    rays.direction = options.direction == "x"   ? points::Axis::x
-                     : options.direction == "y" ? points::Axis::y
-                                                : points::Axis::z;
-    return points::rays(mesh, rays);
-  }
-  points::SliceOptions slice;
-  slice.layer_mm = options.layer();
-  slice.vertex_mm = options.spacing_mm;
-  return points::slice(mesh, slice);
-}
-
-PointCloud picture_points(const fs::path& input, const PointsOptions& options) {
-  points::BitmapOptions bitmap;
-  bitmap.size_mm = options.size_mm.value_or(bitmap.size_mm);
-  bitmap.spacing_mm = options.spacing_mm;
-  bitmap.threshold = options.threshold;
-  bitmap.invert = options.invert;
-  bitmap.layers = options.layers;
-  bitmap.layer_mm = options.layer();
-  return points::bitmap_points(model::read_bitmap(input), bitmap);
-}
-
-/// Points of a mesh or bitmap, centred on the origin, and how the phase is described.
-PointCloud discretise(const fs::path& input, InputKind kind, const PointsOptions& options,
-                      const Bounds& work_space, Console& console) {
-  if (kind == InputKind::bitmap) return picture_points(input, options);
-  const model::Mesh mesh = read_sized_mesh(input, options);
-  const Bounds box = points::bounds(mesh.vertices);
-  check_size(input, box, work_space);
-  console.phase("model", fmt::format("{}: {} triangles, {}", input.string(), mesh.triangles.size(),
-                                     size_text(box)));
-  return mesh_points(mesh, options);
-}
-
-double way_mm(const PointCloud& cloud) {
-  double way = 0;
-  for (std::size_t i = 1; i < cloud.size(); ++i)
-    way += std::hypot(cloud[i].x - cloud[i - 1].x, cloud[i].y - cloud[i - 1].y,
-                      cloud[i].z - cloud[i - 1].z);
-  return way;
-}
-
-void require_points(const PointCloud& cloud, InputKind kind, const fs::path& input) {
-  if (!cloud.empty()) return;
-  throw Error(Exit::bad_input, input.string(), "gives no points",
-              kind == InputKind::bitmap ? "try --threshold or --invert"
-                                        : "use a smaller --spacing or a greater --size");
-}
-
-}  // namespace
-
-Bounds work_space_mm(const settings::Values& values) {
-  std::array<double, 3> low{}, high{};
-  for (int axis = 0; axis < std::min(3, values.whole(Id::axes)); ++axis) {
-    const std::size_t i = index(axis);
-    low[i] = in_units(values, Id::min_corner_x, axis);
-    high[i] = low[i] + in_units(values, Id::travel_x, axis);
-  }
-  return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-}
-
-Cloud make_cloud(const fs::path& input, const PointsOptions& options, const Bounds& work_space,
-                 Console& console) {
-  console.restart_clock();
-  Cloud cloud;
-  cloud.kind = model::classify(input);
-  if (cloud.kind == InputKind::points) {
-    cloud.points = model::read_point_list(input);
-  } else {
-    cloud.points = discretise(input, cloud.kind, options, work_space, console);
-    points::WeldResult welded = points::weld(std::move(cloud.points), options.weld());
-    cloud.points = std::move(welded.points);
-    cloud.welded = welded.removed;
-    move_by(cloud.points, work_space.centre());
-  }
-  require_points(cloud.points, cloud.kind, input);
-  points::check_bounds(cloud.points, widened(work_space, rounding_mm), input.string());
-  std::string what =
-      fmt::format("{} in {}", cloud.points.size(), bounds_text(points::bounds(cloud.points)));
-  if (cloud.welded > 0) what += fmt::format(", {} too close left out", cloud.welded);
-  console.phase("points", what);
-  return cloud;
-}
-
-Bounds input_bounds(const fs::path& input, const PointsOptions& options, const Bounds& work_space) {
-  const InputKind kind = model::classify(input);
-  PointCloud cloud = kind == InputKind::mesh     ? read_sized_mesh(input, options).vertices
-                     : kind == InputKind::bitmap ? picture_points(input, options)
-                                                 : model::read_point_list(input);
-  require_points(cloud, kind, input);
-  if (kind == InputKind::mesh) check_size(input, points::bounds(cloud), work_space);
-  if (kind != InputKind::points) move_by(cloud, work_space.centre());
-  points::check_bounds(cloud, widened(work_space, rounding_mm), input.string());
-  return points::bounds(cloud);
-}
-
-void order_cloud(PointCloud& cloud, order::Ordering ordering, double layer_mm, Console& console) {
-  console.restart_clock();
-  if (ordering == order::Ordering::given)
-    return console.phase("order", fmt::format("as given, {:.1f} mm of way", way_mm(cloud)));
-  const double before = way_mm(cloud);
-  {
-    Progress progress("ordering", cloud.size());
-    order::OrderOptions options;
-    options.layer_mm = layer_mm;
-    const auto total = static_cast<double>(cloud.size());
-    options.progress = [&progress, total](double part) {
-      if (part < 1) progress.update(static_cast<std::size_t>(part * total));
-    };
-    cloud = order::order(std::move(cloud), ordering, options);
-  }
-  console.phase("order",
-                fmt::format("by layers, {:.1f} mm of way (before: {:.1f})", way_mm(cloud), before));
-}
-
-std::string bounds_text(const Bounds& b) {
-  return fmt::format("x {:.4g}..{:.4g}, y {:.4g}..{:.4g}, z {:.4g}..{:.4g} mm", b.low.x, b.high.x,
-                     b.low.y, b.high.y, b.low.z, b.high.z);
-}
-
-Json bounds_json(const Bounds& b) {
-  return {{"low_mm", {b.low.x, b.low.y, b.low.z}}, {"high_mm", {b.high.x, b.high.y, b.high.z}}};
-}
 
 std::string kind_name(InputKind kind) {
   switch (kind) {
@@ -219,6 +34,143 @@ std::string kind_name(InputKind kind) {
       return "curves";
   }
   return "unknown";
+}
+
+/// Objects one after the other, as they become one cloud.
+class Merger {
+ public:
+  void add(ObjectPoints made, const std::string& file, bool alone) {
+    const std::string kind = kind_name(made.kind);
+    cloud_.kind = alone || cloud_.kind == kind || cloud_.kind.empty() ? kind : "several";
+    for (const std::string& warning : made.warnings)
+      cloud_.warnings.push_back(file + ": " + warning);
+    cloud_.welded += made.welded;
+    cloud_.rejected += made.rejected;
+    if (made.kind == InputKind::points) {
+      append(lists_, std::move(made.points));
+      return;
+    }
+    cloud_.only_lists = false;
+    distance_mm_ = std::min(distance_mm_, made.distance_mm);
+    layer_mm_ = std::min(layer_mm_, made.layer_mm);
+    append(cloud_.points, std::move(made.points));
+    ++objects_;
+  }
+
+  Cloud finish() {
+    if (cloud_.only_lists) {
+      cloud_.points = std::move(lists_);
+      return std::move(cloud_);
+    }
+    cloud_.layer_mm = layer_mm_;
+    if (lists_.empty() && objects_ == 1) return std::move(cloud_);
+    const std::size_t given = lists_.size();
+    append(lists_, std::move(cloud_.points));
+    points::WeldResult welded = points::weld(std::move(lists_), distance_mm_, given);
+    cloud_.points = std::move(welded.points);
+    cloud_.welded += welded.removed;
+    return std::move(cloud_);
+  }
+
+ private:
+  static void append(PointCloud& cloud, PointCloud more) {
+    if (cloud.empty())
+      cloud = std::move(more);
+    else
+      cloud.insert(cloud.end(), more.begin(), more.end());
+  }
+
+  Cloud cloud_;
+  PointCloud lists_;  ///< engraved exactly as given
+  std::size_t objects_ = 0;
+  double distance_mm_ = std::numeric_limits<double>::infinity();
+  double layer_mm_ = std::numeric_limits<double>::infinity();
+};
+
+std::string spacing_text(const points::SpacingReport& spacing) {
+  std::string text =
+      fmt::format("at least {:.4g} mm, on average {:.4g} mm", spacing.smallest_mm, spacing.mean_mm);
+  if (spacing.duplicates > 0)
+    text += fmt::format(", {} at the place of another", spacing.duplicates);
+  return text;
+}
+
+/// Duplicates are told of and engraved; so is what is closer than the lens can tell apart.
+void judge_spacing(Cloud& cloud, const glass::GlassChoice& glass, Console& console) {
+  cloud.spacing = points::spacing_of(cloud.points);
+  const points::SpacingReport& spacing = cloud.spacing;
+  if (cloud.points.size() < 2) return;
+  console.phase("spacing", spacing_text(spacing));
+  if (spacing.duplicates > 0)
+    cloud.warnings.push_back(
+        fmt::format("{} points lie exactly where another one does, the first "
+                    "are points {} and {}",
+                    spacing.duplicates, spacing.first, spacing.second));
+  if (!glass.lens) return;
+  const double wanted = glass::lens_named(*glass.lens).spacing_mm;
+  constexpr double rounding = 1e-9;
+  if (spacing.duplicates == 0 && spacing.smallest_mm < wanted * (1 - rounding))
+    cloud.warnings.push_back(
+        fmt::format("points {} and {} are {:.4g} mm apart, the lens wants {:g}", spacing.first,
+                    spacing.second, spacing.smallest_mm, wanted));
+}
+
+/// A margin that is smaller than what glass wants.
+void judge_margin(Cloud& cloud, const glass::Volume& volume) {
+  if (!volume.block || volume.block->margin_mm >= glass::default_margin_mm) return;
+  cloud.warnings.push_back(fmt::format("a margin of {:g} mm may crack the block, {:g} mm are usual",
+                                       volume.block->margin_mm, glass::default_margin_mm));
+}
+
+}  // namespace
+
+Bounds work_space_mm(const settings::Values& values) {
+  std::array<double, 3> low{}, high{};
+  for (int axis = 0; axis < std::min(3, values.whole(Id::axes)); ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    low[i] = in_units(values, Id::min_corner_x, axis);
+    high[i] = low[i] + in_units(values, Id::travel_x, axis);
+  }
+  return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+}
+
+Cloud make_cloud(const glass::Description& description, const glass::Volume& volume,
+                 Console& console) {
+  Merger merger;
+  for (const glass::Object& object : description.objects)
+    merger.add(object_points(object, description.glass, volume, console), object.file,
+               description.objects.size() == 1);
+  Cloud cloud = merger.finish();
+  judge_spacing(cloud, description.glass, console);
+  judge_margin(cloud, volume);
+  for (const std::string& warning : cloud.warnings) console.say("warning  {}", warning);
+  return cloud;
+}
+
+Bounds input_bounds(const glass::Description& description, const glass::Volume& volume) {
+  PointCloud corners;
+  for (const glass::Object& object : description.objects) {
+    const Bounds box = object_bounds(object, description.glass, volume);
+    corners.push_back(box.low);
+    corners.push_back(box.high);
+  }
+  return points::bounds(corners);
+}
+
+void order_cloud(Cloud& cloud, const glass::Description& description,
+                 const settings::Values& values, const glass::Volume& volume, Console& console) {
+  const glass::OrderChoice& choice = description.order;
+  const std::string name = choice.name.value_or(cloud.only_lists ? "given" : default_order);
+  const auto layer_mm = cloud.only_lists ? std::nullopt : std::optional(cloud.layer_mm);
+  order_points(cloud.points, name,
+               order_options(choice, layer_mm, motion_of(values, volume.refraction)), console);
+}
+
+Json spacing_json(const points::SpacingReport& spacing) {
+  return {{"smallest_mm", spacing.smallest_mm},
+          {"mean_mm", spacing.mean_mm},
+          {"largest_mm", spacing.largest_mm},
+          {"duplicates", spacing.duplicates}};
 }
 
 }  // namespace lamplock::cli

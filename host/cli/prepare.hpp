@@ -1,46 +1,56 @@
-// From a file to points in firing order: what `points`, `order`, `job`, `engrave` and `frame`
-// share.
+// From a description to points in firing order: what `points`, `engrave`, `job` and `frame` share.
 //
-// In:  a mesh, bitmap or point list; options; the machine's work space. Out: points in mm.
-// Meshes and bitmaps are put into the middle of the work space, point lists never moved.
+//   objects (discretise.hpp) -> one cloud, welded -> what spacing it has -> order
+//
+// In:  a description; the volume that points may be in. Out: points in mm, in
+//      coordinates of the glass.
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
+#include <string>
+#include <vector>
 
+#include "host/cli/bounds_text.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/options.hpp"
+#include "host/glass/description.hpp"
+#include "host/glass/volume.hpp"
 #include "host/model/input.hpp"
 #include "host/points/bounds.hpp"
 #include "host/points/point.hpp"
+#include "host/points/spacing.hpp"
+#include "shared/settings_table.hpp"
 
 namespace lamplock::cli {
 
-/// Points of an input.
+/// All points of a job, those of point lists first.
 struct Cloud {
-  points::PointCloud points;
-  model::InputKind kind = model::InputKind::points;
-  std::size_t welded = 0;  ///< left out because too close to another
+  points::PointCloud points{};
+  std::string kind{};        ///< of the object; "several" of several kinds
+  bool only_lists = true;    ///< to be engraved in the order in which they came
+  double layer_mm = 0;       ///< of the objects, the least
+  std::size_t welded = 0;    ///< left out because too close to another
+  std::size_t rejected = 0;  ///< triangles that no point was put on
+  points::SpacingReport spacing{};
+  std::vector<std::string> warnings{};
 };
 
 /// The work space of a machine, mm.
 points::Bounds work_space_mm(const settings::Values& values);
 
-/// Reads the input and makes points of it, all inside the work space. Throws Error(bad_input).
-Cloud make_cloud(const std::filesystem::path& input, const PointsOptions& options,
-                 const points::Bounds& work_space, Console& console);
-
-/// The box round what would be engraved, inside the work space. Throws Error(bad_input).
-points::Bounds input_bounds(const std::filesystem::path& input, const PointsOptions& options,
-                            const points::Bounds& work_space);
-
-/// Brings points into the order of firing.
-void order_cloud(points::PointCloud& cloud, order::Ordering ordering, double layer_mm,
+/// Makes points of all objects, none outside the volume. Objects are told apart by the smallest of
+/// their distances. Throws Error(bad_input).
+Cloud make_cloud(const glass::Description& description, const glass::Volume& volume,
                  Console& console);
 
-/// "x -10..10, y -5..5, z 0..20 mm".
-std::string bounds_text(const points::Bounds& bounds);
-Json bounds_json(const points::Bounds& bounds);
-std::string kind_name(model::InputKind kind);
+/// The box round what would be engraved. Throws Error(bad_input).
+points::Bounds input_bounds(const glass::Description& description, const glass::Volume& volume);
+
+/// Brings points into the order of firing that the description wants, for a machine with these
+/// settings.
+void order_cloud(Cloud& cloud, const glass::Description& description,
+                 const settings::Values& values, const glass::Volume& volume, Console& console);
+
+/// Spacing and warnings, for programs.
+Json spacing_json(const points::SpacingReport& spacing);
 
 }  // namespace lamplock::cli

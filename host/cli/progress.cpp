@@ -1,8 +1,10 @@
 #include "host/cli/progress.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -28,7 +30,23 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
+constexpr double told_from_s = 60;
+constexpr std::time_t day_s = 24 * 3600;
+/// What takes longer has no end that is worth telling.
+constexpr double told_to_s = 1e8;
+
 }  // namespace
+
+std::string left_text(double seconds, std::time_t now) {
+  if (!(seconds >= told_from_s))
+    return fmt::format(", {} left", clock_text(std::max(0.0, seconds)));
+  if (seconds > told_to_s) return ", years left";
+  const std::time_t end = now + static_cast<std::time_t>(seconds);
+  const std::tm local = fmt::localtime(end);
+  const std::string ends =
+      end - now < day_s ? fmt::format("{:%H:%M}", local) : fmt::format("{:%F %H:%M}", local);
+  return fmt::format(", {} left, ends {}", clock_text(seconds), ends);
+}
 
 Progress::Progress(std::string title, std::size_t total, std::size_t first)
     : title_(std::move(title)),
@@ -59,11 +77,11 @@ void Progress::note(const std::string& line) {
 }
 
 std::string Progress::left(std::size_t done) const {
-  if (left_s_) return fmt::format(", {} left", clock_text(*left_s_));
+  if (left_s_) return left_text(*left_s_, std::time(nullptr));
   if (done <= first_ || done >= total_) return "";
   const std::chrono::duration<double> taken = Clock::now() - start_;
   const double pace = taken.count() / static_cast<double>(done - first_);
-  return fmt::format(", {} left", clock_text(pace * static_cast<double>(total_ - done)));
+  return left_text(pace * static_cast<double>(total_ - done), std::time(nullptr));
 }
 
 void Progress::draw(std::size_t done) {

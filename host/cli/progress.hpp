@@ -6,10 +6,14 @@
 
 #include <chrono>
 #include <cstddef>
+#include <ctime>
 #include <optional>
 #include <string>
 
 namespace lamplock::cli {
+
+/// ", 3:12 left, ends 15:42": the end, by the clock of this place, of what takes a minute and more.
+std::string left_text(double seconds, std::time_t now);
 
 /// Progress of one thing.
 class Progress {

@@ -16,7 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array report_files{"report.json", "shots.csv", "shots.ply", "cloud.png"};
+constexpr std::array report_files{"report.json", "report.html", "shots.csv", "shots.ply",
+                                  "cloud.png"};
 
 /// Removes a folder of its own making when it goes.
 class TemporaryFolder {

@@ -11,6 +11,7 @@
 
 #include "host/cli/board_files.hpp"
 #include "host/cli/boards.hpp"
+#include "host/cli/foresight.hpp"
 #include "host/cli/motion_plot_file.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/report_folder.hpp"
@@ -19,6 +20,7 @@
 #include "host/link/serial_transport.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "host/link/tcp_transport.hpp"
+#include "host/report/statistics.hpp"
 #include "host/report/summary.hpp"
 #include "host/units.hpp"
 #include "shared/beat_reason.hpp"
@@ -89,11 +91,12 @@ class HoldOnce {
 };
 
 link::JobResult send(link::Transport& transport, const Work& work, const BoardOptions& options,
-                     Clocking clocking) {
+                     Clocking clocking, const Foresight& foresight) {
   link::SenderOptions sending;
   sending.first_index = options.from;
   sending.first_fired = options.fired;
   sending.job_speed = options.job_speed;
+  if (clocking == Clocking::lock_step) sending.session = link::simulated_session;
   Progress progress(work.job.header.dry ? "dry run" : "engraving", work.job.size(), options.from);
   if (clocking == Clocking::wall)
     sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
@@ -103,6 +106,9 @@ link::JobResult send(link::Transport& transport, const Work& work, const BoardOp
   // Looked after at every step: simulated time runs fast, and a hold should be seen at once.
   while (sender.step()) {
     try {
+      // At another speed than foreseen the pace so far has to do.
+      const bool as_foreseen = sender.job_speed() == options.job_speed;
+      progress.set_left(as_foreseen ? foresight.left_s(sender.points_fired()) : std::nullopt);
       steering.look();
       hold.look();
     } catch (...) {  // a terminal that has gone must not leave the machine running
@@ -121,11 +127,15 @@ report::JobRun run_of(const Work& work, const BoardOptions& options,
   run.mode = mode_name(work.job.header.mode);
   run.board = options.board;
   // With --from the report is about the rest of the job.
-  run.points.assign(work.points.begin() + static_cast<std::ptrdiff_t>(options.from),
-                    work.points.end());
+  const std::size_t before = work.job.points_before(options.from);
+  run.points.assign(work.points.begin() + static_cast<std::ptrdiff_t>(before), work.points.end());
   run.shots_ordered.reserve(run.points.size());
   for (std::size_t i = options.from; i < work.job.targets.size(); ++i)
-    run.shots_ordered.push_back(work.job.header.dry ? 0 : work.job.targets[i].shots);
+    if (!work.job.is_pause(i))
+      run.shots_ordered.push_back(work.job.header.dry ? 0 : work.job.targets[i].shots);
+  run.refraction = work.job.refraction;
+  run.first_point = before;
+  run.warnings = work.warnings;
   run.shots_known = false;
   run.shots_fired = result.status.shots;
   run.settings = work.job.settings;
@@ -198,13 +208,14 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
     plot.emplace(options.plot, *virtual_one, work.job.header.dry);
   link::SimulatedTransport transport(board);
   Outcome outcome;
-  outcome.result = send(transport, work, options, Clocking::lock_step);
+  outcome.result = send(transport, work, options, Clocking::lock_step, {});
   if (!work.job.is_rows()) {
     outcome.run = run_of(work, options, outcome.result);
     add_shots(board, outcome.run);
   }
   if (trace) trace->finish();
-  if (!options.shots.empty()) write_shots(options.shots, board, work.job.settings);
+  if (!options.shots.empty())
+    write_shots(options.shots, board, work.job.settings, work.job.refraction);
   if (plot) plot->write(work.job.settings, plot_title(work));
   console.phase("run", fmt::format("{:.1f} s of machine time on the {} board",
                                    sim::seconds(board.now()), board.name()));
@@ -266,11 +277,14 @@ Outcome run_job(const Work& work, const BoardOptions& options,
                 last > options.from
                     ? fmt::format("give a number from {} to {}", options.from + 1, last)
                     : "leave it out");
+  const Foresight foresight = port && !work.job.header.dry
+                                  ? Foresight(work.job, options.from, options.job_speed)
+                                  : Foresight();
   ask_permission(work, options);
   console.restart_clock();
   if (!port) return run_simulated(work, options, console);
   Outcome outcome;
-  outcome.result = send(*port, work, options, Clocking::wall);
+  outcome.result = send(*port, work, options, Clocking::wall, foresight);
   if (!work.job.is_rows()) outcome.run = run_of(work, options, outcome.result);
   console.phase("run", "on " + options.board);
   return outcome;
@@ -278,6 +292,9 @@ Outcome run_job(const Work& work, const BoardOptions& options,
 
 Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
   const report::Report report = report::evaluate(outcome.run);
+  if (!options.statistics.empty())
+    report::append_statistics(options.statistics, report, end_name(outcome.result.end),
+                              std::chrono::system_clock::now());
   if (outcome.result.end != JobEnd::done)  // known even if the report cannot be written
     console.say("first point not fired: {}", outcome.result.status.first_unfired);
   console.line("");

@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
@@ -22,8 +23,9 @@ namespace lamplock::cli {
 /// A job and what it is about.
 struct Work {
   std::string input;          ///< file
-  points::PointCloud points;  ///< as ordered, one per target of the job; none of rows
+  points::PointCloud points;  ///< as ordered, one per target that is no pause; none of rows
   job::Job job;
+  std::vector<std::string> warnings{};  ///< about the points
 };
 
 /// What came of it: `run` is what a report is made of; empty for rows.

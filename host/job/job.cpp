@@ -27,6 +27,50 @@ void add_override(wire::JobHeader& header, Id id, const settings::Values& values
   header.overrides[header.override_count++] = {number, values.milli(id)};
 }
 
+void require_size(std::size_t targets) {
+  if (targets <= std::numeric_limits<std::uint32_t>::max()) return;
+  throw Error(Exit::bad_input, "job", "too many points", "split the job");
+}
+
+void check(const points::PointCloud& points, const JobOptions& options) {
+  if (points.empty()) throw Error(Exit::bad_input, "job", "there are no points", "check the input");
+  require_size(points.size());
+  if (options.shots == 0 || options.channel > wire::highest_channel)
+    throw Error(Exit::bad_input, "job", "shots or channel out of range",
+                "shots are 1..255, channels 0..3");
+  if (options.pause_every != 0 && options.pause_beats == 0)
+    throw Error(Exit::bad_input, "job", "pauses of no beats", "give 1..65535 beats");
+}
+
+/// Stands where `target` is.
+motion::Target pause_at(const motion::Target& target, std::uint16_t beats) {
+  return {target.steps, beats, 0, 0, 0};
+}
+
+/// Each point as a target, with the pauses between them.
+std::vector<motion::Target> targets_of(const points::PointCloud& points, const Profile& profile,
+                                       const JobOptions& options) {
+  const std::size_t every = options.pause_every;
+  std::vector<motion::Target> targets;
+  targets.reserve(points.size() + (every != 0 ? points.size() / every : 0));
+  const Rounder rounder(profile.settings);
+  std::size_t outside = 0, first_outside = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (every != 0 && i != 0 && i % every == 0)
+      targets.push_back(pause_at(targets.back(), options.pause_beats));
+    motion::Target target{{}, 0, options.shots, options.channel, options.energy};
+    if (!rounder.round(options.refraction.stage(points[i]), target.steps) && outside++ == 0)
+      first_outside = i;
+    targets.push_back(target);
+  }
+  if (outside == 0) return targets;
+  const points::Point& point = points[first_outside];
+  throw Error(Exit::bad_input, fmt::format("point {}", first_outside),
+              fmt::format("({:g}, {:g}, {:g}) mm is outside the work space, as {} of {} points",
+                          point.x, point.y, point.z, outside, points.size()),
+              fmt::format("keep to {}", describe_work_space(profile.settings)));
+}
+
 }  // namespace
 
 wire::JobHeader make_header(const Profile& profile, const JobOptions& options,
@@ -50,32 +94,25 @@ wire::JobHeader make_header(const Profile& profile, const JobOptions& options,
   return header;
 }
 
+bool Job::is_pause(std::size_t target) const {
+  const motion::Target& t = targets[target];
+  return t.shots == 0 && t.beats != 0 && target > 0 && t.steps == targets[target - 1].steps;
+}
+
+std::size_t Job::points_before(std::size_t target) const {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < target; ++i) count += is_pause(i) ? 0u : 1u;
+  return count;
+}
+
 Job make_job(const points::PointCloud& points, const Profile& profile, const JobOptions& options) {
-  if (points.empty()) throw Error(Exit::bad_input, "job", "there are no points", "check the input");
-  if (points.size() > std::numeric_limits<std::uint32_t>::max())
-    throw Error(Exit::bad_input, "job", "too many points", "split the job");
-  if (options.shots == 0 || options.channel > wire::highest_channel)
-    throw Error(Exit::bad_input, "job", "shots or channel out of range",
-                "shots are 1..255, channels 0..3");
+  check(points, options);
   Job job;
   job.settings = profile.settings;
-  job.header = make_header(profile, options, points.size());
-  job.targets.reserve(points.size());
-  const Rounder rounder(profile.settings);
-  std::size_t outside = 0;
-  std::size_t first_outside = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    motion::Target target{{}, 0, options.shots, options.channel, options.energy};
-    if (!rounder.round(points[i], target.steps) && outside++ == 0) first_outside = i;
-    job.targets.push_back(target);
-  }
-  if (outside != 0) {
-    const points::Point& point = points[first_outside];
-    throw Error(Exit::bad_input, fmt::format("point {}", first_outside),
-                fmt::format("({:g}, {:g}, {:g}) mm is outside the work space, as {} of {} points",
-                            point.x, point.y, point.z, outside, points.size()),
-                fmt::format("keep to {}", describe_work_space(profile.settings)));
-  }
+  job.refraction = options.refraction;
+  job.targets = targets_of(points, profile, options);
+  require_size(job.targets.size());
+  job.header = make_header(profile, options, job.targets.size());
   return job;
 }
 

@@ -1,7 +1,7 @@
 // A job: what the firmware is to do, in steps.
 //
-// In:  a cloud of points [mm] in the order to engrave, a machine profile, options. Jobs of rows of
-//      pixels are made by host/raster.
+// In:  a cloud of points [mm] in the order to engrave, in coordinates of the glass, a machine
+//      profile, options. Jobs of rows of pixels are made by host/raster.
 // Out: the header and the targets or lines; RecordEncoder cuts them into payloads for DATA frames,
 //      from any of them on.
 // Who: the command line makes jobs, the sender and the job file carry them.
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "firmware/motion/target.hpp"
+#include "host/glass/refraction.hpp"
 #include "host/job/profile.hpp"
 #include "host/job/rows.hpp"
 #include "host/points/point.hpp"
@@ -31,15 +32,21 @@ struct JobOptions {
   std::uint8_t channel = 0;     ///< beam channel 0..3
   std::uint16_t energy = 0;     ///< 0 = as the machine stands
   bool check_settings = false;  ///< let the machine refuse if any other setting differs
+  /// Against heat: stand for `pause_beats` after every `pause_every` points. 0: never.
+  std::size_t pause_every = 0;
+  std::uint16_t pause_beats = 0;
+  glass::Refraction refraction{};  ///< of the glass that the points are in
 };
 
 /// Header, and targets or rows. The header's first_index is 0; the sender starts elsewhere on
-/// request.
+/// request. Targets are in coordinates of the stage. A pause is a target too: wherever targets are
+/// counted, by the machine and by who goes on with a job, pauses are counted with the points.
 struct Job {
   wire::JobHeader header;
   std::vector<motion::Target> targets;
   Rows rows;
-  settings::Values settings;  ///< the job was made for these
+  settings::Values settings;       ///< the job was made for these
+  glass::Refraction refraction{};  ///< from the stage back into the glass
 
   /// Rows of pixels instead of points.
   bool is_rows() const { return header.mode == wire::mode_rows; }
@@ -47,11 +54,15 @@ struct Job {
   std::size_t size() const { return is_rows() ? rows.lines.size() : targets.size(); }
   /// One of them, as users read it.
   const char* item() const { return is_rows() ? "line" : "point"; }
+  /// The target only stands where the one before it is, for some beats.
+  bool is_pause(std::size_t target) const;
+  /// Points among the targets before this one.
+  std::size_t points_before(std::size_t target) const;
 };
 
 /// Makes a job: each coordinate is rounded to the nearest step of its axis. Throws
 /// Error(bad_input) if there is no point or any is outside the work space (or not finite): how
-/// many, and index and coordinates of the first.
+/// many, and index and coordinates of the first; for pauses that are too many.
 Job make_job(const points::PointCloud& points, const Profile& profile, const JobOptions& options);
 
 /// The header of a job of so many targets: what the profile states, and the geometry, as overrides.

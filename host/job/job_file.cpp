@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <limits>
 
 #include "host/error.hpp"
@@ -15,7 +17,9 @@ namespace lamplock::job {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> magic{'L', 'L', 'J', 0x1A, '\r', '\n', 0x00, 0xB5};
-constexpr std::uint16_t file_version = 1;
+/// Files that know nothing of glass are of version 1, those with its refraction of version 2.
+constexpr std::uint16_t plain_version = 1, glass_version = 2;
+constexpr std::size_t glass_bytes = 2 * sizeof(double);
 constexpr std::size_t payload_bytes = 1 << 16;
 
 [[noreturn]] void fail(const std::string& name, const std::string& what) {
@@ -31,20 +35,42 @@ std::vector<std::uint8_t> encode_records(const Job& job) {
   return stream;
 }
 
-/// Checks magic, version and checksum; returns what stands between version and checksum.
-std::span<const std::uint8_t> open_envelope(std::span<const std::uint8_t> bytes,
-                                            const std::string& name) {
+/// What stands between the version and the checksum of a file.
+struct Contents {
+  std::uint16_t version;
+  std::span<const std::uint8_t> bytes;
+};
+
+/// Checks magic, version and checksum.
+Contents open_envelope(std::span<const std::uint8_t> bytes, const std::string& name) {
   if (bytes.size() < magic.size() || !std::equal(magic.begin(), magic.end(), bytes.begin()))
     fail(name, "is not a lamplock job file");
-  if (bytes.size() < magic.size() + sizeof file_version + sizeof(std::uint32_t))
+  if (bytes.size() < magic.size() + sizeof plain_version + sizeof(std::uint32_t))
     fail(name, "is truncated");
   wire::ByteReader tail(bytes.last(sizeof(std::uint32_t)));
   const auto body = bytes.first(bytes.size() - sizeof(std::uint32_t));
   if (tail.take<std::uint32_t>() != wire::crc32(body)) fail(name, "is truncated or corrupt");
   wire::ByteReader in(body.subspan(magic.size()));
-  if (const auto version = in.take<std::uint16_t>(); version != file_version)
-    fail(name, fmt::format("has version {}, this program reads {}", version, file_version));
-  return in.rest();
+  const auto version = in.take<std::uint16_t>();
+  if (version != plain_version && version != glass_version)
+    fail(name, fmt::format("has version {}, this program reads {} and {}", version, plain_version,
+                           glass_version));
+  return {version, in.rest()};
+}
+
+void put_glass(wire::ByteWriter& out, const glass::Refraction& refraction) {
+  out.put(std::bit_cast<std::uint64_t>(refraction.index));
+  out.put(std::bit_cast<std::uint64_t>(refraction.entry_mm));
+}
+
+glass::Refraction take_glass(wire::ByteReader& in, const std::string& name) {
+  glass::Refraction refraction;
+  refraction.index = std::bit_cast<double>(in.take<std::uint64_t>());
+  refraction.entry_mm = std::bit_cast<double>(in.take<std::uint64_t>());
+  if (!(refraction.index >= 1) || !std::isfinite(refraction.index) ||
+      !std::isfinite(refraction.entry_mm))
+    fail(name, "has a malformed refraction");
+  return refraction;
 }
 
 std::vector<motion::Target> decode_targets(std::span<const std::uint8_t> stream,
@@ -94,22 +120,25 @@ std::vector<std::uint8_t> encode_job_file(const Job& job) {
   wire::ByteWriter header_out(header_bytes);
   wire::write_job_header(header_out, header);
 
-  std::vector<std::uint8_t> bytes(magic.size() + sizeof file_version + sizeof(std::uint16_t) +
+  const bool in_glass = job.refraction.bends();
+  std::vector<std::uint8_t> bytes(magic.size() + sizeof plain_version + sizeof(std::uint16_t) +
                                   header_out.size() + sizeof(std::uint32_t) + stream.size() +
-                                  sizeof(std::uint32_t));
+                                  (in_glass ? glass_bytes : 0) + sizeof(std::uint32_t));
   wire::ByteWriter out(bytes);
   out.put_bytes(magic);
-  out.put(file_version);
+  out.put(in_glass ? glass_version : plain_version);
   out.put(static_cast<std::uint16_t>(header_out.size()));
   out.put_bytes(header_out.written());
   out.put(static_cast<std::uint32_t>(stream.size()));
   out.put_bytes(stream);
+  if (in_glass) put_glass(out, job.refraction);
   out.put(wire::crc32(out.written()));
   return bytes;
 }
 
 Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name) {
-  wire::ByteReader in(open_envelope(bytes, name));
+  const Contents contents = open_envelope(bytes, name);
+  wire::ByteReader in(contents.bytes);
   const auto header_size = in.take<std::uint16_t>();
   if (!in.ok() || in.left() < header_size) fail(name, "is malformed");
   Job job;
@@ -118,14 +147,20 @@ Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name
   if (result != Result::ok || job.header.first_index != 0) fail(name, "has a malformed header");
   wire::ByteReader rest(in.rest().subspan(header_size));
   const auto stream_size = rest.take<std::uint32_t>();
-  if (!rest.ok() || rest.left() != stream_size) fail(name, "is malformed");
+  const std::size_t behind = contents.version == glass_version ? glass_bytes : 0;
+  if (!rest.ok() || rest.left() != stream_size + behind) fail(name, "is malformed");
+  const auto stream = rest.rest().first(stream_size);
+  if (behind != 0) {
+    wire::ByteReader tail(rest.rest().subspan(stream_size));
+    job.refraction = take_glass(tail, name);
+  }
   job.settings = apply_overrides(settings::Values{}, job.header, name);
   if (job.settings.hash() != job.header.settings_hash)
     fail(name, "was made with other settings than this program knows");
   if (job.is_rows())
-    job.rows = decode_rows(rest.rest(), job.header, name);
+    job.rows = decode_rows(stream, job.header, name);
   else
-    job.targets = decode_targets(rest.rest(), job.header, name);
+    job.targets = decode_targets(stream, job.header, name);
   if (job.size() == 0) fail(name, fmt::format("has no {}s", job.item()));
   return job;
 }

@@ -5,11 +5,16 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 
 #include "host/link/transport.hpp"
 #include "sim/board.hpp"
 
 namespace lamplock::link {
+
+/// Session of jobs on simulated boards: a random one would make frames a byte longer or shorter, and
+/// the start of a job a beat.
+inline constexpr std::uint32_t simulated_session = 1;
 
 /// The board must outlive the transport.
 class SimulatedTransport final : public Transport {

@@ -3,34 +3,104 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "host/error.hpp"
 
 namespace lamplock::model {
+namespace {
 
-Mesh centred_and_scaled(Mesh mesh, double longest_side_mm) {
+using points::Point;
+
+constexpr double radians_per_degree = std::numbers::pi / 180;
+
+Point cross(const Point& a, const Point& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+Point times(const Point& a, double factor) { return {a.x * factor, a.y * factor, a.z * factor}; }
+
+/// What belongs to the corners of triangles follows them.
+void exchange_corners(Mesh& mesh) {
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  if (!mesh.brightness) return;
+  for (auto& corners : mesh.brightness->corners) std::swap(corners[1], corners[2]);
+  for (auto& textured : mesh.brightness->textured)
+    std::swap(textured.corners[1], textured.corners[2]);
+}
+
+}  // namespace
+
+Affine turned_about(const Point& axis, double degrees) {
+  if (axis.y == 0 && axis.z == 0) return turned_about_x(axis.x < 0 ? -degrees : degrees);
+  if (axis.x == 0 && axis.z == 0) return turned_about_y(axis.y < 0 ? -degrees : degrees);
+  if (axis.x == 0 && axis.y == 0) return turned_about_z(axis.z < 0 ? -degrees : degrees);
+  const Point u = times(axis, 1 / std::hypot(axis.x, axis.y, axis.z));
+  const double sine = std::sin(degrees * radians_per_degree);
+  const double cosine = std::cos(degrees * radians_per_degree);
+  // Rodrigues' formula, for each unit vector.
+  const auto turned = [&](const Point& v) {
+    const Point square = cross(u, v), along = times(u, (1 - cosine) * dot(u, v));
+    return Point{cosine * v.x + sine * square.x + along.x, cosine * v.y + sine * square.y + along.y,
+                 cosine * v.z + sine * square.z + along.z};
+  };
+  return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), {}};
+}
+
+Affine about(const Affine& map, const Point& pivot) {
+  return moved(pivot.x, pivot.y, pivot.z) * map * moved(-pivot.x, -pivot.y, -pivot.z);
+}
+
+double determinant(const Affine& map) { return dot(map.x, cross(map.y, map.z)); }
+
+std::optional<Affine> inverse(const Affine& map) {
+  const double volume = determinant(map);
+  if (volume == 0 || !std::isfinite(volume)) return std::nullopt;
+  // Rows of the inverse matrix are cross products of the columns of the matrix.
+  const Point a = times(cross(map.y, map.z), 1 / volume);
+  const Point b = times(cross(map.z, map.x), 1 / volume);
+  const Point c = times(cross(map.x, map.y), 1 / volume);
+  Affine back{{a.x, b.x, c.x}, {a.y, b.y, c.y}, {a.z, b.z, c.z}, {}};
+  back.offset = times(back.turn(map.offset), -1);
+  return back;
+}
+
+Affine centring_and_scaling(const Bounds& box, double longest_side_mm) {
   if (!(longest_side_mm > 0) || !std::isfinite(longest_side_mm)) {
     throw Error(Exit::bad_input, "size", fmt::format("{} mm", longest_side_mm),
                 "give the longest side in mm, greater than 0");
   }
-  const Bounds box = bounds(mesh.vertices);
   const double side = box.longest_side();
   if (!(side > 0) || !std::isfinite(side)) {
     throw Error(Exit::bad_input, "model", "it has no extent and cannot be scaled",
                 "give a model of more than one point");
   }
   const double scale = longest_side_mm / side;
-  const points::Point centre = box.centre();
-  for (points::Point& vertex : mesh.vertices) {
-    vertex = {(vertex.x - centre.x) * scale, (vertex.y - centre.y) * scale,
-              (vertex.z - centre.z) * scale};
-  }
+  const Point centre = box.centre();
+  return scaled(scale, scale, scale) * moved(-centre.x, -centre.y, -centre.z);
+}
+
+Mesh centred_and_scaled(Mesh mesh, double longest_side_mm) {
+  const Affine map = centring_and_scaling(bounds(mesh.vertices), longest_side_mm);
+  return transformed(std::move(mesh), map);
+}
+
+Affine y_up_to_z_up() { return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, {}}; }
+
+Mesh y_up_to_z_up(Mesh mesh) { return transformed(std::move(mesh), y_up_to_z_up()); }
+
+Mesh transformed(Mesh mesh, const Affine& map) {
+  for (Point& vertex : mesh.vertices) vertex = map(vertex);
+  if (determinant(map) < 0) exchange_corners(mesh);
   return mesh;
 }
 
-Mesh y_up_to_z_up(Mesh mesh) {
-  for (points::Point& vertex : mesh.vertices) vertex = {vertex.x, -vertex.z, vertex.y};
-  return mesh;
+points::PointCloud transformed(points::PointCloud cloud, const Affine& map) {
+  for (Point& point : cloud) point = map(point);
+  return cloud;
 }
 
 }  // namespace lamplock::model

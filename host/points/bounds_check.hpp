@@ -1,4 +1,4 @@
-// The last gate before a cloud becomes a job. Comes in: a cloud and the work space. Goes out:
+// The last gate before a cloud becomes a job. Comes in: a cloud and where it may be. Goes out:
 // nothing, or one error. Called before ordering and before anything moves.
 #pragma once
 
@@ -9,9 +9,10 @@
 
 namespace lamplock::points {
 
-/// Throws Error (bad_input) unless every point is finite and inside `work_space`; the error names
-/// index (from 0) and coordinates of the first bad point and how many there are. `where` names
-/// the input, as a rule the file.
-void check_bounds(std::span<const Point> cloud, const Bounds& work_space, const std::string& where);
+/// Throws Error (bad_input) unless every point is finite and inside `room`; the error names index
+/// (from 0) and coordinates of the first bad point and how many there are. `where` names the input,
+/// as a rule the file, `place` what the room is.
+void check_bounds(std::span<const Point> cloud, const Bounds& room, const std::string& where,
+                  const std::string& place = "the work space");
 
 }  // namespace lamplock::points

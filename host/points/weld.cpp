@@ -86,7 +86,7 @@ class KeptPoints {
 
 }  // namespace
 
-WeldResult weld(PointCloud cloud, double min_distance_mm) {
+WeldResult weld(PointCloud cloud, double min_distance_mm, std::size_t always_kept) {
   if (!(min_distance_mm >= 0) || !std::isfinite(min_distance_mm)) {
     throw Error(Exit::bad_input, "weld", fmt::format("distance {} mm", min_distance_mm),
                 "give 0 or a positive distance");
@@ -99,9 +99,9 @@ WeldResult weld(PointCloud cloud, double min_distance_mm) {
   KeptPoints grid(cloud.size(), min_distance_mm);
   WeldResult result;
   // The kept points move to the front of the same cloud: no second copy in memory.
-  std::size_t count = 0;
+  std::size_t count = 0, taken = 0;
   for (const Point& point : cloud) {
-    if (grid.is_near(cloud, point)) continue;
+    if (taken++ >= always_kept && grid.is_near(cloud, point)) continue;
     grid.add(static_cast<std::uint32_t>(count), point);
     cloud[count++] = point;
   }

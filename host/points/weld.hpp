@@ -17,9 +17,10 @@ struct WeldResult {
 };
 
 /// Removes every point that is closer than `min_distance_mm` to a kept point before it, so that no
-/// two points of the result are closer than that. Deterministic, time and memory linear for clouds
+/// two points of the result are closer than that; the first `always_kept` points stay however close
+/// they are to each other. Deterministic, time and memory linear for clouds
 /// of bounded density. 0 keeps everything. Coordinates must be finite. Throws Error (bad_input) for
 /// a distance that is negative or not finite.
-WeldResult weld(PointCloud cloud, double min_distance_mm);
+WeldResult weld(PointCloud cloud, double min_distance_mm, std::size_t always_kept = 0);
 
 }  // namespace lamplock::points

@@ -7,6 +7,7 @@
 
 #include "host/bytes.hpp"
 #include "host/file.hpp"
+#include "host/report/page.hpp"
 #include "host/report/picture.hpp"
 #include "host/report/report.hpp"
 
@@ -15,10 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where a shot lies in the input's coordinates.
-points::Point position_mm(const sim::Shot& shot, const PerAxis<double>& steps_per_mm) {
-  return {shot.steps[0] / steps_per_mm[0], shot.steps[1] / steps_per_mm[1],
-          shot.steps[2] / steps_per_mm[2]};
+/// Where a shot lies in the glass: in the input's coordinates.
+points::Point position_mm(const sim::Shot& shot, const PerAxis<double>& steps_per_mm,
+                          const glass::Refraction& refraction) {
+  return refraction.glass({shot.steps[0] / steps_per_mm[0], shot.steps[1] / steps_per_mm[1],
+                           shot.steps[2] / steps_per_mm[2]});
 }
 
 /// PLY, binary little endian: x y z in mm, then the beat and the channel.
@@ -29,7 +31,7 @@ void write_ply(const JobRun& run, const fs::path& path) {
       "property uint beat\nproperty uchar channel\nend_header\n",
       run.shots.size());
   for (const sim::Shot& shot : run.shots) {
-    const points::Point p = position_mm(shot, run.steps_per_mm);
+    const points::Point p = position_mm(shot, run.steps_per_mm, run.refraction);
     for (const double coordinate : {p.x, p.y, p.z}) append(data, static_cast<float>(coordinate));
     append(data, static_cast<std::uint32_t>(shot.beat));
     data.push_back(static_cast<char>(shot.channel));
@@ -40,20 +42,21 @@ void write_ply(const JobRun& run, const fs::path& path) {
 points::PointCloud engraved(const JobRun& run) {
   if (!run.shots_known) return run.points;
   points::PointCloud cloud(run.shots.size());
-  std::transform(run.shots.begin(), run.shots.end(), cloud.begin(),
-                 [&run](const sim::Shot& shot) { return position_mm(shot, run.steps_per_mm); });
+  std::transform(run.shots.begin(), run.shots.end(), cloud.begin(), [&run](const sim::Shot& shot) {
+    return position_mm(shot, run.steps_per_mm, run.refraction);
+  });
   return cloud;
 }
 
 }  // namespace
 
 void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
-                     const fs::path& path) {
+                     const fs::path& path, const glass::Refraction& refraction) {
   std::string text;
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "index,channel,beat,time_us,x_mm,y_mm,z_mm\n");
   for (const sim::Shot& shot : shots) {
-    const points::Point p = position_mm(shot, steps_per_mm);
+    const points::Point p = position_mm(shot, steps_per_mm, refraction);
     // Shortest decimals that read back as the same number; time to the picosecond.
     fmt::format_to(out, "{},{},{},{}.{:06},{},{},{}\n", shot.index, shot.channel, shot.beat,
                    shot.at / sim::ps_per_us, shot.at % sim::ps_per_us, p.x, p.y, p.z);
@@ -66,8 +69,9 @@ void write_report(const Report& report, const JobRun& run, const fs::path& folde
   fs::create_directories(folder, error);
   if (error) refuse(folder, "cannot be made (" + error.message() + ")", "choose another folder");
   write_file(folder / "report.json", to_json(report));
+  write_page(report, run, folder / "report.html");
   if (run.shots_known) {
-    write_shots_csv(run.shots, run.steps_per_mm, folder / "shots.csv");
+    write_shots_csv(run.shots, run.steps_per_mm, folder / "shots.csv", run.refraction);
     write_ply(run, folder / "shots.ply");
   }
   write_cloud_picture(folder / "cloud.png", engraved(run));

@@ -127,7 +127,9 @@ class Matcher {
   static std::vector<WantedSteps> all_wanted(const JobRun& run) {
     std::vector<WantedSteps> wanted(run.points.size());
     std::transform(run.points.begin(), run.points.end(), wanted.begin(),
-                   [&run](const points::Point& p) { return wanted_steps(p, run.steps_per_mm); });
+                   [&run](const points::Point& p) {
+                     return wanted_steps(run.refraction.stage(p), run.steps_per_mm);
+                   });
     return wanted;
   }
 

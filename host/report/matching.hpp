@@ -19,7 +19,7 @@ struct Matching {
   std::uint64_t doubled = 0;                 ///< shots beyond those ordered
 };
 
-/// Wanted position of a point in steps, not rounded, in the axes that points have.
+/// Wanted position of a point of the stage in steps, not rounded, in the axes that points have.
 inline constexpr std::size_t point_axes = 3;
 using WantedSteps = std::array<double, point_axes>;
 WantedSteps wanted_steps(const points::Point& point, const PerAxis<double>& steps_per_mm);

@@ -33,8 +33,8 @@ std::optional<double> largest_error(const JobRun& run, const Matching& matching,
   for (std::size_t i = 0; i < run.shots.size(); ++i) {
     const std::uint32_t point = matching.point_of_shot[i];
     if (point == no_point) continue;
-    const double error =
-        error_steps(steps_of(i), wanted_steps(run.points[point], run.steps_per_mm));
+    const double error = error_steps(
+        steps_of(i), wanted_steps(run.refraction.stage(run.points[point]), run.steps_per_mm));
     largest = std::max(largest.value_or(0), error);
   }
   return largest;

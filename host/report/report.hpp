@@ -1,7 +1,8 @@
 // What a job did: the judge of a run and the files that tell about it.
 //
 // In:  the points as ordered, in firing order; what the laser recorded; the firmware's counters.
-// Out: a Report (numbers), and in a folder report.json, shots.csv, shots.ply, cloud.png.
+// Out: a Report (numbers), and in a folder report.json, report.html, shots.csv, shots.ply,
+//      cloud.png.
 // Who: the command line after `engrave`; end-to-end tests.
 //
 // Missed and doubled points come from what was really fired, not from the firmware's counters:
@@ -21,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "host/glass/refraction.hpp"
 #include "host/points/point.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
@@ -48,7 +50,7 @@ struct JobRun {
   std::string mode;   ///< "free", "start-stop"
   std::string board;  ///< "virtual" or the port
 
-  points::PointCloud points;                 ///< in firing order, input coordinates
+  points::PointCloud points;                 ///< in firing order, coordinates of the glass
   std::vector<std::uint16_t> shots_ordered;  ///< per point; empty: one each
 
   bool shots_known = true;        ///< false on a real board: nobody recorded the shots
@@ -58,7 +60,14 @@ struct JobRun {
   /// unknown.
   std::vector<StepPosition> lattice_steps;
 
+  /// Instead of shots, of a run that is foreseen: the beat of each, from the first one.
+  std::vector<std::uint32_t> foreseen_beats;
+
+  std::size_t first_point = 0;        ///< index of points.front() in the whole job
+  std::vector<std::string> warnings;  ///< about the points, one line each
+
   PerAxis<double> steps_per_mm{200, 200, 200, 200};
+  glass::Refraction refraction{};  ///< from the steps of the stage into the glass
 
   std::uint64_t beats = 0;         ///< lamp periods from the first shot to the last, both included
   std::uint64_t beats_before = 0;  ///< lamp periods before the first shot
@@ -102,14 +111,14 @@ Report evaluate(const JobRun& run);
 /// The report as JSON text, keys as documented; settings by name in their unit.
 std::string to_json(const Report& report);
 
-/// Writes shots as shots.csv has them: one line each, positions in mm. Throws lamplock::Error if
-/// the file cannot be written.
+/// Writes shots as shots.csv has them: one line each, positions in the glass in mm. Throws
+/// lamplock::Error if the file cannot be written.
 void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
-                     const std::filesystem::path& path);
+                     const std::filesystem::path& path, const glass::Refraction& refraction = {});
 
-/// Writes report.json, shots.csv, shots.ply and cloud.png into `folder`, which is made if needed.
-/// Without known shots there is no shots.csv and no shots.ply, and the picture shows the points as
-/// ordered. Throws lamplock::Error if a file cannot be written.
+/// Writes report.json, report.html (page.hpp), shots.csv, shots.ply and cloud.png into `folder`,
+/// which is made if needed. Without known shots there is no shots.csv and no shots.ply, and the
+/// picture shows the points as ordered. Throws lamplock::Error if a file cannot be written.
 void write_report(const Report& report, const JobRun& run, const std::filesystem::path& folder);
 
 }  // namespace lamplock::report

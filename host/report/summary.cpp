@@ -16,6 +16,7 @@ using Formatter = std::string (*)(const Report&);
 struct Line {
   const char* label;
   Formatter value;
+  bool foreseen = true;  ///< an estimate has it too
 };
 
 /// 1234567 -> "1 234 567".
@@ -54,11 +55,11 @@ constexpr std::array result_lines{
     Line{"machine time", [](const Report& r) { return time_text(r.time_s); }},
     Line{"points per second",
          [](const Report& r) { return fmt::format("{:.1f}", r.points_per_s); }},
-    Line{"largest error", [](const Report& r) { return error_text(r.largest_error_steps); }},
+    Line{"largest error", [](const Report& r) { return error_text(r.largest_error_steps); }, false},
     Line{"  with lamp jitter",
-         [](const Report& r) { return error_text(r.largest_jitter_error_steps); }},
-    Line{"missed points", [](const Report& r) { return grouped(r.missed); }},
-    Line{"doubled shots", [](const Report& r) { return grouped(r.doubled); }},
+         [](const Report& r) { return error_text(r.largest_jitter_error_steps); }, false},
+    Line{"missed points", [](const Report& r) { return grouped(r.missed); }, false},
+    Line{"doubled shots", [](const Report& r) { return grouped(r.doubled); }, false},
 };
 
 using Row = std::vector<std::string>;
@@ -108,6 +109,17 @@ std::string summary(const Report& report) {
   const std::string title = fmt::format("{}: {}, {} board, lamp {:g} Hz\n", report.input,
                                         report.mode, report.board, report.lamp_hz);
   return title + aligned(rows);
+}
+
+std::string estimate_summary(const Report& report) {
+  std::vector<Row> rows;
+  for (const Line& line : result_lines)
+    if (line.foreseen) rows.push_back({line.label, line.value(report)});
+  rows.push_back({"beats before the first shot", grouped(report.beats_before)});
+  for (const auto& [reason, beats] : report.beats_by_reason)
+    if (beats > 0) rows.push_back({"beats: " + reason, grouped(beats)});
+  return fmt::format("{}: {}, lamp {:g} Hz\n", report.input, report.mode, report.lamp_hz) +
+         aligned(rows);
 }
 
 std::string summary(const Report& first, const Report& second) {

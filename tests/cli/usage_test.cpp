@@ -22,7 +22,7 @@ TEST_P(CommandHelp, explains_itself_with_an_example) {
 INSTANTIATE_TEST_SUITE_P(all, CommandHelp,
                          testing::Values("example", "points", "order", "job", "send", "engrave",
                                          "frame", "compare", "sim", "chip", "bench", "check",
-                                         "settings", "console", "raster"),
+                                         "settings", "console", "raster", "estimate"),
                          [](const auto& test) { return test.param; });
 
 TEST(Usage, help_lists_every_command) {
@@ -30,7 +30,7 @@ TEST(Usage, help_lists_every_command) {
   EXPECT_EQ(help.status, 0);
   for (const char* command :
        {"example", "points", "order", "job", "send", "engrave", "frame", "compare", "sim", "chip",
-        "bench", "check", "settings", "console", "raster", "--version"})
+        "bench", "check", "settings", "console", "raster", "estimate", "--version"})
     EXPECT_THAT(help.out, HasSubstr(command));
 }
 

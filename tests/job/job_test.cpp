@@ -83,6 +83,38 @@ TEST(MakeJob, EmptyCloudsAndBadOptionsAreErrors) {
   EXPECT_THAT(error_of({{}}, {}, {.channel = 4}), HasSubstr("channel"));
 }
 
+TEST(MakeJob, StandsStillAfterSoManyPoints) {
+  PointCloud cloud;
+  for (int i = 0; i < 10; ++i) cloud.push_back({i * 1.0, 0, 0});
+  const Job job = make_job(cloud, {}, {.pause_every = 4, .pause_beats = 70});
+  ASSERT_EQ(job.targets.size(), 12u);  // none at the end
+  EXPECT_EQ(job.header.points_total, 12u);
+  std::size_t point = 0;
+  for (std::size_t i = 0; i < job.targets.size(); ++i) {
+    EXPECT_EQ(job.points_before(i), point);
+    EXPECT_EQ(job.is_pause(i), i == 4 || i == 9) << i;
+    if (job.is_pause(i)) {
+      EXPECT_EQ(job.targets[i].steps, job.targets[i - 1].steps);
+      EXPECT_EQ(job.targets[i].beats, 70);
+    } else {
+      EXPECT_EQ(job.targets[i].steps[0], static_cast<int>(point++) * 200);
+    }
+  }
+  EXPECT_EQ(make_job(cloud, {}, {.pause_every = 10, .pause_beats = 1}).targets.size(), 10u);
+  EXPECT_THAT(error_of(cloud, {}, {.pause_every = 3}), HasSubstr("pauses"));
+}
+
+TEST(MakeJob, TheStageGoesLessFarThanTheFocus) {
+  JobOptions options;
+  options.refraction = {2, 40};
+  const Job job = make_job({{1, 2, 40}, {1, 2, 20}, {1, 2, -100}}, {}, options);
+  EXPECT_EQ(job.targets[0].steps, (StepPosition{200, 400, 8000, 0}));
+  EXPECT_EQ(job.targets[1].steps[2], 6000);
+  EXPECT_EQ(job.targets[2].steps[2], -6000);
+  EXPECT_EQ(job.refraction, options.refraction);
+  EXPECT_THAT(error_of({{0, 0, -141}}, {}, options), HasSubstr("(0, 0, -141)"));
+}
+
 TEST(MakeJob, TwoAxesEngraveOnlyThePlane) {
   Profile profile;
   state_setting(profile, Id::axes, 2, "test");
@@ -193,6 +225,21 @@ TEST(JobFile, WhatIsWrittenIsReadAgain) {
   expect_same(job, again);
   EXPECT_THROW(read_job_file(path), Error);
   EXPECT_THROW(write_job_file("/nowhere/job.llj", job), Error);
+}
+
+TEST(JobFile, KnowsItsGlass) {
+  Job job = sample(20);
+  const auto plain = encode_job_file(job);
+  job.refraction = {1.5168, 12.25};
+  const auto bytes = encode_job_file(job);
+  EXPECT_EQ(plain[8], 1);
+  EXPECT_EQ(bytes[8], 2);
+  EXPECT_EQ(decode_job_file(plain, "job").refraction, glass::Refraction{});
+  EXPECT_EQ(decode_job_file(bytes, "job").refraction, job.refraction);
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    ASSERT_NE(file_error(std::span(bytes).first(size)), "") << size;
+  job.refraction.index = 0.5;
+  EXPECT_THAT(file_error(encode_job_file(job)), HasSubstr("refraction"));
 }
 
 TEST(JobFile, EveryTruncationIsAnError) {

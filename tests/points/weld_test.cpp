@@ -86,6 +86,14 @@ TEST(Weld, OfNoDistanceKeepsAll) {
   EXPECT_NE(error_of([] { weld({}, std::numeric_limits<double>::quiet_NaN()); }), "");
 }
 
+TEST(Weld, KeepsTheFirstOnesHoweverCloseTheyAre) {
+  const PointCloud cloud{{0, 0, 0}, {0.1, 0, 0}, {0, 0, 0}, {0.2, 0, 0}, {2, 0, 0}, {2.1, 0, 0}};
+  const auto result = weld(cloud, 0.5, 3);
+  EXPECT_EQ(result.points, (PointCloud{{0, 0, 0}, {0.1, 0, 0}, {0, 0, 0}, {2, 0, 0}}));
+  EXPECT_EQ(result.removed, 2u);
+  EXPECT_EQ(weld(cloud, 0.5, 6).points, cloud);
+}
+
 TEST(BoundsCheck, NamesTheFirstBadPointAndTheirNumber) {
   const points::Bounds space{{-50, -50, -50}, {50, 50, 50}};
   PointCloud cloud{{50, -50, 0}, {0, 0, 0}};
@@ -95,6 +103,8 @@ TEST(BoundsCheck, NamesTheFirstBadPointAndTheirNumber) {
   EXPECT_THAT(error_of([&] { points::check_bounds(cloud, space, "a.xyz"); }),
               ::testing::AllOf(HasSubstr("a.xyz"), HasSubstr("2 of 4"), HasSubstr("point 2"),
                                HasSubstr("(0, 50.5, 0)")));
+  EXPECT_THAT(error_of([&] { points::check_bounds(cloud, space, "a.xyz", "the block"); }),
+              HasSubstr("outside the block"));
   cloud[1].z = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(error_of([&] { points::check_bounds(cloud, space, "a.xyz"); }),
               ::testing::AllOf(HasSubstr("3 of 4"), HasSubstr("point 1"), HasSubstr("nan")));

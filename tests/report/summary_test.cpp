@@ -61,5 +61,13 @@ TEST(Summary, UnknownIsSaid) {
   EXPECT_THAT(summary(evaluate(run)), ContainsRegex("missed points +unknown\n"));
 }
 
+TEST(EstimateSummary, HasWhatCanBeForeseenAndNothingElse) {
+  const std::string text = estimate_summary(evaluate(test::perfect_run(1234, 1)));
+  for (const char* label : {"points", "beats", "utilisation", "machine time", "before the first"})
+    EXPECT_NE(text.find(label), std::string::npos) << label;
+  for (const char* label : {"missed", "doubled", "error", "jitter", "link", "unknown"})
+    EXPECT_EQ(text.find(label), std::string::npos) << label;
+}
+
 }  // namespace
 }  // namespace lamplock::report

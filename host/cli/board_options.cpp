@@ -1,24 +1,20 @@
-#include "host/cli/options.hpp"
+#include "host/cli/board_options.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
 #include "host/cli/boards.hpp"
 #include "host/cli/report_folder.hpp"
 #include "host/cli/staged_file.hpp"
+#include "host/cli/validators.hpp"
 #include "host/error.hpp"
 #include "host/link/sender.hpp"
 #include "host/units.hpp"
-#include "shared/wire/job_header.hpp"
 #include "sim/world/drive_settings.hpp"
 #include "sim/world/lamp_settings.hpp"
 
@@ -26,29 +22,12 @@ namespace lamplock::cli {
 namespace {
 
 using settings::Id;
-using settings::LampMode;
 
 constexpr double percent = 0.01;
 constexpr unsigned most_shots = 255;  ///< at one point, of the pulse stream
-constexpr const char* machine_group = "Machine";
-constexpr const char* points_group = "Points";
 constexpr const char* board_group = "Board";
 constexpr const char* lamp_group = "Lamp of a simulated board";
 constexpr const char* drives_group = "Drives of a simulated board";
-
-struct NamedLampMode {
-  const char* name;
-  LampMode mode;
-};
-constexpr std::array lamp_modes{NamedLampMode{"none", LampMode::free_beat},
-                                NamedLampMode{"slave", LampMode::slave},
-                                NamedLampMode{"master", LampMode::master}};
-
-LampMode lamp_mode_named(const std::string& name) {
-  for (const NamedLampMode& known : lamp_modes)
-    if (name == known.name) return known.mode;
-  throw Error(Exit::bad_input, "--lamp-mode", "unknown mode " + name, "use none, slave or master");
-}
 
 /// An option and the file that it writes.
 struct Output {
@@ -72,147 +51,6 @@ void check_distinct(const std::vector<Output>& outputs) {
 }
 
 }  // namespace
-
-CLI::Validator number_from(double low, bool included) {
-  const auto check = [=](const std::string& text) -> std::string {
-    double value = 0;
-    if (!CLI::detail::lexical_cast(text, value)) return text + " is not a number";
-    if (std::isfinite(value) && (value > low || (included && value == low))) return "";
-    return fmt::format("{} is not {} {:g}", text, included ? "at least" : "greater than", low);
-  };
-  return {check, ""};
-}
-
-CLI::Validator file_name() {
-  return {[](const std::string& text) { return std::string(text.empty() ? "has no name" : ""); },
-          ""};
-}
-
-CLI::Validator one_of(std::vector<std::string> names) {
-  // Without its description: the help names the choices already.
-  return CLI::IsMember(std::move(names)).description("");
-}
-
-void MachineOptions::add_machine(CLI::App& app) {
-  app.add_option("--machine", machine, "Machine profile (TOML); without it the default machine")
-      ->type_name("FILE")
-      ->group(machine_group);
-}
-
-void MachineOptions::add_overrides(CLI::App& app) {
-  app.add_option("--lamp", lamp_hz, "Lamp frequency")->type_name("HZ")->group(machine_group);
-  app.add_option("--lamp-mode", lamp_mode,
-                 "slave: the lamp runs freely, we follow; master: we trigger it; none: free beat")
-      ->check(one_of({"slave", "master", "none"}))
-      ->type_name("slave|master|none")
-      ->group(machine_group);
-  app.add_option("--accel", accel_m_s2, "Highest acceleration of every axis")
-      ->type_name("M_S2")
-      ->group(machine_group);
-  app.add_option("--speed", speed_m_s, "Highest speed of every axis")
-      ->type_name("M_S")
-      ->group(machine_group);
-}
-
-job::Profile MachineOptions::profile() const {
-  job::Profile profile = machine.empty() ? job::default_profile() : job::read_profile(machine);
-  if (lamp_hz) job::set_lamp_hz(profile, *lamp_hz);
-  if (accel_m_s2) job::set_acceleration(profile, *accel_m_s2);
-  if (speed_m_s) job::set_speed(profile, *speed_m_s);
-  if (lamp_mode)
-    job::state_setting(profile, Id::lamp_mode, static_cast<double>(lamp_mode_named(*lamp_mode)),
-                       "--lamp-mode");
-  return profile;
-}
-
-void PointsOptions::add(CLI::App& app) {
-  app.add_option("--size", size_mm,
-                 "Longest side of the object; without it meshes are in mm and "
-                 "bitmaps 50 mm")
-      ->check(number_from(0, false))
-      ->type_name("MM")
-      ->group(points_group);
-  app.add_option("--spacing", spacing_mm, "Distance of neighbouring points")
-      ->check(number_from(0, false))
-      ->type_name("MM")
-      ->capture_default_str()
-      ->group(points_group);
-  app.add_option("--layer", layer_mm, "Distance of layers; without it the spacing")
-      ->check(number_from(0, false))
-      ->type_name("MM")
-      ->group(points_group);
-  app.add_option("--weld", weld_mm, "Points closer than this become one; without it 0.9 x spacing")
-      ->check(number_from(0, true))
-      ->type_name("MM")
-      ->group(points_group);
-  app.add_option("--method", method, "Meshes: slice (contours of layers) or rays (parallel rays)")
-      ->check(one_of({"slice", "rays"}))
-      ->type_name("slice|rays")
-      ->capture_default_str()
-      ->group(points_group);
-  app.add_option("--direction", direction, "Meshes: direction of the rays")
-      ->check(one_of({"x", "y", "z"}))
-      ->type_name("x|y|z")
-      ->capture_default_str()
-      ->group(points_group);
-  app.add_option("--up", up, "Meshes: axis of the file that points up (often y in OBJ)")
-      ->check(one_of({"y", "z"}))
-      ->type_name("y|z")
-      ->capture_default_str()
-      ->group(points_group);
-  app.add_option("--threshold", threshold, "Bitmaps: grey values below this are points, 0..255")
-      ->type_name("GREY")
-      ->capture_default_str()
-      ->group(points_group);
-  app.add_flag("--invert", invert, "Bitmaps: light instead of dark becomes points")
-      ->group(points_group);
-  app.add_option("--layers", layers, "Bitmaps: number of layers")
-      ->type_name("N")
-      ->capture_default_str()
-      ->group(points_group);
-}
-
-void OrderOption::add(CLI::App& app) {
-  app.add_option("--order", name,
-                 "layers: lowest layer first, short way in it; given: as they come. Default: "
-                 "given for point lists, else layers")
-      ->check(one_of({"given", "layers"}))
-      ->type_name("given|layers")
-      ->group(points_group);
-}
-
-order::Ordering OrderOption::ordering(model::InputKind kind) const {
-  if (name) return *name == "given" ? order::Ordering::given : order::Ordering::layers;
-  return kind == model::InputKind::points ? order::Ordering::given : order::Ordering::layers;
-}
-
-void ModeOption::add(CLI::App& app) {
-  app.add_option("--mode", name,
-                 "free: pass every point in motion; path: the same on straight lines; start-stop: "
-                 "rest at every point")
-      ->check(one_of({"free", "path", "start-stop"}))
-      ->type_name("free|path|start-stop")
-      ->capture_default_str()
-      ->group(machine_group);
-}
-
-motion::JoinMode ModeOption::mode() const {
-  if (name == "path") return motion::JoinMode::path;
-  return name == "free" ? motion::JoinMode::free : motion::JoinMode::start_stop;
-}
-
-std::string mode_name(std::uint8_t mode) {
-  if (mode == wire::mode_rows) return "rows";
-  switch (static_cast<motion::JoinMode>(mode)) {
-    case motion::JoinMode::start_stop:
-      return "start-stop";
-    case motion::JoinMode::path:
-      return "path";
-    case motion::JoinMode::free:
-      return "free";
-  }
-  return "unknown";
-}
 
 void LampFaults::add(CLI::App& app) {
   app.add_option("--jitter", jitter_us, "Every flash early or late by up to this")
@@ -306,7 +144,9 @@ void BoardOptions::add_job_speed(CLI::App& app) {
 }
 
 void BoardOptions::add_job(CLI::App& app) {
-  app.add_option("--from", from, "Go on at this point or line: the first one not fired")
+  app.add_option("--from", from,
+                 "Go on at this point or line: the first one not fired, pauses counted with the "
+                 "points")
       ->check(number_from(0, true))
       ->type_name("N")
       ->group(board_group);
@@ -322,9 +162,14 @@ void BoardOptions::add_job(CLI::App& app) {
       ->check(CLI::Range(1u, std::numeric_limits<std::uint32_t>::max()).description(""))
       ->type_name("N")
       ->group(board_group);
-  app.add_option("--report", report, "Write report.json, shots.csv, shots.ply and cloud.png there")
+  app.add_option("--report", report,
+                 "Write report.html, report.json, shots.csv, shots.ply and cloud.png there")
       ->check(file_name())
       ->type_name("DIR")
+      ->group(board_group);
+  app.add_option("--statistics", statistics, "Add a line (CSV) about the job to this file")
+      ->check(file_name())
+      ->type_name("FILE")
       ->group(board_group);
   app.add_option("--vcd", vcd, "Trace of all pins of a simulated board, for GTKWave")
       ->check(file_name())
@@ -344,10 +189,15 @@ void BoardOptions::add_job(CLI::App& app) {
 }
 
 void BoardOptions::check() const {
-  check_distinct({{"--vcd", vcd}, {"--shots", shots}, {"--timing", timing}, {"--plot", plot.file}});
+  check_distinct({{"--vcd", vcd},
+                  {"--shots", shots},
+                  {"--timing", timing},
+                  {"--plot", plot.file},
+                  {"--statistics", statistics}});
   if (!vcd.empty()) check_target(vcd);
   if (!shots.empty()) check_target(shots);
   if (!report.empty()) check_report_folder(report);
+  if (!statistics.empty()) check_target(statistics);
   if (!timing.empty()) {
     if (board != chip_board)
       throw Error(Exit::bad_input, "--timing", "only the chip has cycles to count",

@@ -1,0 +1,64 @@
+// Where a job runs, and what is left of it.
+//
+// In:  the command line. Out: the board, what is simulated round it, names of files.
+// Who: the commands that run something on a board.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/cli/motion_plot_file.hpp"
+#include "shared/settings_table.hpp"
+#include "sim/world/drives.hpp"
+#include "sim/world/lamp.hpp"
+
+namespace lamplock::cli {
+
+/// Faults of a simulated board's lamp.
+struct LampFaults {
+  double jitter_us = 0, wander_percent = 0, dropouts_percent = 0, runts_percent = 0;
+  std::uint64_t seed = 1;
+
+  void add(CLI::App& app);
+  bool any() const;
+  /// The lamp that belongs to a machine with these settings. Throws Error(bad_input) for a lamp
+  /// that cannot be.
+  sim::LampConfig lamp(const settings::Values& values) const;
+};
+
+/// The drives of a simulated board.
+struct SimulatedDrives {
+  std::vector<double> lag_us{};  ///< by axis
+
+  void add(CLI::App& app);
+  bool any() const { return !lag_us.empty(); }
+  /// Those that belong to a machine with these settings.
+  sim::DriveConfig drives(const settings::Values& values) const;
+};
+
+/// Where a job runs and what is left of it.
+struct BoardOptions {
+  std::string board = "virtual", image{};
+  std::size_t from = 0;
+  std::uint32_t fired = 0, job_speed = 100;
+  bool yes = false, dry = false, json = false;
+  std::string report{}, statistics{}, vcd{}, shots{}, timing{};
+  std::size_t hold_at = 0;  ///< points; 0 = no hold
+  PlotOptions plot{};
+  LampFaults faults{};
+  SimulatedDrives drives{};
+
+  void add_choice(CLI::App& app);     ///< --board, --image
+  void add_board(CLI::App& app);      ///< these, --yes, --json
+  void add_job_speed(CLI::App& app);  ///< --job-speed
+  /// --from, --fired, --job-speed, --dry, --hold-at, --report, --statistics, --vcd, --shots,
+  /// --timing, --plot and what is simulated
+  void add_job(CLI::App& app);
+  bool is_simulated() const { return board == "virtual" || board == "chip"; }
+  /// Refuses what the board cannot do, before any work is done. Throws Error(bad_input).
+  void check() const;
+};
+
+}  // namespace lamplock::cli

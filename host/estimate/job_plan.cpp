@@ -1,0 +1,126 @@
+#include "host/estimate/job_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "firmware/machine/next_window.hpp"
+#include "firmware/machine/window_plan.hpp"
+#include "firmware/program/pulse_decoder.hpp"
+#include "host/error.hpp"
+#include "shared/wire/framing.hpp"
+#include "shared/work_space.hpp"
+
+namespace lamplock::estimate {
+namespace {
+
+/// The job runner's part in a job without faults: one window after the other.
+class WindowStream {
+ public:
+  WindowStream(const job::Job& job, const PlanOptions& options)
+      : job_(job),
+        options_(options),
+        pace_{options.standing.shortest_tick_q16, options.job_speed},
+        encoder_(job, options.first),
+        limits_(work_space(job.settings)) {
+    decoder_.begin(job::header_from(job, options.first));
+    run_.mode = static_cast<motion::JoinMode>(job.header.mode);
+    run_.points_total = static_cast<std::uint32_t>(job.targets.size());
+    run_.least_beats = options.least_beats;
+    queue_.reset(static_cast<std::uint32_t>(options.first));
+    window_.go_on_at({queue_.begin(), 0});
+    plan_.begin_job(job.settings, beat_ticks(job.settings), options.standing.shortest_tick_q16);
+    for (stepper::AxisState& axis : start_.axis) axis.position_q64 = stepper::middle_of_step(0);
+  }
+
+  void run(const SeeWay& see) {
+    while (window_.place().point < run_.points_total) {
+      receive();
+      make_plan();
+      hand_out(see);
+    }
+  }
+
+ private:
+  /// Records there and back: what a target is, the machine reads out of them.
+  void receive() {
+    while (encoder_.index() < job_.targets.size() && queue_.free() != 0) {
+      const auto payload = encoder_.next(wire::max_payload, queue_.free());
+      if (decoder_.decode(payload, queue_, limits_) == Result::ok) continue;
+      throw Error(Exit::bad_input, fmt::format("point {}", decoder_.refused_index()),
+                  "is refused by the machine", "look at its place, channel and shots");
+    }
+  }
+
+  void make_plan() {
+    window_.look({start_.at_rest(), astray_, options_.job_speed < machine::full_job_speed});
+    motion::PlanRequest& request = plan_.request();
+    request.queue = &queue_;
+    request.mode = run_.mode;
+    request.least_beats = run_.least_beats;
+    request.start = start_;
+    request.follows = !astray_;
+    plan_.start(pace_, options_.standing.longest_tick_q16);
+    while (plan_.advance(job_.settings, job_.settings)) {
+    }
+    if (plan_.found()) return;
+    // In the words of the sender.
+    throw Error(Exit::bad_input, fmt::format("point {}", request.points[plan_.failed()]),
+                "cannot be reached inside the machine's limits",
+                "check speed, acceleration and beats");
+  }
+
+  void hand_out(const SeeWay& see) {
+    const std::uint32_t count = plan_.request().commits();
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const stepper::Segment& segment = plan_.segment(i);
+      see({plan_.request().points[i], plan_.beats(i), segment.shot.present,
+           static_cast<std::uint32_t>(segment.ticks), plan_.tick_length_q16()});
+    }
+    const machine::Place next = window_.place_after(0, count);
+    // Targets leave the queue with their last flash; of the next one some may be on their way.
+    while (queue_.begin() != next.point) queue_.mark_done(queue_.begin());
+    window_.go_on_at(next);
+    start_ = plan_.segment(count - 1).end;
+    if (start_.at_rest())
+      for (stepper::AxisState& axis : start_.axis) axis.speed_q62 = 0;
+    astray_ = false;
+  }
+
+  const job::Job& job_;
+  const PlanOptions& options_;
+  const machine::Pace pace_;
+  job::RecordEncoder encoder_;
+  program::PulseDecoder decoder_;
+  StepLimits limits_;
+  motion::PointQueue queue_;
+  lamp::BeamPath beam_;  ///< takes no time: nothing was configured
+  machine::RunOptions run_;
+  machine::WindowPlan plan_;
+  machine::NextWindow window_{queue_, beam_, run_, plan_.request()};
+  motion::MotionState start_;
+  bool astray_ = true;
+};
+
+}  // namespace
+
+void plan_job(const job::Job& job, const PlanOptions& options, const SeeWay& see) {
+  std::make_unique<WindowStream>(job, options)->run(see);
+}
+
+bool waits_for_beam(const job::Job& job) {
+  lamp::BeamPath path;
+  path.configure(job.settings);
+  lamp::Beam last;
+  bool first = true;
+  for (const motion::Target& target : job.targets) {
+    if (target.shots == 0) continue;
+    const lamp::Beam beam{target.channel, target.energy};
+    if (!first && path.needs_rest(last, beam)) return true;
+    last = {beam.channel, beam.energy != 0 ? beam.energy : last.energy};
+    first = false;
+  }
+  return false;
+}
+
+}  // namespace lamplock::estimate

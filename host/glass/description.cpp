@@ -1,0 +1,234 @@
+#include "host/glass/description.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#define TOML_EXCEPTIONS 1
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+#include <string_view>
+#include <type_traits>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+
+namespace lamplock::glass {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view object_section = "object";
+
+[[noreturn]] void fail(const std::string& where, const std::string& what,
+                       const std::string& remedy) {
+  throw Error(Exit::bad_input, where, what, remedy);
+}
+
+std::string location(const fs::path& file, const toml::source_region& source) {
+  return fmt::format("{}:{}", file.string(), source.begin.line);
+}
+
+/// Names of keys, for who has mistaken one.
+std::string keys_of(const std::vector<Parameter>& parameters) {
+  std::vector<std::string> keys;
+  for (const Parameter& parameter : parameters) keys.push_back(parameter.key);
+  return fmt::format("{}", fmt::join(keys, ", "));
+}
+
+/// Takes values for one parameter out of the file.
+class ValueReader {
+ public:
+  ValueReader(const Parameter& parameter, const toml::node& node, const fs::path& file)
+      : parameter_(parameter), node_(node), file_(file) {}
+
+  void read() const {
+    std::visit([this](auto* place) { take(*place); }, parameter_.place);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what, const std::string& remedy) const {
+    fail(location(file_, node_.source()), fmt::format("'{}' {}", parameter_.key, what), remedy);
+  }
+
+  double number(const toml::node& node) const {
+    const auto value = node.value<double>();
+    if (!value || !node.is_number()) refuse("must be a number", "write it without quotes");
+    if (const std::string wrong = parameter_.range.refusal(*value); !wrong.empty())
+      refuse("is out of range", wrong);
+    return *value;
+  }
+  std::string text(const toml::node& node) const {
+    const auto* value = node.as_string();
+    if (value == nullptr) refuse("must be a text", "write it in quotes");
+    if (const std::string wrong = refusal(parameter_, value->get()); !wrong.empty())
+      refuse("cannot be that", wrong);
+    if (!parameter_.is_file || value->get().empty()) return value->get();
+    return (file_.parent_path() / value->get()).lexically_normal().string();
+  }
+
+  void take(double& value) const { value = number(node_); }
+  void take(std::optional<double>& value) const { value = number(node_); }
+  void take(int& value) const {
+    if (!node_.is_integer()) refuse("must be a whole number", "write digits alone");
+    value = static_cast<int>(number(node_));
+  }
+  void take(bool& value) const {
+    const auto* flag = node_.as_boolean();
+    if (flag == nullptr) refuse("must be true or false", "write one of them, without quotes");
+    value = flag->get();
+  }
+  void take(std::optional<bool>& value) const { take(value.emplace()); }
+  void take(std::string& value) const { value = text(node_); }
+  void take(std::optional<std::string>& value) const { value = text(node_); }
+  void take(std::optional<Triple>& value) const {
+    const toml::array* list = node_.as_array();
+    Triple three{};
+    if (list == nullptr || list->size() != three.size())
+      refuse("must be three numbers", fmt::format("write {} = [x, y, z]", parameter_.key));
+    for (std::size_t i = 0; i < three.size(); ++i) three[i] = number(*list->get(i));
+    value = three;
+  }
+  void take(std::vector<std::string>& value) const {
+    const toml::array* list = node_.as_array();
+    if (list == nullptr)
+      refuse("must be a list of texts", fmt::format("write {} = [\"...\"]", parameter_.key));
+    value.clear();
+    for (const toml::node& one : *list) value.push_back(text(one));
+  }
+
+  const Parameter& parameter_;
+  const toml::node& node_;
+  const fs::path& file_;
+};
+
+/// Reads one section: all its keys, none twice, no other.
+void read_section(const toml::table& table, std::string_view name,
+                  const std::vector<Parameter>& known, const fs::path& file) {
+  for (const auto& [key, node] : table) {
+    const auto found = std::find_if(known.begin(), known.end(), [&key = key](const Parameter& p) {
+      return p.key == key.str();
+    });
+    if (found == known.end())
+      fail(location(file, key.source()), fmt::format("unknown key '{}' in {}", key.str(), name),
+           "use " + keys_of(known));
+    ValueReader(*found, node, file).read();
+  }
+}
+
+void read_objects(const toml::node& node, Description& description, const fs::path& file) {
+  const toml::array* list = node.as_array();
+  if (list == nullptr || !list->is_array_of_tables())
+    fail(location(file, node.source()), "'object' must be a list of tables", "write [[object]]");
+  for (const toml::node& one : *list) {
+    Object object;
+    read_section(*one.as_table(), "[[object]]", parameters(object), file);
+    if (object.file.empty())
+      fail(location(file, one.source()), "an object without a file", "write file = \"NAME\"");
+    description.objects.push_back(std::move(object));
+  }
+}
+
+/// The section's place in the description, by its name; none if it is unknown.
+std::optional<std::vector<Parameter>> section_named(Description& d, std::string_view name) {
+  if (name == "machine") return parameters(d.machine);
+  if (name == "glass") return parameters(d.glass);
+  if (name == "order") return parameters(d.order);
+  if (name == "pause") return parameters(d.pause);
+  if (name == "output") return parameters(d.output);
+  return std::nullopt;
+}
+
+std::string quoted(const std::string& text) {
+  std::ostringstream out;
+  out << toml::value<std::string>(text);
+  return out.str();
+}
+
+/// What reads back as the same number: the shortest digits.
+std::string text_of(double value) { return fmt::format("{}", value); }
+std::string text_of(int value) { return fmt::format("{}", value); }
+std::string text_of(bool value) { return value ? "true" : "false"; }
+std::string text_of(const std::string& value) { return quoted(value); }
+std::string text_of(const Triple& three) { return fmt::format("[{}]", fmt::join(three, ", ")); }
+std::string text_of(const std::vector<std::string>& list) {
+  std::vector<std::string> texts;
+  for (const std::string& one : list) texts.push_back(quoted(one));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+template <class Value>
+std::string text_of(const std::optional<Value>& value) {
+  return value ? text_of(*value) : "";
+}
+
+std::string value_text(const Parameter& parameter) {
+  return std::visit([](const auto* place) { return text_of(*place); }, parameter.place);
+}
+
+/// A file's name from the folder of the description.
+std::string file_text(const std::string& file, const fs::path& folder) {
+  const fs::path from_there = fs::absolute(file).lexically_normal().lexically_relative(
+      fs::absolute(folder).lexically_normal());
+  return quoted(from_there.empty() ? fs::absolute(file).string() : from_there.string());
+}
+
+/// The lines of a section that are not as by default.
+template <class Section>
+std::string section_text(std::string_view heading, Section section, const fs::path& folder) {
+  Section untouched;
+  const std::vector<Parameter> said = parameters(section), by_default = parameters(untouched);
+  std::string lines;
+  for (std::size_t i = 0; i < said.size(); ++i) {
+    const std::string value = value_text(said[i]);
+    if (value == value_text(by_default[i])) continue;
+    const bool file = said[i].is_file;
+    lines += fmt::format("{} = {}\n", said[i].key,
+                         file ? file_text(*std::get<std::string*>(said[i].place), folder) : value);
+  }
+  return lines.empty() ? "" : fmt::format("\n{}\n{}", heading, lines);
+}
+
+}  // namespace
+
+bool is_description(const fs::path& file) { return lower_extension(file) == ".toml"; }
+
+Description read_description(const fs::path& file) {
+  const std::string text = read_file(file);
+  toml::table table;
+  try {
+    table = toml::parse(text, file.string());
+  } catch (const toml::parse_error& error) {
+    fail(location(file, error.source()), std::string(error.description()), "correct the line");
+  }
+  Description description;
+  for (const auto& [key, node] : table) {
+    const std::string_view name = key.str();
+    if (name == object_section) {
+      read_objects(node, description, file);
+      continue;
+    }
+    const auto section = section_named(description, name);
+    if (!section || !node.is_table())
+      fail(location(file, key.source()), fmt::format("unknown section or key '{}'", name),
+           "use [machine], [glass], [[object]], [order], [pause] and [output]");
+    read_section(*node.as_table(), fmt::format("[{}]", name), *section, file);
+  }
+  if (description.objects.empty())
+    fail(file.string(), "there is no object", "write [[object]] and file = \"NAME\"");
+  return description;
+}
+
+std::string to_text(const Description& description, const fs::path& folder) {
+  std::string text = "# What is engraved where, and how: lamplock engrave THIS\n";
+  text += section_text("[machine]", description.machine, folder);
+  text += section_text("[glass]", description.glass, folder);
+  for (const Object& object : description.objects)
+    text += section_text("[[object]]", object, folder);
+  text += section_text("[order]", description.order, folder);
+  text += section_text("[pause]", description.pause, folder);
+  text += section_text("[output]", description.output, folder);
+  return text;
+}
+
+}  // namespace lamplock::glass

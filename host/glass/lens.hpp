@@ -1,0 +1,28 @@
+// The lens: how close defects may lie.
+//
+// In:  a name. Out: focal length and the distance of points that is recommended for it, which
+//      becomes the default of the spacing. Who: descriptions of jobs.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lamplock::glass {
+
+/// A focusing lens and what it does in glass.
+struct Lens {
+  std::string_view name;
+  double focal_mm;
+  double spacing_mm;  ///< points closer than this run into each other
+};
+
+/// All lenses with a name.
+std::span<const Lens> lenses();
+/// Their names, to choose from.
+std::vector<std::string> lens_names();
+/// A lens by its name. Throws Error(bad_input) for an unknown one.
+const Lens& lens_named(const std::string& name);
+
+}  // namespace lamplock::glass

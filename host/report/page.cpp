@@ -1,0 +1,218 @@
+#include "host/report/page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <vector>
+
+#include "host/bytes.hpp"
+#include "host/file.hpp"
+#include "host/report/page_series.hpp"
+#include "host/report/page_template.hpp"
+
+namespace lamplock::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint32_t most_beats_told = 254;
+/// Places of the job of which the time is told; between them the page goes straight.
+constexpr std::size_t clock_places = 256;
+
+/// A box round all points that have a place.
+struct Box {
+  std::array<double, 3> low{}, size{};
+};
+
+std::array<double, 3> coordinates(const points::Point& p) { return {p.x, p.y, p.z}; }
+
+Box box_round(const points::PointCloud& cloud) {
+  Box box;
+  bool first = true;
+  std::array<double, 3> high{};
+  for (const points::Point& point : cloud) {
+    if (!is_finite(point)) continue;
+    const auto at = coordinates(point);
+    for (std::size_t a = 0; a < 3; ++a) {
+      box.low[a] = first ? at[a] : std::min(box.low[a], at[a]);
+      high[a] = first ? at[a] : std::max(high[a], at[a]);
+    }
+    first = false;
+  }
+  for (std::size_t a = 0; a < 3; ++a) box.size[a] = high[a] - box.low[a];
+  return box;
+}
+
+/// A coordinate as a share of the box.
+std::uint16_t share(double value, double low, double size) {
+  constexpr double whole = 65535;
+  if (!(size > 0) || !std::isfinite(value)) return 32768;
+  return static_cast<std::uint16_t>(
+      std::lround(std::clamp((value - low) / size, 0.0, 1.0) * whole));
+}
+
+/// Beats of the way to a point; the first one is where the count begins.
+std::uint8_t beats_to(const PointBeats& beats, std::size_t point) {
+  if (!beats.known || point == 0) return 0;
+  const std::uint32_t from = beats.beat[point - 1], to = beats.beat[point];
+  return to <= from ? std::uint8_t{0}
+                    : static_cast<std::uint8_t>(std::min(to - from, most_beats_told));
+}
+
+/// Every n-th point is shown; instead of it one of the next n that was missed.
+std::size_t stride_of(const JobRun& run) {
+  return (run.points.size() + most_points_shown - 1) / most_points_shown;
+}
+
+std::vector<std::uint32_t> shown_points(const JobRun& run, const PointBeats& beats) {
+  const std::size_t count = run.points.size(), stride = stride_of(run);
+  std::vector<std::uint32_t> shown;
+  if (count == 0) return shown;
+  shown.reserve(count / stride + 1);
+  for (std::size_t i = 0; i < count; i += stride) {
+    std::size_t chosen = i;
+    const std::size_t end = std::min(i + stride, count);
+    if (beats.known)
+      while (chosen + 1 < end && beats.missed[chosen] == 0) ++chosen;
+    if (beats.known && beats.missed[chosen] == 0) chosen = i;
+    shown.push_back(static_cast<std::uint32_t>(chosen));
+  }
+  return shown;
+}
+
+std::string cloud_bytes(const JobRun& run, const PointBeats& beats, const Box& box,
+                        const std::vector<std::uint32_t>& shown) {
+  std::string bytes;
+  bytes.reserve(8 * shown.size());
+  for (const std::uint32_t i : shown) {
+    const auto at = coordinates(run.points[i]);
+    for (std::size_t a = 0; a < 3; ++a) append(bytes, share(at[a], box.low[a], box.size[a]));
+    append(bytes, beats_to(beats, i));
+    append(bytes, beats.known ? beats.missed[i] : std::uint8_t{0});
+  }
+  return bytes;
+}
+
+/// RFC 4648, appended.
+void append_base64(std::string_view bytes, std::string& text) {
+  constexpr std::string_view digits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      text.push_back(k <= count ? digits[group >> (18 - 6 * k) & 63] : '=');
+  }
+}
+
+Json histogram_json(const Histogram& histogram) {
+  return {{"from", histogram.from},   {"bin", histogram.bin},       {"counts", histogram.counts},
+          {"least", histogram.least}, {"median", histogram.median}, {"values", histogram.values}};
+}
+
+/// Beats at places evenly spread over the points, for a clock.
+Json clock_json(const PointBeats& beats) {
+  Json places = Json::array();
+  if (!beats.known || beats.beat.empty()) return places;
+  const std::size_t last = beats.beat.size() - 1;
+  for (std::size_t i = 0; i <= clock_places; ++i)
+    places.push_back(beats.beat[last * i / clock_places]);
+  return places;
+}
+
+Json settings_table() {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < settings::setting_count; ++i) {
+    const settings::Row& row = settings::row(static_cast<settings::Id>(i));
+    rows.push_back(
+        {row.number, std::string(row.name), std::string(row.unit), std::string(row.description)});
+  }
+  return rows;
+}
+
+/// What was said of the points, and what went wrong in the run.
+std::vector<std::string> warnings_of(const Report& report, const JobRun& run) {
+  std::vector<std::string> warnings = run.warnings;
+  const auto warn = [&warnings](std::uint64_t count, const char* what) {
+    if (count > 0) warnings.push_back(fmt::format("{} {}", count, what));
+  };
+  const auto beats = [&report](const char* reason) {
+    const auto found = report.beats_by_reason.find(reason);
+    return found == report.beats_by_reason.end() ? 0 : found->second;
+  };
+  warn(report.missed.value_or(0), "points were not fired");
+  warn(report.doubled.value_or(0), "shots were too many");
+  warn(report.checks.not_made, "shots were not seen by their photosensor");
+  warn(beats("starved"), "beats were lost because points came too late from the computer");
+  warn(beats("outside_tolerance"), "flashes came while the machine was not at its point");
+  warn(beats("no_edge"), "flashes of the lamp were missing");
+  return warnings;
+}
+
+Json page_json(const Report& report, const JobRun& run, const PointBeats& beats, const Box& box,
+               const std::vector<std::uint32_t>& shown) {
+  const Utilisation use = utilisation_over_time(beats, report.beats);
+  return {{"report", Json::parse(to_json(report))},
+          {"estimate", !run.foreseen_beats.empty()},
+          {"first", run.first_point},
+          {"warnings", warnings_of(report, run)},
+          {"settings_table", settings_table()},
+          {"cloud",
+           {{"count", shown.size()},
+            {"of", run.points.size()},
+            {"stride", stride_of(run)},
+            {"low_mm", box.low},
+            {"size_mm", box.size},
+            {"beats_known", beats.known},
+            {"fates_known", run.shots_known}}},
+          {"clock", clock_json(beats)},
+          {"spacing_mm", histogram_json(spacing_histogram(run.points))},
+          {"beats", histogram_json(beats_histogram(beats))},
+          {"utilisation", {{"beats_per_bin", use.beats_per_bin}, {"share", use.share}}}};
+}
+
+/// JSON that can stand inside a script element: nothing in it ends one.
+std::string in_script(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe.push_back(c);
+  }
+  return safe;
+}
+
+}  // namespace
+
+std::string page(const Report& report, const JobRun& run) {
+  const PointBeats beats = point_beats(run);
+  const Box box = box_round(run.points);
+  const std::vector<std::uint32_t> shown = shown_points(run, beats);
+  const std::string_view whole = page_template();
+  const std::size_t data = whole.find(data_place), cloud = whole.find(cloud_place);
+  const std::string json = in_script(page_json(report, run, beats, box, shown));
+  const std::string bytes = cloud_bytes(run, beats, box, shown);
+  std::string text;
+  text.reserve(whole.size() + json.size() + bytes.size() / 3 * 4 + 8);
+  text.append(whole.substr(0, data)).append(json);
+  text.append(whole.substr(data + data_place.size(), cloud - data - data_place.size()));
+  append_base64(bytes, text);
+  text.append(whole.substr(cloud + cloud_place.size()));
+  return text;
+}
+
+void write_page(const Report& report, const JobRun& run, const std::filesystem::path& file) {
+  write_file(file, page(report, run));
+}
+
+}  // namespace lamplock::report

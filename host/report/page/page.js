@@ -1,0 +1,438 @@
+// The page itself: numbers into their places, and what the user's hands do.
+
+const $ = (id) => document.getElementById(id);
+
+function add(parent, name, text, className) {
+  const element = document.createElement(name);
+  if (text !== undefined) element.textContent = text;
+  if (className) element.className = className;
+  parent.append(element);
+  return element;
+}
+
+const number_or = (value, text) => (value === null ? 'unknown' : text(value));
+
+function fill_head() {
+  const file = report.input.split('/').pop();
+  document.title = `${file} - ${data.estimate ? 'estimate' : 'report'} - lamplock`;
+  $('kind').textContent = data.estimate ? 'lamplock estimate' : 'lamplock report';
+  $('title').textContent = file;
+  const where = data.estimate ? 'as the machine will run it' : `on ${report.board === 'virtual' || report.board === 'chip' ? `the simulated board (${report.board})` : report.board}`;
+  const rest = data.first > 0 ? `, from point ${grouped(data.first)} on` : '';
+  $('subtitle').textContent = `mode ${report.mode}, lamp ${Number(report.lamp_hz)} Hz, ${where}${rest}`;
+  $('footer').textContent = `Made by lamplock ${report.version}. This page is one file and needs no network.`;
+}
+
+function fill_warnings() {
+  for (const warning of data.warnings) add($('warnings'), 'p', warning, 'warning');
+  $('warnings').hidden = data.warnings.length === 0;
+}
+
+// One key number. `key`: its name in report.json.
+function add_tile(key, label, text, note, kind) {
+  const tile = add($('tiles'), 'dl', undefined, `tile ${kind ?? ''}`);
+  tile.style.margin = '0';
+  add(tile, 'dt', label);
+  const value = add(tile, 'dd', text);
+  value.dataset.key = key;
+  value.dataset.value = report[key];
+  add(tile, 'small', note);
+}
+
+function fill_tiles() {
+  add_tile('points', 'Points', grouped(report.points), report.shots === report.points ? 'one shot each' : `${grouped(report.shots)} shots`);
+  add_tile('time_s', 'Machine time', time_text(report.time_s), `${fixed(report.points_per_s, 1)} points/s`);
+  add_tile('utilisation', 'Utilisation', `${fixed(100 * report.utilisation, 1)} %`, 'of the lamp\u2019s flashes');
+  add_tile('beats_per_point', 'Beats per point', fixed(report.beats_per_point, 3), `${grouped(report.beats)} beats`);
+  if (report.missed !== null) {
+    const wrong = report.missed + report.doubled;
+    add_tile('missed', 'Missed', grouped(report.missed), `${grouped(report.doubled)} doubled`, wrong ? 'bad' : 'good');
+  }
+  if (report.largest_error_steps !== null)
+    add_tile('largest_error_steps', 'Largest error', `${fixed(report.largest_error_steps, 2)} step`, report.largest_jitter_error_steps === null ? '' : `${fixed(report.largest_jitter_error_steps, 2)} with lamp jitter`);
+}
+
+function fill_numbers() {
+  const body = $('numbers').tBodies[0];
+  const row = (label, text, key) => {
+    const line = add(body, 'tr');
+    add(line, 'td', label);
+    const cell = add(line, 'td', text, 'number');
+    if (key) cell.dataset.key = key, cell.dataset.value = report[key];
+  };
+  const size = data.cloud.size_mm.map((side) => short(side)).join(' \u00d7 ');
+  row('Size of the cloud', `${size} mm`);
+  row('Points', grouped(report.points), 'points');
+  row('Shots', grouped(report.shots), 'shots');
+  row('Beats', grouped(report.beats), 'beats');
+  row('Beats before the first shot', grouped(report.beats_before), 'beats_before');
+  if (data.spacing_mm.values > 0) {
+    row('Smallest distance of two points', `${short(data.spacing_mm.least)} mm`);
+    row('Median distance', `${short(data.spacing_mm.median)} mm`);
+  }
+  if (!data.estimate) {
+    row('Missed points', number_or(report.missed, grouped), 'missed');
+    row('Doubled shots', number_or(report.doubled, grouped), 'doubled');
+    row('Photosensors: made / not made / repeats', ['made', 'not_made', 'repeats'].map((k) => grouped(report.photosensors[k])).join(' / '));
+    row('Link: resent / bad / reconnects', ['resent', 'bad', 'reconnects'].map((k) => grouped(report.link[k])).join(' / '));
+  }
+}
+
+const reason_names = {
+  fired: 'a shot', moving: 'on the way', no_point_due: 'no point due', outside_tolerance: 'outside tolerance',
+  no_edge: 'no flash', returning: 'going back', not_locked: 'not locked', hold: 'held', door: 'door open',
+  alarm: 'alarm', starved: 'waited for points', warm_up: 'warming up', protection: 'protection', dry: 'dry',
+};
+
+function fill_reasons() {
+  const reasons = Object.entries(report.beats_by_reason).filter(([, beats]) => beats > 0);
+  const all = reasons.reduce((sum, [, beats]) => sum + beats, 0);
+  for (const [name, beats] of reasons.sort((a, b) => b[1] - a[1])) {
+    const line = add($('reasons'), 'div', undefined, `reason ${name}`);
+    add(line, 'span', reason_names[name] ?? name);
+    add(line, 'i').style.width = `${(100 * beats) / all}%`;
+    const value = add(line, 'span', `${grouped(beats)} \u00b7 ${fixed((100 * beats) / all, 1)} %`);
+    value.dataset.reason = name;
+    value.dataset.value = beats;
+  }
+  if (reasons.length === 0) add($('reasons'), 'p', 'No beats were counted.', 'empty');
+}
+
+function fill_settings() {
+  const body = $('settings').tBodies[0];
+  for (const [number, name, unit, what] of data.settings_table) {
+    const line = add(body, 'tr');
+    add(line, 'td', `$${number}`);
+    add(line, 'td', name);
+    add(line, 'td', String(report.settings[name]), 'number').dataset.setting = name;
+    add(line, 'td', unit);
+    add(line, 'td', what);
+  }
+  $('settings-filter').addEventListener('input', (event) => {
+    const wanted = event.target.value.toLowerCase();
+    for (const line of body.rows) line.hidden = !line.textContent.toLowerCase().includes(wanted);
+  });
+}
+
+function draw_charts() {
+  draw_utilisation($('use-chart'), data.utilisation, report.utilisation);
+  draw_histogram($('beats-chart'), data.beats, {
+    from: data.beats.counts && data.beats.counts[0] > 0 ? 0 : 1, trim: 6, each: true, unit: 'beats', label: `Beats per point, median ${data.beats.median}`,
+    none: 'Nobody recorded when each shot was fired.', bin_text: (low, bin, last) => `${low}${last && low >= 32 ? ' or more' : ''} beats`,
+  });
+  draw_histogram($('spacing-chart'), data.spacing_mm, {
+    unit: 'mm', label: `Distance to the nearest neighbour, median ${short(data.spacing_mm.median)} mm`,
+    none: 'There are no two points.', bin_text: (low, bin, last) => (last ? `${short(low)} mm and more` : `${short(low)} to ${short(low + bin)} mm`),
+  });
+  if (data.spacing_mm.values > 0 && data.spacing_mm.values < report.points)
+    $('spacing-note').textContent = `Distance to the nearest neighbour, of ${grouped(data.spacing_mm.values)} of the points.`;
+}
+
+// Colour modes and what their colours mean.
+const modes = [
+  {name: 'order', label: 'Order', on: () => true},
+  {name: 'beats', label: 'Beats', on: () => data.cloud.beats_known},
+  {name: 'missed', label: 'Missed', on: () => data.cloud.fates_known},
+];
+
+function legend_dot(colour, text) {
+  const item = add($('legend'), 'span');
+  add(item, 'i').style.background = colour;
+  item.append(text);
+}
+
+function fill_legend(mode, theme, counts) {
+  $('legend').replaceChildren();
+  if (mode === 'order') {
+    const ramp = add($('legend'), 'span', undefined, 'ramp');
+    add(ramp, 'span', 'fired first');
+    add(ramp, 'b').style.background = `linear-gradient(90deg, ${order_ramps[theme].join(',')})`;
+    add(ramp, 'span', 'last');
+  } else if (mode === 'beats') {
+    beat_names.forEach((name, i) => legend_dot(beat_colours[theme][i], `${name}: ${grouped(counts.beats[i])}`));
+  } else {
+    legend_dot(fate_colours[theme][0], `fired: ${grouped(report.points - report.missed)}`);
+    legend_dot(fate_colours[theme][1], `missed: ${grouped(report.missed)}`);
+  }
+  if (data.cloud.stride > 1) add($('legend'), 'span', `shown: one point in ${data.cloud.stride}`);
+}
+
+// Points by the step of colour they have, from the histogram of all of them.
+function count_steps() {
+  const beats = beat_limits.map(() => 0);
+  (data.beats.counts ?? []).forEach((count, n) => {
+    beats[beat_limits.findIndex((limit) => n <= limit)] += count;
+  });
+  if (report.points > 0) ++beats[0];  // the first one
+  return {beats};
+}
+
+class Theme {
+  constructor(change) {
+    this.system = matchMedia('(prefers-color-scheme: dark)');
+    this.change = change;
+    this.chosen = null;
+    this.system.addEventListener('change', () => this.apply());
+    $('theme').addEventListener('click', () => {
+      this.chosen = this.name === 'dark' ? 'light' : 'dark';
+      this.apply();
+    });
+    this.apply();
+  }
+  get name() {
+    return this.chosen ?? (this.system.matches ? 'dark' : 'light');
+  }
+  apply() {
+    document.documentElement.dataset.theme = this.name;
+    this.change(this.name);
+  }
+}
+
+// Pointer, wheel and keys on the canvas.
+class Hands {
+  constructor(view, on_user) {
+    this.view = view;
+    this.on_user = on_user;
+    this.pointers = new Map();
+    const canvas = view.canvas;
+    const listen = (name, call) => canvas.addEventListener(name, (event) => call.call(this, event), {passive: false});
+    listen('pointerdown', this.down);
+    listen('pointermove', this.move);
+    listen('pointerup', this.up);
+    listen('pointercancel', this.up);
+    listen('pointerleave', () => this.hide_tip());
+    listen('wheel', this.wheel);
+    listen('dblclick', () => this.reset());
+    listen('keydown', this.key);
+    $('reset').addEventListener('click', () => this.reset());
+  }
+  reset() {
+    this.view.camera.reset();
+    this.view.draw_soon();
+  }
+  down(event) {
+    this.view.canvas.setPointerCapture(event.pointerId);
+    this.pointers.set(event.pointerId, {x: event.offsetX, y: event.offsetY});
+    this.still = true;
+    this.on_user();
+    this.hide_tip();
+  }
+  up(event) {
+    if (this.still && event.type === 'pointerup' && event.pointerType === 'touch') this.show_tip(event.offsetX, event.offsetY);
+    this.pointers.delete(event.pointerId);
+  }
+  move(event) {
+    const last = this.pointers.get(event.pointerId);
+    const now = {x: event.offsetX, y: event.offsetY};
+    if (!last) return this.hover(now);
+    const dx = now.x - last.x, dy = now.y - last.y;
+    if (Math.abs(dx) + Math.abs(dy) > 2) this.still = false;
+    if (this.pointers.size > 1)
+      this.pinch(event.pointerId, last, now);
+    else if (event.shiftKey || event.buttons === 4 || event.buttons === 2)
+      this.pan(dx, dy);
+    else
+      this.view.camera.turn(0.008 * dx, 0.008 * dy);
+    this.pointers.set(event.pointerId, now);
+    this.view.draw_soon(true);
+  }
+  pan(dx, dy) {
+    const {camera, canvas} = this.view;
+    const mm = camera.mm_per_px(canvas.clientHeight, canvas.clientWidth);
+    camera.pan_x += dx * mm;
+    camera.pan_y -= dy * mm;
+  }
+  pinch(id, last, now) {
+    const [, other] = [...this.pointers].find(([key]) => key !== id);
+    const length = (p) => Math.hypot(p.x - other.x, p.y - other.y);
+    if (length(last) > 0) this.view.camera.zoom_by(length(now) / length(last));
+    this.pan((now.x - last.x) / 2, (now.y - last.y) / 2);
+  }
+  wheel(event) {
+    event.preventDefault();
+    this.on_user();
+    this.view.camera.zoom_by(Math.exp(-0.0015 * event.deltaY));
+    this.view.draw_soon(true);
+  }
+  key(event) {
+    const step = 0.12, camera = this.view.camera;
+    const does = {
+      ArrowLeft: () => camera.turn(-step, 0), ArrowRight: () => camera.turn(step, 0),
+      ArrowUp: () => camera.turn(0, -step), ArrowDown: () => camera.turn(0, step),
+      '+': () => camera.zoom_by(1.2), '-': () => camera.zoom_by(1 / 1.2), 0: () => camera.reset(),
+    }[event.key];
+    if (!does) return;
+    event.preventDefault();
+    this.on_user();
+    does();
+    this.view.draw_soon(true);
+  }
+  hover(place) {
+    this.place = place;
+    if (this.looking) return;
+    this.looking = true;
+    requestAnimationFrame(() => {
+      this.looking = false;
+      if (this.place && !this.view.moving) this.show_tip(this.place.x, this.place.y);
+    });
+  }
+  hide_tip() {
+    this.place = null;
+    $('tip').hidden = true;
+  }
+  show_tip(x, y) {
+    const view = this.view, tip = $('tip');
+    const i = view.pick(x, y);
+    tip.hidden = i < 0;
+    if (i < 0) return;
+    tip.textContent = point_text(view, i);
+    const stage = $('stage');
+    tip.style.left = `${Math.max(4, Math.min(x + 16, stage.clientWidth - tip.offsetWidth - 4))}px`;
+    tip.style.top = `${Math.max(4, Math.min(y + 16, stage.clientHeight - tip.offsetHeight - 4))}px`;
+  }
+}
+
+// What there is to say about a point that is shown.
+function point_text(view, i) {
+  const places = new Uint16Array(view.bytes.buffer, view.bytes.byteOffset + bytes_per_point * i, 3);
+  const at = [...places].map((share, axis) => fixed(data.cloud.low_mm[axis] + (share / 65535) * data.cloud.size_mm[axis], 3));
+  const stride = data.cloud.stride;
+  const index = `${stride > 1 ? 'about ' : ''}${grouped(data.first + i * stride)}`;
+  const lines = [`point ${index}`, `${at.join('  ')} mm`];
+  const beats = view.bytes[bytes_per_point * i + 6], missed = view.bytes[bytes_per_point * i + 7];
+  if (data.cloud.beats_known && beats > 0) lines.push(`${beats}${beats === 254 ? ' or more' : ''} ${beats === 1 ? 'beat' : 'beats'} from the point before`);
+  if (missed) lines.push('missed');
+  return lines.join('\n');
+}
+
+// Sizes of the box, written at its edges.
+class Dimensions {
+  constructor(view) {
+    this.view = view;
+    this.labels = [0, 1, 2].map(() => add($('dimensions'), 'span'));
+  }
+  update() {
+    this.labels.forEach((label, axis) => {
+      label.textContent = `${'xyz'[axis]} ${short(this.view.size[axis])} mm`;
+      let best = null;
+      for (let k = 0; k < 4; ++k) {
+        const at = [0, 0, 0];
+        at[(axis + 1) % 3] = k & 1 ? 0.5 : -0.5;
+        at[(axis + 2) % 3] = k & 2 ? 0.5 : -0.5;
+        const place = this.view.project(...at);
+        const rank = axis === 2 ? -place.x : place.y;
+        if (!best || rank > best.rank) best = {...place, rank};
+      }
+      const {clientWidth: width, clientHeight: height} = this.view.canvas;
+      label.hidden = best.x < 0 || best.y < 0 || best.x > width || best.y > height;
+      label.style.left = `${Math.min(Math.max(best.x, label.offsetWidth / 2 + 4), width - label.offsetWidth / 2 - 4)}px`;
+      label.style.top = `${Math.min(best.y, height - 14)}px`;
+    });
+  }
+}
+
+// Turning by itself, and the job run through again.
+class Motion {
+  constructor(view) {
+    this.view = view;
+    this.turning = this.playing = false;
+    $('turn').addEventListener('click', () => this.set_turning(!this.turning));
+    $('play').addEventListener('click', () => this.set_playing(!this.playing));
+    $('progress').addEventListener('input', () => {
+      this.set_playing(false);
+      this.show($('progress').value / 1000, true);
+    });
+    this.show(1);
+    if (!matchMedia('(prefers-reduced-motion: reduce)').matches) this.set_turning(true);
+  }
+  set_turning(on) {
+    this.turning = on;
+    $('turn').setAttribute('aria-pressed', on);
+    this.run();
+  }
+  set_playing(on) {
+    if (on && this.share >= 1) this.share = 0;
+    this.playing = on;
+    $('play').setAttribute('aria-pressed', on);
+    $('play').textContent = on ? 'Pause' : 'Play';
+    this.run();
+  }
+  show(share, moving = false) {
+    this.share = share;
+    const view = this.view;
+    view.shown = Math.round(share * view.count);
+    $('progress').value = 1000 * share;
+    const beat = beat_at(share);
+    const time = beat === null ? '' : `, ${time_text(beat * seconds_per_beat)}`;
+    $('progress-text').textContent = `${grouped(Math.round(share * report.points))} of ${grouped(report.points)} points${time}`;
+    view.draw_soon(moving);
+  }
+  // Frame by frame as long as there is something to do.
+  run() {
+    if (this.running || !(this.turning || this.playing)) return;
+    this.running = true;
+    let last = null;
+    const frame = (time) => {
+      const passed = last === null ? 0 : Math.min((time - last) / 1000, 0.1);
+      last = time;
+      if (this.turning) this.view.camera.turn(0.25 * passed, 0);
+      if (this.playing) this.show(Math.min(this.share + passed / 12, 1), true);
+      if (this.playing && this.share >= 1) this.set_playing(false);
+      this.running = this.turning || this.playing;
+      this.view.draw_soon(this.running);
+      if (this.running) requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  }
+}
+
+// The cloud with all that belongs to it; nothing where there is no WebGL 2.
+function start_cloud() {
+  const counts = count_steps();
+  let mode = 'order', view = null;
+  try {
+    view = new CloudView($('canvas'), cloud_bytes(), data.cloud, data.spacing_mm.median);
+  } catch {
+    $('no-webgl').hidden = false;
+    for (const part of ['canvas', 'controls', 'legend', 'modes']) $(part).hidden = true;
+    return {view, paint: () => {}};
+  }
+  const paint = (theme) => {
+    view.set_colours(mode, theme);
+    fill_legend(mode, theme, counts);
+  };
+  for (const {name, label, on} of modes) {
+    const holder = add($('modes'), 'label', label);
+    const button = document.createElement('input');
+    Object.assign(button, {type: 'radio', name: 'mode', value: name, checked: name === mode, disabled: !on()});
+    if (!on()) holder.title = 'Not known of this job';
+    button.addEventListener('change', () => {
+      mode = name;
+      paint(document.documentElement.dataset.theme);
+    });
+    holder.prepend(button);
+  }
+  const motion = new Motion(view);
+  new Hands(view, () => motion.set_turning(false));
+  const dimensions = new Dimensions(view);
+  view.after_draw = () => dimensions.update();
+  return {view, motion, paint};
+}
+
+fill_head();
+fill_warnings();
+fill_tiles();
+fill_numbers();
+fill_reasons();
+fill_settings();
+const cloud = start_cloud();
+const theme = new Theme((name) => cloud.paint(name));
+draw_charts();
+let drawn_width = innerWidth;
+addEventListener('resize', () => {
+  if (innerWidth === drawn_width) return;
+  drawn_width = innerWidth;
+  draw_charts();
+});
+// For tests and for the curious.
+window.lamplock = {data, cloud, theme};

@@ -1,0 +1,167 @@
+#include "host/report/page_series.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nanoflann.hpp>
+
+#include "host/report/matching.hpp"
+#include "host/report/shot_beats.hpp"
+
+namespace lamplock::report {
+namespace {
+
+/// Bins that a chart of a phone's width still shows apart.
+constexpr std::size_t spacing_bins = 48, utilisation_bins = 160;
+/// Ways of so many beats and more share a bin.
+constexpr std::size_t beat_bins = 33;
+/// Distances beyond this share of them lie in the last bin.
+constexpr double shown_share = 0.99;
+/// Finer than any laser's spot; what differs by less is rounding.
+constexpr double least_bin_mm = 1e-4;
+
+/// What the k-d tree needs to know about points.
+struct Adaptor {
+  const points::PointCloud& points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(std::size_t index, std::size_t axis) const {
+    const points::Point& point = points[index];
+    return axis == 0 ? point.x : axis == 1 ? point.y : point.z;
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Adaptor>,
+                                                 Adaptor, 3, std::uint32_t>;
+
+std::uint32_t shots_ordered(const JobRun& run, std::size_t point) {
+  return run.shots_ordered.empty() ? 1 : run.shots_ordered[point];
+}
+
+/// Shots as foreseen: each belongs to the point that is next.
+void take_foreseen(const JobRun& run, PointBeats& result) {
+  result.shots = run.foreseen_beats;
+  std::size_t shot = 0;
+  std::uint32_t beat = 0;
+  for (std::size_t i = 0; i < run.points.size(); ++i) {
+    shot = std::min(shot + shots_ordered(run, i), result.shots.size());
+    if (shot != 0) beat = result.shots[shot - 1];
+    result.beat[i] = beat;
+  }
+}
+
+/// Shots as they were fired.
+void take_fired(const JobRun& run, PointBeats& result) {
+  result.shots = beats_from_first(run.shots, run.settings);
+  const Matching matching = match_shots(run);
+  std::vector<std::uint32_t> fired(run.points.size());
+  for (std::size_t i = 0; i < run.shots.size(); ++i) {
+    const std::uint32_t point = matching.point_of_shot[i];
+    if (point == no_point) continue;
+    ++fired[point];
+    result.beat[point] = std::max(result.beat[point], result.shots[i]);
+  }
+  for (std::size_t i = 0; i < run.points.size(); ++i) {
+    result.missed[i] = fired[i] < shots_ordered(run, i) ? 1 : 0;
+    if (fired[i] == 0 && i != 0) result.beat[i] = result.beat[i - 1];
+  }
+}
+
+double quantile(std::vector<double>& values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+PointBeats point_beats(const JobRun& run) {
+  PointBeats result;
+  result.known = run.shots_known || !run.foreseen_beats.empty();
+  if (!result.known) return result;
+  result.beat.resize(run.points.size());
+  result.missed.resize(run.points.size());
+  if (run.shots_known)
+    take_fired(run, result);
+  else
+    take_foreseen(run, result);
+  return result;
+}
+
+Histogram spacing_histogram(const points::PointCloud& cloud, std::size_t most) {
+  Histogram result;
+  if (cloud.size() < 2 || most == 0 || !std::all_of(cloud.begin(), cloud.end(), points::is_finite))
+    return result;
+  const Adaptor adaptor{cloud};
+  const Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  const std::size_t stride = (cloud.size() + most - 1) / most;
+  std::vector<double> distances;
+  distances.reserve(cloud.size() / stride + 1);
+  for (std::size_t i = 0; i < cloud.size(); i += stride) {
+    const std::array<double, 3> query{cloud[i].x, cloud[i].y, cloud[i].z};
+    std::array<std::uint32_t, 2> index{};
+    std::array<double, 2> squared{};
+    // The nearest of all is the point itself.
+    tree.knnSearch(query.data(), 2, index.data(), squared.data());
+    distances.push_back(std::sqrt(squared[1]));
+  }
+  result.values = distances.size();
+  result.least = *std::min_element(distances.begin(), distances.end());
+  result.median = quantile(distances, 0.5);
+  const double shown = quantile(distances, shown_share);
+  // Distances that are nearly alike are shown apart.
+  if (2 * result.least > shown) result.from = result.least;
+  const double width = (shown - result.from) / (spacing_bins - 1);
+  // All the same: any width will do.
+  result.bin = width > least_bin_mm ? width : least_bin_mm;
+  result.counts.resize(spacing_bins);
+  for (const double distance : distances) {
+    const double bin = std::min<double>((distance - result.from) / result.bin, spacing_bins - 1);
+    ++result.counts[static_cast<std::size_t>(bin)];
+  }
+  return result;
+}
+
+Histogram beats_histogram(const PointBeats& beats) {
+  Histogram result;
+  if (beats.beat.size() < 2) return result;
+  result.bin = 1;
+  result.counts.resize(beat_bins);
+  std::vector<double> all;
+  all.reserve(beats.beat.size() - 1);
+  for (std::size_t i = 1; i < beats.beat.size(); ++i) {
+    const std::uint32_t from = beats.beat[i - 1], to = beats.beat[i];
+    // Missed, or fired before its predecessor, which was missed.
+    if (to < from || beats.missed[i] != 0) continue;
+    all.push_back(to - from);
+    ++result.counts[std::min<std::size_t>(to - from, beat_bins - 1)];
+  }
+  result.values = all.size();
+  if (all.empty()) return result;
+  result.least = *std::min_element(all.begin(), all.end());
+  result.median = quantile(all, 0.5);
+  return result;
+}
+
+Utilisation utilisation_over_time(const PointBeats& beats, std::uint64_t total_beats) {
+  Utilisation result;
+  if (beats.shots.empty()) return result;
+  const std::uint64_t last = *std::max_element(beats.shots.begin(), beats.shots.end());
+  const std::uint64_t total = std::max(total_beats, last + 1);
+  const std::uint64_t bins = std::min<std::uint64_t>(utilisation_bins, total);
+  std::vector<std::uint64_t> shots(bins);
+  for (const std::uint32_t beat : beats.shots) ++shots[beat * bins / total];
+  result.beats_per_bin = static_cast<double>(total) / static_cast<double>(bins);
+  for (std::uint64_t i = 0; i < bins; ++i) {
+    // Beats b with b * bins / total == i.
+    const std::uint64_t begin = (i * total + bins - 1) / bins;
+    const std::uint64_t end = ((i + 1) * total + bins - 1) / bins;
+    result.share.push_back(static_cast<double>(shots[i]) / static_cast<double>(end - begin));
+  }
+  return result;
+}
+
+}  // namespace lamplock::report

@@ -1,0 +1,30 @@
+// A file with a line for every job: what a shop keeps.
+//
+// In:  the report of a job, how it ended, when. Out: a line of CSV (RFC 4180) at the end of a file,
+//      and a line of names before the first one. Who: the commands that run jobs.
+//
+// Columns are only ever added at the end: a file that was begun by an older program goes on with
+// its own line of names.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "host/report/report.hpp"
+
+namespace lamplock::report {
+
+/// "2026-03-28T09:30:00Z": ISO 8601, universal time.
+std::string date_text(std::chrono::system_clock::time_point when);
+
+/// The line of names, and that of a job; both with their end of line. Unknown numbers are empty.
+std::string statistics_names();
+std::string statistics_line(const Report& report, const std::string& end, const std::string& date);
+
+/// Adds a job to the file, which is made if there is none. Throws lamplock::Error if it cannot be
+/// written.
+void append_statistics(const std::filesystem::path& file, const Report& report,
+                       const std::string& end, std::chrono::system_clock::time_point when);
+
+}  // namespace lamplock::report

@@ -1,0 +1,119 @@
+// `lamplock estimate` against `lamplock engrave`, the page, the file of statistics.
+#include <gmock/gmock.h>
+
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/progress.hpp"
+#include "tests/cli/inputs.hpp"
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using Json = nlohmann::json;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+/// Runs, expects success, gives the JSON document on stdout.
+Json run_json(std::vector<std::string> arguments) {
+  arguments.emplace_back("--json");
+  const Finished finished = run(arguments);
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  return Json::parse(finished.out, nullptr, false);
+}
+
+/// What an estimate tells is what the run has told.
+void expect_equal(const Json& told, const Json& run) {
+  for (const char* key : {"points", "shots", "beats", "beats_before", "beats_per_point",
+                          "utilisation", "beats_by_reason", "settings", "mode", "lamp_hz"})
+    EXPECT_EQ(told[key], run[key]) << key;
+  EXPECT_NEAR(told["time_s"].get<double>(), run["time_s"].get<double>(), 1e-6);
+}
+
+TEST(EstimateCommand, tells_what_the_run_tells) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", xyz(walk(700, 3)));
+  const std::vector<std::vector<std::string>> options{
+      {},
+      {"--lamp", "200", "--accel", "2"},
+      {"--flashes", "3", "--mode", "start-stop"},
+      {"--lamp-mode", "master", "--job-speed", "60"},
+      {"--from", "300"}};
+  for (const auto& more : options) {
+    std::vector<std::string> arguments{"estimate", points, "--order", "given"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Json told = run_json(arguments);
+    arguments[0] = "engrave";
+    expect_equal(told, run_json(arguments));
+  }
+}
+
+TEST(EstimateCommand, of_a_job_file) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", xyz(walk(200, 4)));
+  const std::string job = folder / "p.llj";
+  ASSERT_EQ(run({"job", points, "-o", job}).status, 0);
+  expect_equal(run_json({"estimate", job}), run_json({"send", job}));
+}
+
+TEST(EstimateCommand, says_it_in_words_and_writes_a_page) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", xyz(walk(50, 5)));
+  const Finished told = run({"estimate", points, "--page", folder / "p.html"});
+  EXPECT_EQ(told.status, 0) << told.err;
+  for (const char* word : {"points", "utilisation", "machine time", "begun now it ends on"})
+    EXPECT_THAT(told.out, HasSubstr(word));
+  EXPECT_THAT(told.out, Not(HasSubstr("missed")));
+  EXPECT_THAT(read(folder / "p.html"), testing::StartsWith("<!doctype html>"));
+  EXPECT_EQ(folder.files(), (std::vector<std::string>{"p.html", "p.xyz"}));
+}
+
+TEST(EstimateCommand, refuses_in_one_line) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", xyz(walk(5, 6)));
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"estimate", folder / "none.xyz"},
+                                             {"estimate", points, "--from", "5"},
+                                             {"estimate", points, "--page", folder / "no/p.html"},
+                                             {"estimate", points, "--job-speed", "0"},
+                                             {"estimate"}}) {
+    const Finished finished = run(arguments);
+    EXPECT_EQ(finished.status, 2) << arguments.back();
+    EXPECT_EQ(lines(finished.err).size(), 1u) << finished.err;
+  }
+}
+
+TEST(Statistics, a_line_for_every_job) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", xyz(walk(40, 7)));
+  const std::string file = folder / "jobs.csv";
+  for (int i = 0; i < 2; ++i) ASSERT_EQ(run({"engrave", points, "--statistics", file}).status, 0);
+  const auto told = lines(read(file));
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_THAT(told[0], testing::StartsWith("date,end,input,"));
+  for (const int i : {1, 2}) EXPECT_THAT(told[static_cast<std::size_t>(i)], HasSubstr(",done,"));
+}
+
+TEST(Statistics, nowhere_to_write_is_told_before_the_job) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", xyz(walk(40, 7)));
+  const Finished finished =
+      run({"engrave", points, "--statistics", folder / "no/jobs.csv", "--report", folder / "r"});
+  EXPECT_EQ(finished.status, 2);
+  EXPECT_EQ(folder.files(), std::vector<std::string>{"p.xyz"});
+}
+
+TEST(ProgressText, tells_the_end_of_what_takes_long) {
+  ::setenv("TZ", "UTC", 1);
+  ::tzset();
+  constexpr std::time_t now = 1'774'690'200;  // 2026-03-28 09:30
+  EXPECT_EQ(left_text(12, now), ", 0:12 left");
+  EXPECT_EQ(left_text(600, now), ", 10:00 left, ends 09:40");
+  EXPECT_EQ(left_text(86400, now), ", 24:00:00 left, ends 2026-03-29 09:30");
+  EXPECT_EQ(left_text(-1, now), ", 0:00 left");
+  EXPECT_EQ(left_text(1e300, now), ", years left");
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test

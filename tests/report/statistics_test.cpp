@@ -1,0 +1,77 @@
+// The file of jobs: lines that any program reads as CSV.
+#include "host/report/statistics.hpp"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <vector>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "tests/error_of.hpp"
+#include "tests/report/job_run.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace lamplock::report::test {
+namespace {
+
+using lamplock::test::error_of;
+
+/// Lines of fields, as RFC 4180 reads them.
+std::vector<std::vector<std::string>> read_csv(const std::string& text) {
+  std::vector<std::vector<std::string>> lines;
+  std::vector<std::string> line{""};
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '"' && i + 1 < text.size() && text[i + 1] == '"')
+      line.back().push_back(text[++i]);
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && c == ',')
+      line.emplace_back();
+    else if (!quoted && c == '\n')
+      lines.push_back(std::exchange(line, {""}));
+    else
+      line.back().push_back(c);
+  }
+  return lines;
+}
+
+TEST(Statistics, NamesOnceAndALineForEachJob) {
+  const lamplock::test::TemporaryFolder folder;
+  const auto file = folder.file("jobs.csv");
+  JobRun run = perfect_run(20, 1);
+  run.input = "a \"fine\", long\nname.xyz";
+  const auto when = std::chrono::system_clock::from_time_t(1'774'690'200);
+  append_statistics(file, evaluate(run), "done", when);
+  run.shots_known = false;
+  append_statistics(file, evaluate(run), "stopped", when);
+  const auto lines = read_csv(read_file(file));
+  ASSERT_EQ(lines.size(), 3u);
+  for (const auto& line : lines) EXPECT_EQ(line.size(), lines[0].size());
+  const auto value = [&lines](std::size_t line, const std::string& name) {
+    for (std::size_t i = 0; i < lines[0].size(); ++i)
+      if (lines[0][i] == name) return lines[line][i];
+    return std::string("no such column");
+  };
+  EXPECT_EQ(value(1, "date"), "2026-03-28T09:30:00Z");
+  EXPECT_EQ(value(1, "end"), "done");
+  EXPECT_EQ(value(2, "end"), "stopped");
+  EXPECT_EQ(value(1, "input"), run.input);
+  EXPECT_EQ(value(1, "points"), "20");
+  EXPECT_EQ(value(1, "beats"), "20");
+  EXPECT_EQ(value(1, "missed"), "0");
+  EXPECT_EQ(value(2, "missed"), "");  // nobody knows
+}
+
+TEST(Statistics, OfAFileThatCannotBeWritten) {
+  const Report report = evaluate(perfect_run(1, 1));
+  const std::string error = error_of([&] {
+    append_statistics("/proc/no/jobs.csv", report, "done", std::chrono::system_clock::now());
+  });
+  EXPECT_THAT(error, testing::HasSubstr("jobs.csv"));
+}
+
+}  // namespace
+}  // namespace lamplock::report::test
