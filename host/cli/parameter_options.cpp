@@ -89,6 +89,7 @@ class OptionMaker {
 std::vector<CLI::Option*> add_parameters(CLI::App& app, const std::vector<Parameter>& parameters,
                                          const std::string& group) {
   std::vector<CLI::Option*> options;
+  options.reserve(parameters.size());
   for (const Parameter& parameter : parameters)
     options.push_back(OptionMaker(app, parameter).make()->group(group));
   return options;

@@ -43,7 +43,7 @@ class Merger {
     const std::string kind = kind_name(made.kind);
     cloud_.kind = alone || cloud_.kind == kind || cloud_.kind.empty() ? kind : "several";
     for (const std::string& warning : made.warnings)
-      cloud_.warnings.push_back(file + ": " + warning);
+      cloud_.warnings.push_back(fmt::format("{}: {}", file, warning));
     cloud_.welded += made.welded;
     cloud_.rejected += made.rejected;
     if (made.kind == InputKind::points) {

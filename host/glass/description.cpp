@@ -33,6 +33,7 @@ std::string location(const fs::path& file, const toml::source_region& source) {
 /// Names of keys, for who has mistaken one.
 std::string keys_of(const std::vector<Parameter>& parameters) {
   std::vector<std::string> keys;
+  keys.reserve(parameters.size());
   for (const Parameter& parameter : parameters) keys.push_back(parameter.key);
   return fmt::format("{}", fmt::join(keys, ", "));
 }
@@ -154,6 +155,7 @@ std::string text_of(const std::string& value) { return quoted(value); }
 std::string text_of(const Triple& three) { return fmt::format("[{}]", fmt::join(three, ", ")); }
 std::string text_of(const std::vector<std::string>& list) {
   std::vector<std::string> texts;
+  texts.reserve(list.size());
   for (const std::string& one : list) texts.push_back(quoted(one));
   return fmt::format("[{}]", fmt::join(texts, ", "));
 }

@@ -1,8 +1,8 @@
 // Parameters: the one list of what can be said about a job, for description files and command lines
 // alike. Whatever has a key has an option and the other way round, with one range and one text.
 //
-// In:  the fields of a description (description.hpp). Out: for each its key, its option, what values
-//      it takes and what it is for, and the place of its value.
+// In:  the fields of a description (description.hpp). Out: for each its key, its option, what
+//      values it takes and what it is for, and the place of its value.
 // Who: the reader and the writer of descriptions, the options of the command line.
 #pragma once
 

@@ -12,8 +12,8 @@
 
 namespace lamplock::link {
 
-/// Session of jobs on simulated boards: a random one would make frames a byte longer or shorter, and
-/// the start of a job a beat.
+/// Session of jobs on simulated boards: a random one would make frames a byte longer or shorter,
+/// and the start of a job a beat.
 inline constexpr std::uint32_t simulated_session = 1;
 
 /// The board must outlive the transport.
