@@ -19,6 +19,7 @@
 #include "host/job/job.hpp"
 #include "sim/world/beam.hpp"
 #include "tests/board/pin_monitor.hpp"
+#include "tests/scale.hpp"
 
 namespace lamplock::test {
 
@@ -243,5 +244,11 @@ class Raster {
   int columns_;
   std::vector<std::vector<int>> rows_;
 };
+
+/// In runs of a larger size there are more rows and no longer ones: they have to fit the work
+/// space.
+inline Raster sized_raster(std::uint64_t seed, int columns, int longest_run) {
+  return {seed, std::max(2, scaled(2)), std::min(columns, scaled(columns)), longest_run};
+}
 
 }  // namespace lamplock::test

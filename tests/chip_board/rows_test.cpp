@@ -17,14 +17,14 @@ ProgramTrace burn(sim::Board& board, const PinMonitor& monitor, const Raster& ra
   link::SimulatedTransport transport(board);
   wire::JobHeader header;
   RowHost host(transport, PixelLines(raster).lines(), header);
-  EXPECT_TRUE(host.run(10));
+  EXPECT_TRUE(host.run(10 + static_cast<int>(raster.rows())));
   EXPECT_EQ(host.status().starvations, 0u);
   EXPECT_EQ(host.status().first_unfired, host.status().received);
   return trace_of(monitor, board.world().beam(), board.now());
 }
 
 TEST(ChipRows, AndLightAreThoseOfTheVirtualBoard) {
-  const Raster raster(11, 2, scaled(300), 1);
+  const Raster raster = sized_raster(11, 300, 1);
   const job::Profile machine = raster_machine();
   sim::VirtualBoard board(machine.settings, chip_world(machine));
   const PinMonitor monitor(board.bus(), board.world().lamp());
