@@ -3,6 +3,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/engraving.hpp"
+#include "host/cli/origin.hpp"
 #include "host/cli/run_job.hpp"
 
 namespace lamplock::cli {
@@ -11,6 +12,7 @@ namespace {
 struct Options {
   EngravingOptions engraving;
   BoardOptions board;
+  OriginOption origin;
 };
 
 Exit engrave(const Options& options) {
@@ -18,7 +20,8 @@ Exit engrave(const Options& options) {
   options.board.check();
   options.engraving.check_save();
   auto port = open_port(options.board);
-  Work work = make_work(options.engraving, options.board.dry, console);
+  Work work =
+      make_work(options.engraving, options.board.dry, console, options.origin.ask(port.get()));
   take_off_fired(work, options.board);
   const Outcome outcome = run_job(work, options.board, std::move(port), console);
   return report_job(outcome, options.board, console);
@@ -43,6 +46,7 @@ void add_engrave(CLI::App& program, Action& action) {
   options->engraving.add_save(*app);
   options->board.add_board(*app);
   options->board.add_job(*app);
+  options->origin.add(*app);
   app->callback([options, &action] { action = [options] { return engrave(*options); }; });
 }
 

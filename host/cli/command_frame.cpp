@@ -5,6 +5,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/options.hpp"
+#include "host/cli/origin.hpp"
 #include "host/cli/prepare.hpp"
 #include "host/cli/run_job.hpp"
 #include "host/units.hpp"
@@ -21,6 +22,7 @@ struct Options {
   double speed_m_s = default_speed_m_s;
   EngravingOptions engraving;
   BoardOptions board;
+  OriginOption origin;
 };
 
 /// The machine's own speeds, none above the wanted one; no lamp is needed where nothing fires.
@@ -53,14 +55,15 @@ Exit frame(Options options) {
   auto port = open_port(options.board);
   const glass::Description description = options.engraving.description();
   const job::Profile profile = frame_profile(options, description);
-  const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
+  glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
   const points::Bounds box = input_bounds(description, volume);
   console.phase("frame", bounds_text(box));
   job::JobOptions job_options;
   job_options.mode = motion::JoinMode::start_stop;
   job_options.dry = true;
-  job_options.refraction = volume.refraction;
   Work work{options.engraving.input, corners(box), {}, {}};
+  move_to(options.origin.ask(port.get()), work.points, volume);
+  job_options.refraction = volume.refraction;
   work.job = job::make_job(work.points, profile, job_options);
   const Outcome outcome = run_job(work, options.board, std::move(port), console);
   console.document({{"input", options.engraving.input},
@@ -83,6 +86,7 @@ void add_frame(CLI::App& program, Action& action) {
       ->type_name("M_S")
       ->capture_default_str()
       ->group("Machine");
+  options->origin.add(*app);
   options->board.add_choice(*app);
   options->board.add_job_speed(*app);
   app->add_flag("--json", options->board.json, "Print the result as JSON on stdout")

@@ -96,13 +96,20 @@ void EngravingOptions::save(const glass::Description& description, Console& cons
   console.phase("saved", save_);
 }
 
-Work make_work(const EngravingOptions& options, bool dry, Console& console) {
+void move_to(const points::Point& origin, points::PointCloud& points, glass::Volume& volume) {
+  for (points::Point& p : points) p = {p.x + origin.x, p.y + origin.y, p.z + origin.z};
+  volume.refraction.entry_mm += origin.z;
+}
+
+Work make_work(const EngravingOptions& options, bool dry, Console& console,
+               const points::Point& origin) {
   options.check_save();
   const glass::Description description = options.description();
   const job::Profile profile = profile_of(description.machine);
-  const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
+  glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
   Cloud cloud = make_cloud(description, volume, console);
   order_cloud(cloud, description, profile.settings, volume, console);
+  move_to(origin, cloud.points, volume);
   Work work{options.input, std::move(cloud.points), {}, std::move(cloud.warnings)};
   work.job = job::make_job(work.points, profile, job_options(description, volume, dry));
   options.save(description, console);

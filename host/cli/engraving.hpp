@@ -12,6 +12,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/run_job.hpp"
 #include "host/glass/description.hpp"
+#include "host/glass/volume.hpp"
 
 namespace lamplock::cli {
 
@@ -45,7 +46,13 @@ class EngravingOptions {
   std::string save_;
 };
 
-/// Reads, discretises, orders and rounds to steps; with --save also saves. Throws Error(bad_input).
-Work make_work(const EngravingOptions& options, bool dry, Console& console);
+/// Reads, discretises, orders and rounds to steps; with --save also saves. `origin`: where that of
+/// the description lies on the machine, mm; the points of the work are the machine's. Throws
+/// Error(bad_input).
+Work make_work(const EngravingOptions& options, bool dry, Console& console,
+               const points::Point& origin = {});
+
+/// Moves points and the glass that they are in.
+void move_to(const points::Point& origin, points::PointCloud& points, glass::Volume& volume);
 
 }  // namespace lamplock::cli

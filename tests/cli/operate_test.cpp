@@ -58,6 +58,26 @@ TEST_F(Operate, teaches_zero_and_goes_there) {
   EXPECT_EQ(shots(), 0u);
 }
 
+TEST_F(Operate, points_are_engraved_at_the_taught_zero) {
+  go("G0 X5 Y-6 Z-7");
+  (void)places({"zero"});
+  const std::string list = folder_.write("p.xyz", "1 2 3\n1.5 2 3\n");
+  const Finished done = run({"engrave", list, "--origin", "zero", "--board", port_, "--yes"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(run({"frame", list, "--origin", "zero", "--board", port_}).status, 0);
+  EXPECT_EQ(places({"status"})["machine_mm"], (Place{6, -4, -4}));
+  const std::string far = folder_.write("far.xyz", "46 2 3\n");
+  const Finished outside = run({"engrave", far, "--origin", "zero", "--board", port_, "--yes"});
+  EXPECT_EQ(outside.status, 2);
+  EXPECT_THAT(outside.err, HasSubstr("51"));
+  sim_.interrupt();
+  EXPECT_EQ(sim_.finish().status, 0);
+  const auto shots = read_shots(folder_ / "shots.csv");
+  ASSERT_EQ(shots.size(), 2u);
+  EXPECT_EQ(shots[0], (points::Point{6, -4, -4}));
+  EXPECT_EQ(shots[1], (points::Point{6.5, -4, -4}));
+}
+
 TEST_F(Operate, changes_the_glass_and_comes_back_to_where_it_was) {
   go("G0 X20 Y12 Z-7");
   EXPECT_EQ(places({"sample", "--teach"})["sample_mm"], (Place{20, 12, -7}));

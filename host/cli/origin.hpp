@@ -1,0 +1,25 @@
+// Where the origin of a job lies on the machine: its own, or the zero that the operator has taught.
+//
+// In:  --origin; the board. Out: the way from one to the other. Who: `engrave`, `frame`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "host/link/transport.hpp"
+#include "host/points/point.hpp"
+
+namespace lamplock::cli {
+
+/// --origin machine|zero.
+struct OriginOption {
+  std::string name = "machine";
+
+  void add(CLI::App& app);
+  /// The taught zero (`lamplock operate zero`) in machine coordinates, mm; all zero for the
+  /// machine's own origin, and on simulated boards (no port), which have been taught nothing. Asks
+  /// the board. Throws Error: no_device, job_failed.
+  points::Point ask(link::Transport* port) const;
+};
+
+}  // namespace lamplock::cli
