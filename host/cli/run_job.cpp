@@ -309,6 +309,7 @@ Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& co
     Json json = Json::parse(report::to_json(report));
     json["end"] = end_name(outcome.result.end);
     json["first_unfired"] = outcome.result.status.first_unfired;
+    json["warnings"] = outcome.run.warnings;
     console.document(json);
   }
   const Exit exit = tell_end(outcome.result, options, "point");
