@@ -32,8 +32,7 @@ sim::WorldConfig world_of(const settings::Values& values) {
 class Trial {
  public:
   Trial(const job::Job& job, const EstimateOptions& options)
-      : job_(job),
-        board_(job.settings, world_of(job.settings)),
+      : board_(job.settings, world_of(job.settings)),
         transport_(board_),
         sender_(transport_, job, sending(options)) {}
 
@@ -71,7 +70,6 @@ class Trial {
     return sending;
   }
 
-  const job::Job& job_;
   sim::VirtualBoard board_;
   link::SimulatedTransport transport_;
   link::JobSender sender_;
