@@ -82,13 +82,16 @@ bool make_points(PlacedModel& model, const Object& object, double spacing, Objec
 void spread_over_shells(const PlacedModel& model, const Object& object, double spacing,
                         ObjectPoints& made) {
   if (object.shells == 1) return;
+  if (object.method == "solid")
+    throw Error(Exit::bad_input, object.file, "a solid fill has no shells: they are of surfaces",
+                "leave the shells out, or use another method");
   std::vector<Point> inward;
   if (const auto* mesh = std::get_if<model::Mesh>(&model.model))
     inward = points::inward_ways(*mesh, made.points, spacing);
   points::ShellOptions options;
   options.shells = object.shells;
   options.shell_mm = object.shell_mm.value_or(spacing);
-  options.distance_mm = made.distance_mm;
+  options.distance_mm = made.distance_mm > 0 ? made.distance_mm : spacing;
   points::Shells shells = points::spread_over_shells(made.points, inward, options);
   made.points = std::move(shells.points);
   made.welded += shells.removed;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -51,7 +52,8 @@ class Merger {
       return;
     }
     cloud_.only_lists = false;
-    distance_mm_ = std::min(distance_mm_, made.distance_mm);
+    // An object that is not welded itself is kept apart from the others all the same.
+    if (made.distance_mm > 0) distance_mm_ = std::min(distance_mm_, made.distance_mm);
     layer_mm_ = std::min(layer_mm_, made.layer_mm);
     append(cloud_.points, std::move(made.points));
     ++objects_;
@@ -66,7 +68,8 @@ class Merger {
     if (lists_.empty() && objects_ == 1) return std::move(cloud_);
     const std::size_t given = lists_.size();
     append(lists_, std::move(cloud_.points));
-    points::WeldResult welded = points::weld(std::move(lists_), distance_mm_, given);
+    const double distance_mm = std::isfinite(distance_mm_) ? distance_mm_ : 0;
+    points::WeldResult welded = points::weld(std::move(lists_), distance_mm, given);
     cloud_.points = std::move(welded.points);
     cloud_.welded += welded.removed;
     return std::move(cloud_);

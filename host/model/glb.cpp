@@ -6,8 +6,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "host/bytes.hpp"
 #include "host/file.hpp"
@@ -17,6 +19,9 @@ namespace {
 
 using nlohmann::json;
 using std::filesystem::path;
+
+/// Of nodes, and of lists in the description; more would overflow the stack of the mesh library.
+constexpr int most_depth = 100;
 
 constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
 
@@ -77,6 +82,7 @@ class Checker {
     }
     std::size_t index = 0;
     for (const json& accessor : list("accessors")) check_accessor(accessor, index++);
+    check_nodes();
   }
 
  private:
@@ -90,6 +96,27 @@ class Checker {
 
   static bool fits(std::uint64_t offset, std::uint64_t length, std::uint64_t room) {
     return offset <= room && length <= room - offset;
+  }
+
+  /// Nodes stand in trees that are not too deep for the library, which walks them by recursion.
+  void check_nodes() const {
+    const json& nodes = list("nodes");
+    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> parents(nodes.size(), none);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const auto children = nodes[i].find("children");
+      if (children == nodes[i].end()) continue;
+      for (const json& child : *children) {
+        const auto c = child.get<std::size_t>();
+        require(c < nodes.size() && parents[c] == none, "nodes that are no trees");
+        parents[c] = i;
+      }
+    }
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      int depth = 0;
+      for (std::size_t at = i; parents[at] != none; at = parents[at])
+        require(++depth < most_depth, "nodes that stand too deep in each other");
+    }
   }
 
   void check_accessor(const json& accessor, std::size_t index) const {
@@ -136,8 +163,15 @@ void check_glb(const path& file, std::string_view bytes) {
   std::string_view rest = bytes.substr(header_bytes, length - header_bytes);
   const std::string_view text = next_chunk(file, rest, "JSON");
   const std::string_view buffer = next_chunk(file, rest, std::string_view("BIN\0", 4));
-  const json document = json::parse(text, nullptr, false);
-  if (!document.is_object()) refuse_glb(file, "its description cannot be read");
+  bool too_deep = false;
+  const json document = json::parse(
+      text,
+      [&too_deep](int depth, json::parse_event_t, const json&) {
+        too_deep = too_deep || depth > most_depth;
+        return !too_deep;
+      },
+      false);
+  if (too_deep || !document.is_object()) refuse_glb(file, "its description cannot be read");
   try {
     Checker(file, document, buffer.size()).check();
   } catch (const json::exception&) {

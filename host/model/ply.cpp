@@ -81,9 +81,9 @@ class Values {
         ascii_(format == PlyFormat::ascii),
         order_(format == PlyFormat::big_endian ? std::endian::big : std::endian::little) {}
 
-  /// Nothing at the end of the data or if the text is not a number.
+  /// Nothing at the end of the data or of the line, or if the text is not a number.
   std::optional<double> next(PlyType type) {
-    if (ascii_) return to_double(next_field(rest_));
+    if (ascii_) return next_in_line();
     const std::size_t size = size_of(type);
     if (rest_.size() < size) return std::nullopt;
     const char* bytes = rest_.data();
@@ -109,7 +109,27 @@ class Values {
     return std::nullopt;
   }
 
+  /// Text: goes on to the next line with something in it. False if numbers are left in this one.
+  bool end_element() {
+    if (!ascii_) return true;
+    skip_blanks();
+    if (!rest_.empty() && rest_.front() != '\n') return false;
+    const std::size_t next = rest_.find_first_not_of(" \t\r\n");
+    rest_.remove_prefix(std::min(next, rest_.size()));
+    return true;
+  }
+
  private:
+  void skip_blanks() {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r"), rest_.size()));
+  }
+
+  std::optional<double> next_in_line() {
+    skip_blanks();
+    if (rest_.empty() || rest_.front() == '\n') return std::nullopt;
+    return to_double(next_field(rest_));
+  }
+
   static std::size_t size_of(PlyType type) {
     switch (type) {
       case PlyType::int8:
@@ -167,6 +187,14 @@ class Reader {
     return *number;
   }
 
+  void end_element(const PlyElement& element, std::size_t index) {
+    if (values_.end_element()) return;
+    refuse(file_,
+           fmt::format("element '{}' {} has more or fewer numbers in its line than promised",
+                       element.name, index),
+           "the file is damaged: export it again");
+  }
+
   void read_vertices(const PlyElement& element, points::PointCloud& vertices) {
     std::array<std::size_t, 3> column{};
     constexpr std::array<std::string_view, 3> names{"x", "y", "z"};
@@ -190,6 +218,7 @@ class Reader {
           row[p] = value(element, i, property.type);
         }
       }
+      end_element(element, i);
       const points::Point point{row[column[0]], row[column[1]], row[column[2]]};
       require_finite(file_, i, point);
       vertices.push_back(point);
@@ -224,11 +253,16 @@ class Reader {
           skip_list(element, i, property);
         }
       }
+      end_element(element, i);
     }
   }
 
   void check_face(const PlyElement& element, std::size_t index, const PlyProperty& list) {
-    for (std::size_t n = list_size(element, index, list); n > 0; --n) {
+    const std::size_t corners = list_size(element, index, list);
+    // The mesh library ends the program at such a face.
+    if (corners == 0)
+      refuse(file_, fmt::format("face {} has no corners", index), "repair the model");
+    for (std::size_t n = corners; n > 0; --n) {
       const double vertex = value(element, index, list.type);
       if (!(vertex >= 0) || vertex >= static_cast<double>(vertex_count_) ||
           vertex != std::floor(vertex)) {

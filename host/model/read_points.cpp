@@ -151,6 +151,9 @@ points::PointCloud read_dxf_points(const path& file) {
   Curves drawing = read_dxf(file);
   if (!drawing.paths.empty())
     refuse(file, "it has curves beside its points", "use it as a drawing");
+  if (!drawing.left_out.empty())
+    refuse(file, fmt::format("it has other things beside its points: {}", left_out_text(drawing)),
+           "export the points alone");
   return std::move(drawing.points);
 }
 

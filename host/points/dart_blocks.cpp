@@ -16,6 +16,11 @@ constexpr double rounding = 1e-12;
 /// of a block belongs to that block however it was rounded.
 constexpr double rounded_into_next_cell = 1e-6;
 
+/// A radius as float must not be less than the distance.
+float rounded_up(double radius) {
+  return std::nextafter(static_cast<float>(radius), std::numeric_limits<float>::infinity());
+}
+
 Point moved(const Point& point, double by) { return {point.x + by, point.y + by, point.z + by}; }
 
 double square_of_distance(const Point& p, const Point& q) {
@@ -153,12 +158,10 @@ void BlockDarts::add(const Dart& dart) {
   DartBlocks::Block& block = *around_[13];
   const bool plain = dart.visible && dart.radius_mm == all_.distance_;
   if (!plain && block.radii.empty()) {
-    block.radii.assign(block.points.size(), static_cast<float>(all_.distance_));
+    block.radii.assign(block.points.size(), rounded_up(all_.distance_));
   }
   if (!plain || !block.radii.empty()) {
-    // Rounded up: a radius as float must not be less than the distance.
-    const float radius =
-        std::nextafter(static_cast<float>(dart.radius_mm), std::numeric_limits<float>::infinity());
+    const float radius = rounded_up(dart.radius_mm);
     block.radii.push_back(dart.visible ? radius : -radius);
   }
   constexpr unsigned n = DartBlocks::cells;

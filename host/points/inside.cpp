@@ -8,13 +8,16 @@ namespace lamplock::points {
 namespace {
 
 /// Whether (x, y) is to the left of the edge seen from above. The edge is always gone from the
-/// vertex of the lower index, so that both triangles at it get the same answer.
+/// vertex of the lower index, so that both triangles at it get the same answer. A place on the edge
+/// counts as one a little further in x, and much less in y: so it lies in one triangle only, at
+/// vertices too.
 bool is_left(const model::Mesh& mesh, std::uint32_t from, std::uint32_t to, const Point& place) {
   const bool turned = from > to;
   const Point& p = mesh.vertices[turned ? to : from];
   const Point& q = mesh.vertices[turned ? from : to];
   const double side = (q.x - p.x) * (place.y - p.y) - (q.y - p.y) * (place.x - p.x);
-  return (side >= 0) != turned;
+  const bool left = side != 0 ? side > 0 : q.y < p.y || (q.y == p.y && q.x > p.x);
+  return left != turned;
 }
 
 /// z at which the vertical line through `place` crosses the triangle, if it does.

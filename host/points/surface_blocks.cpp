@@ -114,8 +114,12 @@ class Spreader {
 }  // namespace
 
 BlockIndex BlockGrid::of(const Point& point) const {
+  // A quotient rounds otherwise than the planes of box(), and both have to agree.
   const auto rank = [this](double coordinate, double from) {
-    return static_cast<std::int32_t>(std::floor((coordinate - from) / side_mm));
+    double k = std::floor((coordinate - from) / side_mm);
+    while (from + k * side_mm > coordinate) --k;
+    while (from + (k + 1) * side_mm <= coordinate) ++k;
+    return static_cast<std::int32_t>(k);
   };
   return {rank(point.x, origin.x), rank(point.y, origin.y), rank(point.z, origin.z)};
 }
@@ -134,6 +138,16 @@ BlockGrid grid_over(const Bounds& box, double side_mm, const std::string& where)
         Exit::bad_input, where,
         fmt::format("a size of {:.3g} mm is too large for this spacing", box.longest_side()),
         "use a greater spacing or a smaller size");
+  }
+  // Far out there are no numbers left between neighbouring points.
+  constexpr double most_sides_away = 1e9;
+  double furthest = 0;
+  for (const Point& corner : {box.low, box.high})
+    furthest = std::max({furthest, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+  if (!(furthest / side_mm < most_sides_away)) {
+    throw Error(Exit::bad_input, where,
+                fmt::format("a place {:.3g} mm from the origin is too far away", furthest),
+                "move it nearer");
   }
   return {box.low, side_mm};
 }

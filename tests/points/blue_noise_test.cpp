@@ -202,6 +202,25 @@ TEST(BlueNoise, DensityFollowsTheTone) {
       0.1);
 }
 
+/// Faces in the plane between two blocks, of sizes at which a quotient rounds across it.
+TEST(BlueNoise, FacesBetweenBlocksAreNotLost) {
+  struct Case {
+    double half_mm, distance_mm;
+  };
+  for (const Case& c : {Case{13.6, 0.1}, {15.6, 0.13}, {6.8, 0.05}, {13.6, 0.05}, {27.2, 0.2}}) {
+    SCOPED_TRACE(c.half_mm);
+    const double thin = 5 * c.distance_mm;
+    const model::Mesh mesh = test::box(c.half_mm, thin, thin);
+    int low = 0, high = 0;
+    for (const auto& p : blue_noise(mesh, {.distance_mm = c.distance_mm})) {
+      low += p.x == -c.half_mm ? 1 : 0;
+      high += p.x == c.half_mm ? 1 : 0;
+    }
+    EXPECT_GT(low, 40);
+    EXPECT_GT(high, 40);
+  }
+}
+
 TEST(BlueNoise, SmallerThanTheDistanceIsOnePoint) {
   Mesh mesh;
   test::add_plate(mesh, 0, 0, 0.1, 0.1, 5, 5);

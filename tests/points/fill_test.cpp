@@ -134,6 +134,25 @@ TEST(FillSolid, EveryPlaceInsideIsNearAPoint) {
   }
 }
 
+/// A ray in its axis goes through both poles, whichever way their vertices are numbered.
+TEST(FillSolid, IsFullInTheAxisOfABall) {
+  for (const bool reversed : {false, true}) {
+    model::Mesh mesh = test::sphere(8, 15, 24);
+    if (reversed) {
+      const auto last = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+      std::reverse(mesh.vertices.begin(), mesh.vertices.end());
+      for (auto& triangle : mesh.triangles)
+        for (auto& corner : triangle) corner = last - corner;
+    }
+    // Middles of blocks of 16 distances, and of cells, lie in the axis.
+    for (const double distance : {1.0, 0.8, 0.5}) {
+      const PointCloud cloud = fill_solid(mesh, {.distance_mm = distance});
+      for (const double z : {-6.0, -3.0, 0.0, 3.0, 6.0})
+        EXPECT_LT(test::nearest_distance({0, 0, z}, cloud), 1.45 * distance) << z;
+    }
+  }
+}
+
 TEST(FillSolid, CountGrowsWithTheInverseCube) {
   for (const double distance : {0.8, 0.4, 0.2}) {
     const PointCloud cloud = fill_solid(test::box(2, 2, 2), {.distance_mm = distance});

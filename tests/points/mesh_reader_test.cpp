@@ -216,6 +216,13 @@ TEST(ReadMesh, BrokenFilesAreRefusedWithAReason) {
                       "y\nproperty float z\nelement face 1\nproperty list uchar int "
                       "vertex_indices\nend_header\n0 0 0\n3 0 0 9\n"),
               HasSubstr("names vertex 9"));
+  const std::string triangle =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  EXPECT_THAT(message("a.ply", triangle + "0 0 0\n1 0 0\n0 1 0\n0\n"), HasSubstr("no corners"));
+  // The library reads line by line: a number that is missing must not come out of the next one.
+  EXPECT_THAT(message("a.ply", triangle + "0 0 0\n1 0\n0 1 0 3\n3 0 1 2\n"), HasSubstr("vertex"));
+  EXPECT_THAT(message("a.ply", triangle + "0 0 0\n1 0 0 7\n0 1 0\n3 0 1 2\n"), HasSubstr("vertex"));
   EXPECT_THAT(message("a.step", "ISO-10303-21;"), HasSubstr("no mesh format"));
 }
 

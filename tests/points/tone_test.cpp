@@ -306,6 +306,20 @@ TEST(ReadMesh, DamagedGlbIsRefused) {
   EXPECT_THAT(refusal([](json& d) { d["accessors"][2]["componentType"] = 1; }), HasSubstr("type"));
   EXPECT_THAT(refusal([](json& d) { d["accessors"][2]["sparse"] = json::object(); }),
               HasSubstr("sparse"));
+  // The library walks nodes and lists by recursion.
+  const auto chained = [](json& d) {
+    for (int i = 1; i < 2000; ++i) d["nodes"].push_back({{"children", {i + 1}}});
+    d["nodes"].push_back({{"mesh", 0}});
+    d["scenes"][0]["nodes"] = {1};
+  };
+  EXPECT_THAT(refusal(chained), HasSubstr("too deep"));
+  EXPECT_THAT(refusal([](json& d) { d["nodes"][0]["children"] = {0, 0}; }), HasSubstr("no trees"));
+  EXPECT_THAT(refusal([](json& d) {
+                json list = json::array();
+                for (int i = 0; i < 2000; ++i) list = json::array({std::move(list)});
+                d["extras"] = std::move(list);
+              }),
+              HasSubstr("cannot be read"));
   EXPECT_THAT(refusal([](json& d) { d["bufferViews"] = "none"; }), HasSubstr("no list"));
   EXPECT_THAT(refusal([](json& d) { d["bufferViews"][0]["byteOffset"] = "zero"; }),
               HasSubstr("wrong kind"));
