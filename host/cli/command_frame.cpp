@@ -55,14 +55,15 @@ Exit frame(Options options) {
   auto port = open_port(options.board);
   const glass::Description description = options.engraving.description();
   const job::Profile profile = frame_profile(options, description);
-  glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
+  const std::optional<points::Point> origin = options.origin.ask(port.get());
+  glass::Volume volume = volume_at(origin, description, profile.settings);
   const points::Bounds box = input_bounds(description, volume);
   console.phase("frame", bounds_text(box));
   job::JobOptions job_options;
   job_options.mode = motion::JoinMode::start_stop;
   job_options.dry = true;
   Work work{options.engraving.input, corners(box), {}, {}};
-  move_to(options.origin.ask(port.get()), work.points, volume);
+  move_to(origin, work.points, volume);
   job_options.refraction = volume.refraction;
   work.job = job::make_job(work.points, profile, job_options);
   const Outcome outcome = run_job(work, options.board, std::move(port), console);

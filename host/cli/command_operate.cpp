@@ -1,7 +1,9 @@
 // `lamplock operate`: what an operator does at the machine between jobs.
+#include <cmath>
 #include <limits>
 #include <memory>
 
+#include "host/cli/board_files.hpp"
 #include "host/cli/board_link.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -10,6 +12,7 @@
 #include "host/cli/run_job.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/operator.hpp"
+#include "shared/wire/records.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -18,14 +21,13 @@ using link::Operation;
 using link::Places;
 
 constexpr unsigned most_flashes = std::numeric_limits<std::uint8_t>::max();
-constexpr unsigned channels = 4;
 
 struct Options {
   BoardOptions board;
   MachineOptions machine;
   std::string axes;
   bool teach = false;
-  unsigned flashes = 1, channel = 1;
+  unsigned flashes = 1, channel = 0;
   std::uint16_t energy = 0;
 };
 
@@ -80,10 +82,14 @@ Work pulse_work(link::LinePort& port, const Options& options) {
   job::JobOptions job;
   job.dry = options.board.dry;
   job.shots = static_cast<std::uint8_t>(options.flashes);
-  job.channel = static_cast<std::uint8_t>(options.channel - 1);
+  job.channel = static_cast<std::uint8_t>(options.channel);
   job.energy = options.energy;
   Work work{"test pulse", {{axis(0), axis(1), axis(2)}}, {}};
   work.job = job::make_job(work.points, profile, job);
+  // Points have three axes; a fourth one stays where it is.
+  const PerAxis<double> scale = steps_per_mm(profile.settings);
+  for (std::size_t a = 3; a < max_axes; ++a)
+    work.job.targets.front().steps[a] = static_cast<std::int32_t>(std::lround(axis(a) * scale[a]));
   return work;
 }
 
@@ -129,8 +135,8 @@ void add_pulse(CLI::App& app, Action& action, const std::shared_ptr<Options>& op
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--channel", options->channel, "Beam channel")
-      ->check(CLI::Range(1u, channels))
-      ->type_name("1..4")
+      ->check(CLI::Range(0u, unsigned{wire::highest_channel}))
+      ->type_name("0..3")
       ->capture_default_str();
   command->add_option("--energy", options->energy, "Of the flash; 0: as the machine stands")
       ->type_name("N")

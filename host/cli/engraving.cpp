@@ -86,6 +86,8 @@ void EngravingOptions::check_save() const {
   if (save_.empty()) return;
   if (!glass::is_description(save_))
     throw Error(Exit::bad_input, save_, "is no name of a description", "name it .toml");
+  if (std::error_code none; std::filesystem::equivalent(save_, input, none))
+    throw Error(Exit::bad_input, save_, "is what is read", "save it under another name");
   check_target(save_);
 }
 
@@ -96,17 +98,28 @@ void EngravingOptions::save(const glass::Description& description, Console& cons
   console.phase("saved", save_);
 }
 
-void move_to(const points::Point& origin, points::PointCloud& points, glass::Volume& volume) {
-  for (points::Point& p : points) p = {p.x + origin.x, p.y + origin.y, p.z + origin.z};
-  volume.refraction.entry_mm += origin.z;
+glass::Volume volume_at(const std::optional<points::Point>& origin,
+                        const glass::Description& description, const settings::Values& values) {
+  points::Bounds space = work_space_mm(values);
+  if (!origin) return glass::volume_of(description.glass, space);
+  for (points::Point* p : {&space.low, &space.high})
+    *p = {p->x - origin->x, p->y - origin->y, p->z - origin->z};
+  return glass::volume_of(description.glass, space, points::Point{});
+}
+
+void move_to(const std::optional<points::Point>& origin, points::PointCloud& points,
+             glass::Volume& volume) {
+  if (!origin) return;
+  for (points::Point& p : points) p = {p.x + origin->x, p.y + origin->y, p.z + origin->z};
+  volume.refraction.entry_mm += origin->z;
 }
 
 Work make_work(const EngravingOptions& options, bool dry, Console& console,
-               const points::Point& origin) {
+               const std::optional<points::Point>& origin) {
   options.check_save();
   const glass::Description description = options.description();
   const job::Profile profile = profile_of(description.machine);
-  glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
+  glass::Volume volume = volume_at(origin, description, profile.settings);
   Cloud cloud = make_cloud(description, volume, console);
   order_cloud(cloud, description, profile.settings, volume, console);
   move_to(origin, cloud.points, volume);

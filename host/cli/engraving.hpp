@@ -6,6 +6,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,12 +48,16 @@ class EngravingOptions {
 };
 
 /// Reads, discretises, orders and rounds to steps; with --save also saves. `origin`: where that of
-/// the description lies on the machine, mm; the points of the work are the machine's. Throws
-/// Error(bad_input).
+/// the description lies on the machine, mm, if not in its origin; the points of the work are the
+/// machine's. Throws Error(bad_input).
 Work make_work(const EngravingOptions& options, bool dry, Console& console,
-               const points::Point& origin = {});
+               const std::optional<points::Point>& origin = std::nullopt);
 
-/// Moves points and the glass that they are in.
-void move_to(const points::Point& origin, points::PointCloud& points, glass::Volume& volume);
+/// The volume for a job, in its own coordinates: objects lie round `origin`, if there is one.
+glass::Volume volume_at(const std::optional<points::Point>& origin,
+                        const glass::Description& description, const settings::Values& values);
+/// From these coordinates to the machine's: moves points and the glass that they are in.
+void move_to(const std::optional<points::Point>& origin, points::PointCloud& points,
+             glass::Volume& volume);
 
 }  // namespace lamplock::cli

@@ -10,15 +10,10 @@ namespace lamplock::cli {
 Foresight::Foresight(const job::Job& job, std::size_t first, std::uint32_t job_speed)
     : first_(first) {
   if (job.is_rows()) return;
-  estimate::Estimate foreseen;
-  try {
-    estimate::EstimateOptions options;
-    options.first = first;
-    options.job_speed = job_speed;
-    foreseen = estimate::estimate_job(job, options);
-  } catch (const Error&) {
-    return;  // the machine will say it better
-  }
+  estimate::EstimateOptions options;
+  options.first = first;
+  options.job_speed = job_speed;
+  const estimate::Estimate foreseen = estimate::estimate_job(job, options);
   if (foreseen.beats == 0) return;
   beat_s_ = foreseen.time_s / static_cast<double>(foreseen.beats);
   beat_.reserve(job.targets.size() - first);

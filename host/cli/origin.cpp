@@ -16,12 +16,16 @@ void OriginOption::add(CLI::App& app) {
       ->group("Board");
 }
 
-points::Point OriginOption::ask(link::Transport* port) const {
-  if (name == "machine" || port == nullptr) return {};
+std::optional<points::Point> OriginOption::ask(link::Transport* port) const {
+  if (name == "machine") return std::nullopt;
+  if (port == nullptr) return points::Point{};
   link::LinePort lines(*port);
-  const std::vector<double> zero = link::ask_places(lines).zero;
-  const auto axis = [&zero](std::size_t a) { return a < zero.size() ? zero[a] : 0; };
-  return {axis(0), axis(1), axis(2)};
+  const link::Places places = link::ask_places(lines);
+  link::require_unshifted(places);
+  const auto axis = [&places](std::size_t a) {
+    return a < places.zero.size() ? places.zero[a] : 0;
+  };
+  return points::Point{axis(0), axis(1), axis(2)};
 }
 
 }  // namespace lamplock::cli

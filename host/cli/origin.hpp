@@ -4,6 +4,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
 #include "host/link/transport.hpp"
@@ -16,10 +17,10 @@ struct OriginOption {
   std::string name = "machine";
 
   void add(CLI::App& app);
-  /// The taught zero (`lamplock operate zero`) in machine coordinates, mm; all zero for the
-  /// machine's own origin, and on simulated boards (no port), which have been taught nothing. Asks
-  /// the board. Throws Error: no_device, job_failed.
-  points::Point ask(link::Transport* port) const;
+  /// The taught zero (`lamplock operate zero`) in machine coordinates, mm; nothing for the
+  /// machine's own origin. Simulated boards (no port) have been taught nothing: all zero. Asks the
+  /// board. Throws Error: no_device, job_failed (also where G92 shifts coordinates).
+  std::optional<points::Point> ask(link::Transport* port) const;
 };
 
 }  // namespace lamplock::cli

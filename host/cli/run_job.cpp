@@ -35,13 +35,25 @@ using settings::Id;
 
 double lamp_hz(const settings::Values& values) { return in_units(values, Id::lamp_frequency); }
 
+/// "53 points, 159 flashes"; pauses are neither.
+std::string fired_text(const job::Job& job, std::size_t from) {
+  if (job.is_rows()) return fmt::format("{} lines", job.size() - from);
+  std::size_t points = 0, flashes = 0;
+  for (std::size_t i = from; i < job.targets.size(); ++i) {
+    points += job.is_pause(i) ? 0u : 1u;
+    flashes += job.targets[i].shots;
+  }
+  const std::string text = fmt::format("{} points", points);
+  return flashes == points ? text : fmt::format("{}, {} flashes", text, flashes);
+}
+
 /// A real laser fires only when somebody has said so.
 void ask_permission(const Work& work, const BoardOptions& options) {
   if (options.yes || work.job.header.dry || options.is_simulated()) return;
   const std::string lamp =
       work.job.is_rows() ? "" : fmt::format(", lamp {:g} Hz", lamp_hz(work.job.settings));
-  fmt::print(stderr, "{} {}s on {}{}: the laser will fire. Type yes to fire: ",
-             work.job.size() - options.from, work.job.item(), options.board, lamp);
+  fmt::print(stderr, "{} on {}{}: the laser will fire. Type yes to fire: ",
+             fired_text(work.job, options.from), options.board, lamp);
   std::fflush(stderr);
   std::string answer;
   if (!std::getline(std::cin, answer) || answer != "yes")
@@ -292,9 +304,6 @@ Outcome run_job(const Work& work, const BoardOptions& options,
 
 Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
   const report::Report report = report::evaluate(outcome.run);
-  if (!options.statistics.empty())
-    report::append_statistics(options.statistics, report, end_name(outcome.result.end),
-                              std::chrono::system_clock::now());
   if (outcome.result.end != JobEnd::done)  // known even if the report cannot be written
     console.say("first point not fired: {}", outcome.result.status.first_unfired);
   console.line("");
@@ -312,6 +321,9 @@ Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& co
     json["warnings"] = outcome.run.warnings;
     console.document(json);
   }
+  if (!options.statistics.empty())
+    report::append_statistics(options.statistics, report, end_name(outcome.result.end),
+                              std::chrono::system_clock::now());
   const Exit exit = tell_end(outcome.result, options, "point");
   if (exit != Exit::done) return exit;
   const auto missed = report.missed.value_or(0), doubled = report.doubled.value_or(0);

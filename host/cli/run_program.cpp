@@ -37,13 +37,14 @@ struct Program {
 
 /// What belongs to jobs makes no sense here.
 void check_options(const BoardOptions& options) {
-  const std::array<std::pair<const char*, bool>, 8> of_jobs{
+  const std::array<std::pair<const char*, bool>, 9> of_jobs{
       {{"--from", options.from != 0},
        {"--fired", options.fired != 0},
        {"--job-speed", options.job_speed != 100},
        {"--dry", options.dry},
        {"--hold-at", options.hold_at != 0},
        {"--report", !options.report.empty()},
+       {"--statistics", !options.statistics.empty()},
        {"--timing", !options.timing.empty()},
        {"--plot", options.plot.any()}}};
   for (const auto& [name, given] : of_jobs)

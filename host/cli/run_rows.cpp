@@ -11,9 +11,10 @@ namespace {
 
 /// What is about points and their shots.
 void check_row_options(const BoardOptions& options) {
-  const std::array<std::pair<const char*, bool>, 5> of_points{
+  const std::array<std::pair<const char*, bool>, 6> of_points{
       {{"--fired", options.fired != 0},
        {"--report", !options.report.empty()},
+       {"--statistics", !options.statistics.empty()},
        {"--shots", !options.shots.empty()},
        {"--timing", !options.timing.empty()},
        {"--plot", options.plot.any()}}};

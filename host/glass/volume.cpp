@@ -31,18 +31,23 @@ double chosen_index(const GlassChoice& glass) {
 
 Bounds Volume::room() const { return block ? common(reach, block->inside()) : reach; }
 
-Point Volume::middle() const { return block ? block->middle_mm : reach.centre(); }
+Point Volume::middle() const { return block ? block->middle_mm : centre; }
 
-Volume volume_of(const GlassChoice& glass, const Bounds& work_space) {
+Volume volume_of(const GlassChoice& glass, const Bounds& work_space,
+                 const std::optional<Point>& centre) {
+  if (glass.block_at_mm && !glass.block_mm)
+    throw Error(Exit::bad_input, "block", "has a place and no size", "give its size, or neither");
   Volume volume;
   volume.refraction = {chosen_index(glass), work_space.high.z};
   if (glass.block_mm) {
-    volume.block = Block{point_of(*glass.block_mm), work_space.centre(), glass.margin_mm};
+    volume.block =
+        Block{point_of(*glass.block_mm), centre.value_or(work_space.centre()), glass.margin_mm};
     if (glass.block_at_mm) volume.block->middle_mm = point_of(*glass.block_at_mm);
     require_block(*volume.block);
     volume.refraction.entry_mm = volume.block->entry_mm();
   }
   volume.reach = volume.refraction.reach(work_space);
+  volume.centre = centre.value_or(volume.reach.centre());
   const Bounds room = volume.room();
   if (room.low.x > room.high.x || room.low.y > room.high.y || room.low.z > room.high.z)
     throw Error(Exit::bad_input, "block", "the machine reaches nothing of it",

@@ -21,6 +21,7 @@ struct Volume {
   std::optional<Block> block{};
   Refraction refraction{};
   points::Bounds reach{};  ///< of the focus: the work space, seen through the glass
+  points::Point centre{};  ///< of what has no other place
 
   /// Where points may be.
   points::Bounds room() const;
@@ -28,8 +29,11 @@ struct Volume {
   points::Point middle() const;
 };
 
-/// Throws Error(bad_input): a material and an index, an index below 1, a block that is none, a
-/// block of which the machine reaches nothing.
-Volume volume_of(const GlassChoice& glass, const points::Bounds& work_space);
+/// `centre`: where the block lies that is not told where, and objects without a block; by default
+/// the middle of the work space. Throws Error(bad_input): a material and an index, an index below
+/// 1, a block that is none, a block of which the machine reaches nothing, a place of a block that
+/// is not there.
+Volume volume_of(const GlassChoice& glass, const points::Bounds& work_space,
+                 const std::optional<points::Point>& centre = std::nullopt);
 
 }  // namespace lamplock::glass

@@ -47,6 +47,17 @@ motion::Target pause_at(const motion::Target& target, std::uint16_t beats) {
   return {target.steps, beats, 0, 0, 0};
 }
 
+/// The firmware stands for 8192 beats at most, and 2147 s (motion/reach.hpp); a longer pause is
+/// made of several.
+void add_pause(std::vector<motion::Target>& targets, std::uint16_t beats) {
+  constexpr std::uint16_t longest = 2000;
+  for (std::uint16_t left = beats; left != 0;) {
+    const std::uint16_t part = std::min(left, longest);
+    targets.push_back(pause_at(targets.back(), part));
+    left = static_cast<std::uint16_t>(left - part);
+  }
+}
+
 /// Each point as a target, with the pauses between them.
 std::vector<motion::Target> targets_of(const points::PointCloud& points, const Profile& profile,
                                        const JobOptions& options) {
@@ -56,8 +67,7 @@ std::vector<motion::Target> targets_of(const points::PointCloud& points, const P
   const Rounder rounder(profile.settings);
   std::size_t outside = 0, first_outside = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (every != 0 && i != 0 && i % every == 0)
-      targets.push_back(pause_at(targets.back(), options.pause_beats));
+    if (every != 0 && i != 0 && i % every == 0) add_pause(targets, options.pause_beats);
     motion::Target target{{}, 0, options.shots, options.channel, options.energy};
     if (!rounder.round(options.refraction.stage(points[i]), target.steps) && outside++ == 0)
       first_outside = i;

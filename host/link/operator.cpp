@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "host/error.hpp"
+#include "host/link/board_settings.hpp"
 #include "host/link/line_console.hpp"
 
 namespace lamplock::link {
@@ -59,6 +60,25 @@ std::vector<double> machine_place(const BoardStatus& status) {
   return place;
 }
 
+/// True if G92 or a tool length is in force.
+bool is_shifted(const Answer& answer) {
+  const auto not_zero = [](double mm) { return mm != 0; };
+  for (const std::string& line : answer.lines)
+    for (const char* name : {"G92", "TLO"})
+      if (const auto place = parse_place(line, name))
+        if (std::any_of(place->begin(), place->end(), not_zero)) return true;
+  return false;
+}
+
+/// Places in inches would be taken for mm, and the machine would go elsewhere.
+void require_mm(LinePort& port) {
+  constexpr std::uint32_t report_inches = 13;  // $13, grbl 1.1
+  const BoardSettings kept = read_settings(port);
+  const auto found = kept.texts.find(report_inches);
+  if (found == kept.texts.end() || found->second == "0") return;
+  throw Error(Exit::job_failed, "machine", "tells its places in inches", "set $13=0");
+}
+
 bool same(const std::vector<double>& a, const std::vector<double>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](double x, double y) { return std::fabs(x - y) < same_place_mm; });
@@ -100,6 +120,7 @@ std::vector<std::string> leave_for(const std::string& there, const Places& place
 }  // namespace
 
 Places ask_places(LinePort& port) {
+  require_mm(port);
   Places places;
   places.machine = machine_place(greet(port).status);
   const Answer answer = ask(port, "$#");
@@ -110,11 +131,19 @@ Places ask_places(LinePort& port) {
   places.zero = place_in(answer, "G54");
   places.sample = place_in(answer, "G28");
   places.left = place_in(answer, "G30");
+  places.shifted = is_shifted(answer);
   return places;
+}
+
+void require_unshifted(const Places& places) {
+  if (places.shifted)
+    throw Error(Exit::job_failed, "machine", "G92 or a tool length shifts its coordinates",
+                "send G92.1 and G49 first");
 }
 
 std::vector<std::string> lines_of(Operation operation, const Places& places,
                                   const std::string& axes) {
+  if (operation == Operation::zero || operation == Operation::init) require_unshifted(places);
   switch (operation) {
     case Operation::home:
       return {"$H"};

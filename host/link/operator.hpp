@@ -35,15 +35,20 @@ enum class Operation : std::uint8_t {
 struct Places {
   std::vector<double> machine;  ///< where it stands
   std::vector<double> zero, sample, left;
+  /// G92 or a tool length shifts coordinates: zero is not where the machine's zero is.
+  bool shifted = false;
 };
 
-/// Asks a board (`$I`, `?`, `$#`). Throws Error: no_device (no answer), job_failed (it does not say
-/// where it is).
+/// Throws Error(job_failed) for places that are shifted.
+void require_unshifted(const Places& places);
+
+/// Asks a board (`$$`, `$I`, `?`, `$#`). Throws Error: no_device (no answer), job_failed (it does
+/// not say where it is, or in inches).
 Places ask_places(LinePort& port);
 
 /// The lines of an operation for a machine that stands there. `axes`: letters of the axes whose
-/// zero is taught, of "XYZA"; empty = all. Throws Error(bad_input) for a letter that is no axis of
-/// the machine.
+/// zero is taught, of "XYZA"; empty = all. Throws Error: bad_input for a letter that is no axis of
+/// the machine, job_failed for zero and init where coordinates are shifted.
 std::vector<std::string> lines_of(Operation operation, const Places& places,
                                   const std::string& axes = {});
 

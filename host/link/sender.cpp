@@ -250,22 +250,26 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
                   "install firmware and program of one release");
     case Result::settings_mismatch:
       throw Error(Exit::bad_input, where, "the job was made for other settings",
-                  "make the job again with this machine's profile");
+                  "make the job again with this machine's profile" + then);
     case Result::out_of_bounds:
       throw Error(Exit::bad_input, where, "is outside the machine's work space",
-                  "check travel and corner in the machine profile");
+                  "check travel and corner in the machine profile" + then);
     case Result::unreachable:
       throw Error(Exit::bad_input, where, "cannot be reached inside the machine's limits",
-                  "check speed, acceleration and beats");
+                  "check speed, acceleration and beats" + then);
     case Result::bad_value:
       throw Error(
           Exit::bad_input, where,
           fmt::format("refuses {}", of_point ? "the record" : describe_setting(refused.value)),
-          "keep to the machine's own settings, which it lists after $$");
+          "keep to the machine's own settings, which it lists after $$" + then);
+    case Result::unsupported:
+      throw Error(Exit::bad_input, where,
+                  "wants what the machine does not have or has switched off",
+                  "check the channel ($924) and the axes" + then);
     default:
       throw Error(Exit::bad_input, where,
                   fmt::format("refuses the job (result {})", static_cast<int>(refused.result)),
-                  "check that program and firmware are of one release");
+                  "check that program and firmware are of one release" + then);
   }
 }
 

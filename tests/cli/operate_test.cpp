@@ -69,7 +69,7 @@ TEST_F(Operate, points_are_engraved_at_the_taught_zero) {
   const std::string far = folder_.write("far.xyz", "46 2 3\n");
   const Finished outside = run({"engrave", far, "--origin", "zero", "--board", port_, "--yes"});
   EXPECT_EQ(outside.status, 2);
-  EXPECT_THAT(outside.err, HasSubstr("51"));
+  EXPECT_THAT(outside.err, HasSubstr("x -55..45"));
   sim_.interrupt();
   EXPECT_EQ(sim_.finish().status, 0);
   const auto shots = read_shots(folder_ / "shots.csv");
@@ -95,7 +95,7 @@ TEST_F(Operate, fires_test_flashes_where_it_stands_when_permitted) {
   EXPECT_EQ(refused.status, 2);
   EXPECT_THAT(refused.err, HasSubstr("--yes"));
   EXPECT_EQ(operate({"pulse", "--flashes", "2", "--dry"}).status, 0);
-  EXPECT_EQ(operate({"pulse", "--flashes", "3", "--channel", "2", "--yes"}).status, 0);
+  EXPECT_EQ(operate({"pulse", "--flashes", "3", "--channel", "1", "--yes"}).status, 0);
   EXPECT_EQ(places({"status"})["machine_mm"], (Place{6, 8, -1}));
   sim_.interrupt();
   EXPECT_EQ(sim_.finish().status, 0);
@@ -104,6 +104,70 @@ TEST_F(Operate, fires_test_flashes_where_it_stands_when_permitted) {
   ASSERT_EQ(rows.size(), 4u) << csv;
   for (std::size_t i = 1; i < rows.size(); ++i)
     EXPECT_THAT(rows[i], MatchesRegex("[0-9],1,[0-9]+,[0-9.]+,6,8,-1"));
+}
+
+/// Taken for mm, places in inches would move it; with G92 zero would be taught elsewhere.
+TEST_F(Operate, goes_nowhere_by_places_that_mean_another_place) {
+  go("G0 X9 Y2 Z-3");
+  go("G92 X0");
+  for (const char* what : {"zero", "init"}) {
+    const Finished shifted = operate({what});
+    EXPECT_EQ(shifted.status, 1) << what;
+    EXPECT_THAT(shifted.err, HasSubstr("G92.1"));
+  }
+  go("G92.1");
+  go("$13=1");
+  for (const std::vector<std::string>& what :
+       {std::vector<std::string>{"pulse", "--yes"}, {"init"}, {"status"}}) {
+    const Finished inches = operate(what);
+    EXPECT_EQ(inches.status, 1) << what[0];
+    EXPECT_THAT(inches.err, HasSubstr("$13=0"));
+  }
+  go("$13=0");
+  EXPECT_EQ(places({"status"})["machine_mm"], (Place{9, 2, -3}));
+  EXPECT_EQ(shots(), 0u);
+}
+
+TEST_F(Operate, meshes_lie_round_the_taught_zero) {
+  go("G0 X20 Y-10 Z5");
+  (void)places({"zero"});
+  const std::string model = folder_ / "m.stl";
+  ASSERT_EQ(run({"example", model}).status, 0);
+  const Finished done = run({"engrave", model, "--size", "8", "--spacing", "2", "--origin", "zero",
+                             "--board", port_, "--yes"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  sim_.interrupt();
+  EXPECT_EQ(sim_.finish().status, 0);
+  const auto shots = read_shots(folder_ / "shots.csv");
+  ASSERT_GT(shots.size(), 10u);
+  for (const auto& p : shots) {
+    EXPECT_NEAR(p.x, 20, 4.01);
+    EXPECT_NEAR(p.y, -10, 4.01);
+    EXPECT_NEAR(p.z, 5, 4.01);
+  }
+}
+
+TEST(OperateFourAxes, a_test_flash_moves_no_axis) {
+  const Folder folder;
+  const std::string port = folder / "port";
+  const std::string machine = folder.write("m.toml", "axes = 4\ntravel = [100, 100, 100, 100]\n");
+  Running sim({"sim", "--pty", port, "--machine", machine});
+  ASSERT_TRUE(sim.wait_for("listening"));
+  ASSERT_EQ(run({"console", "--board", port}, "G0 X10 A20\nG4 P0\n").status, 0);
+  EXPECT_EQ(run({"operate", "pulse", "--yes", "--board", port}).status, 0);
+  const Finished status = run({"operate", "status", "--json", "--board", port});
+  EXPECT_EQ(json::parse(status.out)["machine_mm"], (Place{10, 0, 0, 20}));
+}
+
+TEST_F(Operate, a_job_that_cannot_end_is_not_begun) {
+  std::string list;
+  for (int i = 0; i < 600; ++i) list += std::to_string(i % 10 * 0.01) + " 0 0\n";
+  list += "45 45 45\n";
+  const Finished failed = run({"engrave", folder_.write("far.xyz", list), "--lamp", "1000",
+                               "--speed", "0.004", "--board", port_, "--yes"});
+  EXPECT_EQ(failed.status, 2);
+  EXPECT_THAT(failed.err, HasSubstr("point 600: cannot be reached"));
+  EXPECT_EQ(shots(), 0u);
 }
 
 TEST_F(Operate, refuses_what_it_cannot_do_in_one_line) {

@@ -124,6 +124,8 @@ TEST(Volume, ThatCannotBe) {
   glass.block_mm = Triple{20, 20, 20};
   glass.block_at_mm = Triple{70, 0, 0};
   EXPECT_THAT(error_of([&] { volume_of(glass, work_space); }), HasSubstr("reaches nothing"));
+  glass.block_mm.reset();
+  EXPECT_THAT(error_of([&] { volume_of(glass, work_space); }), HasSubstr("no size"));
 }
 
 }  // namespace

@@ -100,6 +100,14 @@ TEST(MakeJob, StandsStillAfterSoManyPoints) {
       EXPECT_EQ(job.targets[i].steps[0], static_cast<int>(point++) * 200);
     }
   }
+  // The firmware does not stand for longer than 8192 beats at once.
+  const Job long_pause = make_job(cloud, {}, {.pause_every = 5, .pause_beats = 65'535});
+  std::uint32_t beats = 0;
+  for (std::size_t i = 0; i < long_pause.targets.size(); ++i) {
+    EXPECT_LE(long_pause.targets[i].beats, 2000);
+    if (long_pause.is_pause(i)) beats += long_pause.targets[i].beats;
+  }
+  EXPECT_EQ(beats, 65'535u);
   EXPECT_EQ(make_job(cloud, {}, {.pause_every = 10, .pause_beats = 1}).targets.size(), 10u);
   EXPECT_THAT(error_of(cloud, {}, {.pause_every = 3}), HasSubstr("pauses"));
 }
