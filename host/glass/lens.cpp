@@ -19,6 +19,7 @@ std::span<const Lens> lenses() { return known; }
 
 std::vector<std::string> lens_names() {
   std::vector<std::string> names;
+  names.reserve(known.size());
   for (const Lens& lens : known) names.emplace_back(lens.name);
   return names;
 }

@@ -21,6 +21,7 @@ std::span<const Material> materials() { return known; }
 
 std::vector<std::string> material_names() {
   std::vector<std::string> names;
+  names.reserve(known.size());
   for (const Material& material : known) names.emplace_back(material.name);
   return names;
 }

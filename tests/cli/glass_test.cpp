@@ -38,12 +38,12 @@ std::vector<std::string> joined(std::vector<std::string> words,
 }
 
 void expect_refused(const Folder& folder, const std::vector<std::string>& arguments,
-                    const testing::Matcher<std::string>& names) {
+                    const std::vector<std::string>& names) {
   const auto before = folder.files();
   const Finished refused = run(arguments);
   EXPECT_EQ(refused.status, 2) << refused.out;
   EXPECT_THAT(refused.err, testing::MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+\n"));
-  EXPECT_THAT(refused.err, names);
+  for (const std::string& name : names) EXPECT_THAT(refused.err, HasSubstr(name));
   EXPECT_EQ(folder.files(), before);
 }
 
@@ -77,28 +77,27 @@ TEST(Glass, BlocksKeepTheirMargin) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", "0 0 0\n0 0 8\n1 6.9 0\n0 7.1 0\n0 0 7.5\n");
   expect_refused(folder, {"engrave", list, "--block", "20,20,20", "--report", folder / "r"},
-                 AllOf(HasSubstr("3 of 5 points"), HasSubstr("point 1 at (0, 0, 8) mm"),
-                       HasSubstr("margin"), HasSubstr("7")));
+                 {"3 of 5 points", "point 1 at (0, 0, 8) mm", "margin", "7"});
   const Finished narrow = run({"engrave", list, "--block", "20,20,20", "--margin", "2"});
   EXPECT_EQ(narrow.status, 0) << narrow.err;
   EXPECT_THAT(narrow.out, HasSubstr("warning  a margin of 2 mm"));
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   expect_refused(folder,
                  {"points", mesh, "--size", "15", "--block", "20,20,20", "-o", folder / "o.xyz"},
-                 HasSubstr("--size 14"));
+                 {"--size 14"});
   // A move out of the block.
   expect_refused(folder,
                  {"points", mesh, "--size", "10", "--block", "20,20,20", "--transform",
                   "move 4 0 0", "-o", folder / "o.xyz"},
-                 HasSubstr("lie outside the block"));
+                 {"lie outside the block"});
 }
 
 TEST(Glass, ThatCannotBe) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", "0 0 0\n");
   const auto refused = [&](const std::vector<std::string>& options, const std::string& names) {
-    expect_refused(folder, joined({"engrave", list}, options), HasSubstr(names));
-    expect_refused(folder, joined({"frame", list}, options), HasSubstr(names));
+    expect_refused(folder, joined({"engrave", list}, options), {names});
+    expect_refused(folder, joined({"frame", list}, options), {names});
   };
   refused({"--block", "20,0,20"}, "--block");
   refused({"--block", "20,20"}, "--block");
@@ -155,8 +154,8 @@ TEST(Pauses, CostTheirBeatsAndNoPoint) {
   const int short_ones = beats("40");
   EXPECT_EQ(beats("240") - short_ones, 3 * 200);
   expect_refused(folder, {"engrave", list, "--pause-every", "5", "--pause-beats", "0"},
-                 HasSubstr("--pause-beats"));
-  expect_refused(folder, {"engrave", list, "--pause-every", "-1"}, HasSubstr("--pause-every"));
+                 {"--pause-beats"});
+  expect_refused(folder, {"engrave", list, "--pause-every", "-1"}, {"--pause-every"});
 }
 
 TEST(Pauses, AJobGoesOnFromAnyPlace) {
@@ -235,11 +234,11 @@ TEST(Description, WantsNoOptionsThatItHasKeysFor) {
                                                                   {"--block", "9,9,9"},
                                                                   {"--transform", "fit"},
                                                                   {"--no-end-points"}})
-    expect_refused(folder, joined({"engrave", toml}, option), HasSubstr("job.toml"));
+    expect_refused(folder, joined({"engrave", toml}, option), {"job.toml"});
   folder.write("job.toml", "[[object]]\nfile = \"p.xyz\"\n\nsise = 3\n");
-  expect_refused(folder, {"engrave", toml}, HasSubstr("job.toml:4: unknown key 'sise'"));
+  expect_refused(folder, {"engrave", toml}, {"job.toml:4: unknown key 'sise'"});
   folder.write("job.toml", "[[object]]\nfile = \"none.xyz\"\n");
-  expect_refused(folder, {"engrave", toml}, HasSubstr("none.xyz"));
+  expect_refused(folder, {"engrave", toml}, {"none.xyz"});
 }
 
 TEST(Description, SeveralObjectsInOneBlock) {
@@ -361,7 +360,7 @@ TEST(Warnings, OfMeshesWithHoles) {
   EXPECT_THAT(made["warnings"].dump(), HasSubstr("m.stl: 3 "));
   expect_refused(folder,
                  {"points", mesh, "--size", "5", "--method", "solid", "-o", folder / "p.xyz"},
-                 HasSubstr("open"));
+                 {"open"});
 }
 
 TEST(Warnings, StayOutOfGoodWork) {

@@ -195,8 +195,9 @@ TEST(Estimate, looks_as_far_ahead_as_the_machine) {
     points::PointCloud cloud;
     for (int row = 0; row < 4; ++row) {
       cloud.push_back({-15, 2.0 * row + 1, 0});
+      const int middle = length / 2;
       for (int i = 0; i < length; ++i)
-        cloud.push_back({(row % 2 == 0 ? 1 : -1) * 0.025 * (i - length / 2), 2.0 * row, 0});
+        cloud.push_back({(row % 2 == 0 ? 1 : -1) * 0.025 * (i - middle), 2.0 * row, 0});
     }
     expect_same(job::make_job(cloud, profile, {}), {}, fmt::format("rows of {}", length));
   }

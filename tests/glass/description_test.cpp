@@ -24,14 +24,14 @@ using ::testing::HasSubstr;
 class DescriptionTest : public ::testing::Test {
  protected:
   Description read(const std::string& text) const {
-    return read_description(folder.write("job.toml", text));
+    return read_description(folder_.write("job.toml", text));
   }
   std::string refusal(const std::string& text) const {
     return error_of([&] { read(text); });
   }
-  std::string path(const std::string& name) const { return folder.file(name).string(); }
+  std::string path(const std::string& name) const { return folder_.file(name).string(); }
 
-  test::TemporaryFolder folder;
+  test::TemporaryFolder folder_;
 };
 
 /// All parameters of a description, section by section.
@@ -166,9 +166,9 @@ TEST_F(DescriptionTest, ItsTextReadsBackAsTheSame) {
     }
     for (Object& object : d.objects) object.file = path(object.file);
     if (!d.machine.profile.empty()) d.machine.profile = path(d.machine.profile);
-    const std::string text = to_text(d, folder.file("."));
+    const std::string text = to_text(d, folder_.file("."));
     Description back = read(text);
-    EXPECT_EQ(to_text(back, folder.file(".")), text);
+    EXPECT_EQ(to_text(back, folder_.file(".")), text);
     const auto said = all_parameters(d), again = all_parameters(back);
     ASSERT_EQ(said.size(), again.size());
     for (std::size_t k = 0; k < said.size(); ++k) {

@@ -42,7 +42,8 @@ double distance(const Point& p, const Point& q) {
 std::string lines(const std::string& groups) {
   std::istringstream words(groups);
   std::string text, code, value;
-  while (words >> code >> value) text += "  " + code + "\n" + value + "\n";
+  while (words >> code >> value)
+    text.append("  ").append(code).append("\n").append(value).append("\n");
   return text;
 }
 
@@ -319,7 +320,8 @@ TEST_F(Dxf, BlocksThatExplodeAreRefused) {
   std::string doubling = "0 BLOCK 2 B0 0 ENDBLK ", chain = doubling;
   for (int i = 1; i <= 40; ++i) {
     const std::string inner = "0 INSERT 2 B" + std::to_string(i - 1) + " ";
-    doubling += "0 BLOCK 2 B" + std::to_string(i) + " " + inner + inner + "0 ENDBLK ";
+    doubling.append("0 BLOCK 2 B").append(std::to_string(i)).append(" ");
+    doubling.append(inner).append(inner).append("0 ENDBLK ");
   }
   EXPECT_THAT(error(drawing("0 INSERT 2 B40", section("BLOCKS", doubling))), HasSubstr("pieces"));
   for (int i = 1; i <= 100; ++i) {

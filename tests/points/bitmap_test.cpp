@@ -69,6 +69,7 @@ std::string jpeg_of(int width, int height, const std::vector<std::uint8_t>& grey
 TEST(ReadBitmap, JpegIsGrey) {
   const TemporaryFolder folder;
   std::vector<std::uint8_t> grey;
+  grey.reserve(32 * 24);
   for (int i = 0; i < 32 * 24; ++i) grey.push_back(static_cast<std::uint8_t>(i % 32 * 8));
   const Bitmap bitmap = read_bitmap(folder.write("a.jpg", jpeg_of(32, 24, grey)));
   ASSERT_EQ(bitmap.width, 32);

@@ -119,7 +119,8 @@ TEST(Divide, LayersAreStackedRoundTheDrawingsOwnHeight) {
   ASSERT_EQ(three.size(), 12u);
   for (std::size_t i = 0; i < three.size(); ++i) {
     Point expected = one[i % 4];
-    expected.z += 0.25 * (static_cast<double>(i / 4) - 1);
+    const std::size_t layer = i / 4;
+    expected.z += 0.25 * (static_cast<double>(layer) - 1);
     EXPECT_EQ(three[i], expected);
   }
 }
