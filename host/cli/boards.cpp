@@ -1,9 +1,8 @@
 #include "host/cli/boards.hpp"
 
-#include <filesystem>
 #include <stdexcept>
-#include <system_error>
 
+#include "host/cli/image_path.hpp"
 #include "host/cli/simulator_error.hpp"
 #include "host/error.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
@@ -11,20 +10,12 @@
 namespace lamplock::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr const char* image_name = "lamplock-rp2040.elf";
 /// Boot takes about 0.08 s, enumeration as much again.
 constexpr sim::Picoseconds longest_boot = 2 * sim::ps_per_s;
 
+/// The chip's image: the file that was given, or that of this program.
 std::string image_file(const std::string& image) {
-  if (!image.empty()) return image;
-  std::error_code ignored;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", ignored).parent_path() / image_name;
-  if (fs::exists(beside, ignored)) return beside.string();
-  throw Error(Exit::bad_input, "--board chip",
-              std::string("there is no ") + image_name + " beside the program",
-              "build the firmware, or give its file with --image");
+  return image_path(image, elf_image_name, "--board chip");
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ struct SimulatedBoard {
 };
 
 /// Makes a board that keeps these settings and has been found by its host. `image`: file for the
-/// chip; empty: lamplock-rp2040.elf beside the program. Throws Error(bad_input) for an image that
-/// cannot be used, Error(no_device) if the board does not come up.
+/// chip; empty: the one that came with the program (image_path.hpp). Throws Error(bad_input) for an
+/// image that cannot be used, Error(no_device) if the board does not come up.
 SimulatedBoard make_board(const std::string& name, const std::string& image,
                           const settings::Values& stored, const sim::WorldConfig& world);
 
