@@ -18,6 +18,7 @@
 #include "host/model/mtl.hpp"
 #include "host/model/ply.hpp"
 #include "host/model/scene_brightness.hpp"
+#include "host/model/threemf_check.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -34,7 +35,9 @@ std::size_t check(const path& file, const std::string& bytes) {
     read_ply_vertices(file, bytes, read_ply_header(file, bytes));
   } else if (extension == ".glb") {
     check_glb(file, bytes);
-  } else if (extension != ".3mf") {  // a ZIP archive, which has check sums of its own
+  } else if (extension == ".3mf") {
+    check_3mf(file);
+  } else {
     refuse(file, fmt::format("'{}' is no mesh format", extension),
            "give STL, OBJ, PLY, GLB or 3MF");
   }

@@ -1,7 +1,7 @@
 // Mesh files. Comes in: STL (binary or ASCII), OBJ, PLY, GLB or 3MF, with the pictures that OBJ and
 // GLB name. Goes out: one triangle mesh in the file's units. Called by the command line. The mesh
 // library (assimp) reads the formats; because it accepts cut-off files and numbers that are none,
-// each file is checked first (mesh_checks.hpp, glb.hpp).
+// each file is checked first (mesh_checks.hpp, glb.hpp, threemf_check.hpp).
 #pragma once
 
 #include <filesystem>

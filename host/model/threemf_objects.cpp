@@ -1,0 +1,90 @@
+#include "host/model/threemf_objects.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "host/file.hpp"
+
+namespace lamplock::model {
+namespace {
+
+using std::filesystem::path;
+
+/// As for GLB: more would overflow the stack of the mesh library.
+constexpr int most_depth = 100;
+/// The mesh library takes more than a kilobyte for each.
+constexpr std::uint64_t most_objects = 100'000;
+/// 72 bytes each: 1.4 GB.
+constexpr std::uint64_t most_triangles = 20'000'000;
+
+/// An object with all that is in it.
+struct Whole {
+  int depth = 0;
+  std::uint64_t objects = 1, triangles = 0;
+};
+
+class Placed {
+ public:
+  Placed(const path& file, const ThreemfObjects& objects) : file_(file), objects_(objects) {}
+
+  void add(int item) { add_to(all_, whole(item, 0)); }
+
+ private:
+  /// Never deeper than `most_depth`, so that the check itself does not overflow the stack.
+  const Whole& whole(int id, int depth) {
+    const auto [known, is_new] = wholes_.try_emplace(id);
+    if (!is_new) {
+      if (!known->second)
+        refuse(file_, fmt::format("object {} contains itself", id), "repair the model");
+      require_depth(id, depth + known->second->depth);
+      return *known->second;
+    }
+    require_depth(id, depth);
+    const ThreemfObject& object = at(id);
+    Whole sum{0, 1, object.triangles};
+    for (const int inner : object.inside) add_to(sum, whole(inner, depth + 1));
+    return known->second.emplace(sum);
+  }
+
+  const ThreemfObject& at(int id) const {
+    const auto found = objects_.find(id);
+    if (found == objects_.end())
+      refuse(file_, fmt::format("there is no object {}, which is to be placed", id),
+             "repair the model");
+    return found->second;
+  }
+
+  /// Both numbers stay so small that they cannot overflow.
+  void add_to(Whole& sum, const Whole& one) const {
+    sum.depth = std::max(sum.depth, one.depth + 1);
+    sum.objects += one.objects;
+    sum.triangles += one.triangles;
+    if (sum.objects > most_objects)
+      refuse(file_, fmt::format("more than {} placed objects", most_objects), "place fewer");
+    if (sum.triangles > most_triangles)
+      refuse(file_, fmt::format("more than {} placed triangles", most_triangles),
+             "place fewer objects, or reduce their meshes");
+  }
+
+  void require_depth(int id, int depth) const {
+    if (depth > most_depth)
+      refuse(file_, fmt::format("object {} stands in others, deeper than {}", id, most_depth),
+             "join some of them");
+  }
+
+  const path& file_;
+  const ThreemfObjects& objects_;
+  std::map<int, std::optional<Whole>> wholes_;  // nothing: it is being added up
+  Whole all_{0, 0, 0};
+};
+
+}  // namespace
+
+void check_placed(const path& file, const ThreemfObjects& objects, const std::vector<int>& items) {
+  Placed placed(file, objects);
+  for (const int item : items) placed.add(item);
+}
+
+}  // namespace lamplock::model

@@ -1,0 +1,102 @@
+#include "host/model/zip_archive.hpp"
+
+#include <fmt/format.h>
+#include <minizip/unzip.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <string_view>
+
+#include "host/file.hpp"
+
+namespace lamplock::model {
+namespace {
+
+/// The mesh library has no room for longer names.
+constexpr std::size_t most_name_bytes = 255;
+/// Text of models is packed to a tenth, at most to a thirtieth where numbers are all alike; zeros
+/// to a thousandth. Small parts may be what they like.
+constexpr std::uint64_t most_packed = 200, small_bytes = 1u << 20;
+
+constexpr const char* damaged = "the file is cut off or damaged: export it again";
+
+/// Names that the mesh library would make others of.
+bool is_plain(std::string_view name) {
+  return !name.starts_with('.') && !name.starts_with('/') &&
+         name.find('\\') == std::string_view::npos && name.find("/..") == std::string_view::npos &&
+         name.find('\0') == std::string_view::npos;
+}
+
+}  // namespace
+
+void ZipArchive::Close::operator()(void* archive) const { unzClose(archive); }
+
+ZipArchive::ZipArchive(const std::filesystem::path& file)
+    : file_(file), archive_(unzOpen64(file.c_str())) {
+  if (!archive_) refuse(file_, "no ZIP archive, which a 3MF is", damaged);
+  read_directory();
+}
+
+void ZipArchive::read_directory() {
+  std::set<std::string_view> names;
+  std::uint64_t bytes = 0;
+  int result = unzGoToFirstFile(archive_.get());
+  for (; result == UNZ_OK; result = unzGoToNextFile(archive_.get())) {
+    std::array<char, most_name_bytes + 1> name{};
+    unz_file_info64 info{};
+    if (unzGetCurrentFileInfo64(archive_.get(), &info, name.data(), name.size(), nullptr, 0,
+                                nullptr, 0) != UNZ_OK)
+      break;
+    if (info.size_filename > most_name_bytes)
+      refuse(file_, fmt::format("a part with a name of {} letters", info.size_filename),
+             "export it with shorter names");
+    const ZipPart part{
+        {name.data(), info.size_filename}, info.uncompressed_size, info.compressed_size};
+    check(part);
+    bytes += part.bytes;
+    parts_.push_back(part);
+  }
+  if (result != UNZ_END_OF_LIST_OF_FILE) refuse(file_, "its directory cannot be read", damaged);
+  for (const ZipPart& part : parts_)
+    if (!names.insert(part.name).second)
+      refuse(file_, fmt::format("two parts are named '{}'", part.name), "export it again");
+  if (bytes > most_unpacked_bytes)
+    refuse(file_,
+           fmt::format("unpacks to {} MB, more than {}", bytes >> 20, most_unpacked_bytes >> 20),
+           "reduce the mesh, or export it as binary STL");
+}
+
+void ZipArchive::check(const ZipPart& part) const {
+  if (!is_plain(part.name))
+    refuse(file_, fmt::format("a part with the name '{}'", part.name), "export it again");
+  // Written so that no sum overflows, whatever the directory says.
+  if (part.bytes > most_unpacked_bytes)
+    refuse(file_,
+           fmt::format("part '{}' unpacks to {} MB, more than {}", part.name, part.bytes >> 20,
+                       most_unpacked_bytes >> 20),
+           "reduce the mesh, or export it as binary STL");
+  if (part.bytes > small_bytes && part.bytes / most_packed > part.packed_bytes)
+    refuse(file_,
+           fmt::format("part '{}' unpacks to {} times its size, which no model does", part.name,
+                       part.bytes / std::max<std::uint64_t>(1, part.packed_bytes)),
+           "do not open this file");
+}
+
+std::string ZipArchive::unpacked(const std::string& name) const {
+  const auto part = std::find_if(parts_.begin(), parts_.end(),
+                                 [&](const ZipPart& one) { return one.name == name; });
+  constexpr int by_exact_name = 1;
+  if (part == parts_.end() || unzLocateFile(archive_.get(), name.c_str(), by_exact_name) != UNZ_OK)
+    refuse(file_, fmt::format("there is no part '{}'", name), damaged);
+  std::string bytes(part->bytes, '\0');
+  const auto size = static_cast<unsigned>(part->bytes);
+  const bool read =
+      unzOpenCurrentFile(archive_.get()) == UNZ_OK &&
+      unzReadCurrentFile(archive_.get(), bytes.data(), size) == static_cast<int>(size);
+  const bool sound = unzCloseCurrentFile(archive_.get()) == UNZ_OK;  // compares the CRC
+  if (!read || !sound) refuse(file_, fmt::format("part '{}' cannot be unpacked", name), damaged);
+  return bytes;
+}
+
+}  // namespace lamplock::model

@@ -1,0 +1,300 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <minizip/zip.h>
+
+#include <algorithm>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/file.hpp"
+#include "host/model/read_mesh.hpp"
+#include "host/model/transform.hpp"
+#include "tests/damaged.hpp"
+#include "tests/points/shapes.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock {
+namespace {
+
+using model::Mesh;
+using model::read_mesh;
+using test::error_of;
+using test::TemporaryFolder;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+/// Writes ZIP archives part by part.
+class Archive {
+ public:
+  explicit Archive(const std::filesystem::path& file)
+      : zip_(zipOpen64(file.c_str(), APPEND_STATUS_CREATE)) {}
+  ~Archive() { zipClose(zip_, nullptr); }
+  Archive(const Archive&) = delete;
+  Archive& operator=(const Archive&) = delete;
+
+  void add(const std::string& name, const std::string& bytes) const {
+    zip_fileinfo info{};
+    zipOpenNewFileInZip64(zip_, name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED,
+                          Z_BEST_SPEED, 0);
+    zipWriteInFileInZip(zip_, bytes.data(), static_cast<unsigned>(bytes.size()));
+    zipCloseFileInZip(zip_);
+  }
+
+  /// A part that is said to unpack to so many bytes.
+  void add_claim(const std::string& name, const std::string& packed, std::uint64_t bytes) const {
+    zip_fileinfo info{};
+    constexpr int raw = 1;
+    zipOpenNewFileInZip2_64(zip_, name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED,
+                            Z_BEST_SPEED, raw, 0);
+    zipWriteInFileInZip(zip_, packed.data(), static_cast<unsigned>(packed.size()));
+    zipCloseFileInZipRaw64(zip_, bytes, 0);
+  }
+
+ private:
+  zipFile zip_;
+};
+
+constexpr const char* model_name = "3D/3dmodel.model";
+
+std::string relations(const std::string& target) {
+  return "<?xml version=\"1.0\"?><Relationships xmlns=\"http://schemas.openxmlformats.org/package/"
+         "2006/relationships\"><Relationship Id=\"rel0\" Target=\"" +
+         target +
+         "\" Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/>"
+         "</Relationships>";
+}
+
+std::string model_text(const std::string& resources, const std::string& build) {
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?><model unit=\"millimeter\" "
+         "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" "
+         "xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\"><resources>" +
+         resources + "</resources><build>" + build + "</build></model>";
+}
+
+std::string mesh_text(const Mesh& mesh) {
+  std::string text = "<mesh><vertices>";
+  for (const auto& v : mesh.vertices)
+    text += fmt::format("<vertex x=\"{:.9g}\" y=\"{:.9g}\" z=\"{:.9g}\"/>", v.x, v.y, v.z);
+  text += "</vertices><triangles>";
+  for (const auto& t : mesh.triangles)
+    text += fmt::format("<triangle v1=\"{}\" v2=\"{}\" v3=\"{}\"/>", t[0], t[1], t[2]);
+  return text + "</triangles></mesh>";
+}
+
+std::string object(int id, const std::string& content) {
+  return fmt::format("<object id=\"{}\" type=\"model\">{}</object>", id, content);
+}
+
+/// Components that are these objects.
+std::string holding(const std::vector<int>& ids) {
+  std::string text = "<components>";
+  for (const int id : ids) text += fmt::format("<component objectid=\"{}\"/>", id);
+  return text + "</components>";
+}
+
+std::string item(int id, const std::string& more = "") {
+  return fmt::format("<item objectid=\"{}\" {}/>", id, more);
+}
+
+/// A box of 1 x 1 x 1 mm round the origin.
+std::string box_text() { return mesh_text(test::box(1, 1, 1)); }
+
+class Threemf : public ::testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& resources, const std::string& build) const {
+    return write_model(model_text(resources, build));
+  }
+  std::filesystem::path write_model(const std::string& text) const {
+    const auto file = folder_.write("a.3mf", "");
+    const Archive archive(file);
+    archive.add("[Content_Types].xml", "<Types/>");
+    archive.add("_rels/.rels", relations("/3D/3dmodel.model"));
+    archive.add(model_name, text);
+    return file;
+  }
+  std::string error(const std::string& resources, const std::string& build) const {
+    return error_of([&] { read_mesh(write(resources, build)); });
+  }
+  /// Of a model that is a box with something else in it.
+  std::string box_error(const std::string& what, const std::string& instead) const {
+    std::string text = box_text();
+    const std::size_t at = text.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    return error(object(1, text.replace(at, what.size(), instead)), item(1));
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(Threemf, GivesTheBodyThatWasWritten) {
+  const Mesh read =
+      read_mesh(write(object(7, mesh_text(test::torus(10, 3, 24, 12, 0.1))), item(7)));
+  EXPECT_EQ(read.vertices.size(), 24u * 12u);
+  EXPECT_EQ(read.triangles.size(), 2u * 24u * 12u);
+  EXPECT_TRUE(test::is_closed(read));
+}
+
+TEST_F(Threemf, ObjectsInObjectsAreCopiedAndMoved) {
+  // Two boxes 5 apart in x, twice the size; the pair is built here and 100 further in y.
+  const std::string pair =
+      "<components><component objectid=\"1\" transform=\"2 0 0 0 2 0 0 0 2 0 0 0\"/>"
+      "<component objectid=\"1\" transform=\"2 0 0 0 2 0 0 0 2 5 0 0\"/></components>";
+  const Mesh read =
+      read_mesh(write(object(1, box_text()) + object(2, pair) + object(3, holding({2})),
+                      item(3) + item(3, "transform=\"1 0 0 0 1 0 0 0 1 0 100 0\"")));
+  const auto one = test::box(1, 1, 1);
+  EXPECT_EQ(read.triangles.size(), 4 * one.triangles.size());
+  EXPECT_TRUE(test::is_closed(read));
+  const auto was = model::bounds(one.vertices), is = model::bounds(read.vertices);
+  EXPECT_NEAR(is.low.x, 2 * was.low.x, 1e-5);
+  EXPECT_NEAR(is.high.x, 2 * was.high.x + 5, 1e-5);
+  EXPECT_NEAR(is.high.y, 2 * was.high.y + 100, 1e-4);
+  EXPECT_NEAR(is.high.z, 2 * was.high.z, 1e-5);
+}
+
+TEST_F(Threemf, ColoursThatAreNotThereAreRefused) {
+  std::string text = box_text();
+  const std::string triangle = "<triangle ";
+  for (std::size_t at = text.find(triangle); at != std::string::npos;
+       at = text.find(triangle, at + 1))
+    text.insert(at + triangle.size(), "pid=\"5\" p1=\"0\" p2=\"1\" p3=\"1\" ");
+  const std::string colours =
+      "<m:colorgroup id=\"5\"><m:color color=\"#FFFFFF\"/><m:color color=\"#000000FF\"/>"
+      "</m:colorgroup>";
+  EXPECT_EQ(read_mesh(write(colours + object(1, text), item(1))).triangles.size(), 12u);
+  // Libraries that have no colour for what is none look it up all the same.
+  std::string one_bad = colours;
+  one_bad.replace(one_bad.find("#000000FF"), 9, "#0000000");
+  EXPECT_THAT(error(one_bad + object(1, text), item(1)), HasSubstr("chooses colour 1 of 1"));
+}
+
+TEST_F(Threemf, ObjectsInThemselvesAreRefused) {
+  EXPECT_THAT(error(object(4, holding({4})), item(4)), HasSubstr("object 4 contains itself"));
+  EXPECT_THAT(error(object(1, box_text()) + object(2, holding({1, 3})) + object(3, holding({1, 2})),
+                    item(2)),
+              HasSubstr("contains itself"));
+}
+
+TEST_F(Threemf, DepthAndCopiesAreBounded) {
+  constexpr int chain = 100'000;
+  std::string deep = object(0, box_text());
+  for (int i = 1; i <= chain; ++i) deep += object(i, holding({i - 1}));
+  EXPECT_THAT(error(deep, item(chain)), HasSubstr("deeper than"));
+  EXPECT_THAT(error(deep, item(0) + item(100) + item(101)), HasSubstr("deeper than"));
+  EXPECT_EQ(read_mesh(write(deep, item(100))).triangles.size(), 12u);
+  // Each twice in the next: 2^40 copies.
+  std::string doubling = object(0, box_text());
+  for (int i = 1; i <= 40; ++i) doubling += object(i, holding({i - 1, i - 1}));
+  EXPECT_THAT(error(doubling, item(40)), HasSubstr("placed objects"));
+  EXPECT_EQ(read_mesh(write(doubling, item(3))).triangles.size(), 8 * 12u);
+  std::vector<int> many(1000, 2);
+  const std::string fine = mesh_text(test::torus(10, 3, 200, 100));  // 40 000 triangles
+  EXPECT_THAT(error(object(2, fine) + object(3, holding(many)), item(3)),
+              HasSubstr("placed triangles"));
+}
+
+TEST_F(Threemf, BombsAreRefusedBeforeTheyAreUnpacked) {
+  EXPECT_THAT(error_of([&] { read_mesh(write_model(std::string(8u << 20, '\0'))); }),
+              AllOf(HasSubstr("3D/3dmodel.model"), HasSubstr("times its size")));
+  const auto file = folder_.write("b.3mf", "");
+  {
+    const Archive archive(file);
+    archive.add("_rels/.rels", relations(model_name));
+    archive.add_claim(model_name, std::string(4u << 20, 'x'), 257u << 20);
+  }
+  EXPECT_THAT(error_of([&] { read_mesh(file); }), HasSubstr("unpacks to 257 MB"));
+  const auto parts = folder_.write("c.3mf", "");
+  {
+    const Archive archive(parts);
+    for (const char* name : {"a", "b", "c"})
+      archive.add_claim(name, std::string(1u << 20, 'x'), 100u << 20);
+  }
+  EXPECT_THAT(error_of([&] { read_mesh(parts); }), HasSubstr("unpacks to 300 MB"));
+}
+
+TEST_F(Threemf, ContainersThatAreNoneAreRefused) {
+  const std::string whole = read_file(write(object(1, box_text()), item(1)));
+  for (const std::size_t length : {std::size_t{1}, whole.size() / 2, whole.size() - 22}) {
+    const auto file = folder_.write("b.3mf", whole.substr(0, length));
+    EXPECT_THAT(error_of([&] { read_mesh(file); }), HasSubstr("cut off"));
+  }
+  const auto of_parts = [&](const std::vector<std::pair<std::string, std::string>>& parts) {
+    const auto file = folder_.write("c.3mf", "");
+    {
+      const Archive archive(file);
+      for (const auto& [name, bytes] : parts) archive.add(name, bytes);
+    }
+    return error_of([&] { read_mesh(file); });
+  };
+  const std::string model = model_text(object(1, box_text()), item(1));
+  EXPECT_THAT(of_parts({{model_name, model}}), HasSubstr("no part '_rels/.rels'"));
+  EXPECT_THAT(of_parts({{"_rels/.rels", "<Relationships/>"}, {model_name, model}}),
+              HasSubstr("names no part"));
+  EXPECT_THAT(of_parts({{"_rels/.rels", relations("/3D/other.model")}, {model_name, model}}),
+              HasSubstr("no part '3D/other.model'"));
+  const std::pair<std::string, std::string> root{"_rels/.rels", relations(model_name)};
+  EXPECT_THAT(of_parts({root, {model_name, model}, {model_name, model}}), HasSubstr("two parts"));
+  EXPECT_THAT(of_parts({root, {"3D\\3dmodel.model", model}, {model_name, model}}),
+              HasSubstr("a part with the name"));
+  EXPECT_THAT(of_parts({root, {model_name, model}, {std::string(300, 'n'), "x"}}),
+              HasSubstr("300 letters"));
+  EXPECT_THAT(of_parts({root, {model_name, "<model>"}}), HasSubstr("no sound XML"));
+  EXPECT_THAT(of_parts({root, {model_name, "<thing/>"}}), HasSubstr("is no model"));
+  EXPECT_THAT(of_parts({root, {model_name, std::string("<model/>\0", 9)}}), HasSubstr("UTF-8"));
+}
+
+TEST_F(Threemf, ModelsThatNameWhatIsNotThereAreRefused) {
+  const std::string box = object(1, box_text());
+  EXPECT_THAT(error(box, ""), HasSubstr("nothing is built"));
+  EXPECT_THAT(error(box, item(2)), HasSubstr("no object 2"));
+  EXPECT_THAT(error(box + object(2, holding({9})), item(2)), HasSubstr("no object 9"));
+  EXPECT_THAT(error(box + box, item(1)), HasSubstr("has the id 1 twice"));
+  EXPECT_THAT(error(box + "<object/>", item(1)), HasSubstr("an object has no id"));
+  EXPECT_THAT(error(box, item(1, "p:path=\"/3D/b.model\"")), HasSubstr("in another part"));
+  EXPECT_THAT(error(box, item(1, "transform=\"1 2 3\"")), HasSubstr("item 0 of the build"));
+  EXPECT_THAT(error(box, item(1, "transform=\"1 0 0 0 1 0 0 0 1 0 0 nan\"")), HasSubstr("'nan'"));
+  EXPECT_THAT(error(object(1, "<mesh/>"), item(1)), HasSubstr("object 1 has not one <vertices>"));
+  EXPECT_THAT(box_error("v1=\"", "v1=\"99"), HasSubstr("triangle 0 of object 1 names vertex"));
+  EXPECT_THAT(box_error("v2=\"", "v2=\"-"), HasSubstr("triangle 0 of object 1 has v2"));
+  EXPECT_THAT(box_error("x=\"", "x=\"1e99"), HasSubstr("vertex 0 of object 1 has x"));
+  EXPECT_THAT(box_error("</vertices>", "</vertices><vertices/>"), HasSubstr("not one <vertices>"));
+  EXPECT_THAT(box_error("<vertices>", "<triangles/><vertices>"), HasSubstr("not one <triangles>"));
+}
+
+// What stands in the archive is damaged, not the archive: its check sums are right.
+TEST_F(Threemf, DamagedModelsNeverDoMoreThanFail) {
+  const std::string whole = model_text(
+      "<basematerials id=\"8\"><base name=\"a\" displaycolor=\"#102030\"/></basematerials>"
+      "<m:colorgroup id=\"5\"><m:color color=\"#FFFFFF\"/></m:colorgroup>"
+      "<m:texture2dgroup id=\"6\" texid=\"9\"><m:tex2coord u=\"0\" v=\"1\"/></m:texture2dgroup>"
+      "<object id=\"1\" pid=\"8\" pindex=\"0\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/>"
+      "<vertex x=\"1\" y=\"0\" z=\"0\"/><vertex x=\"0\" y=\"1\" z=\"2\"/></vertices><triangles>"
+      "<triangle v1=\"0\" v2=\"1\" v3=\"2\" pid=\"5\" p1=\"0\" p2=\"0\" p3=\"0\"/>"
+      "<triangle v1=\"0\" v2=\"2\" v3=\"1\" pid=\"6\" p1=\"0\"/></triangles></mesh></object>"
+      "<object id=\"2\"><components><component objectid=\"1\" "
+      "transform=\"1 0 0 0 1 0 0 0 1 0 0 1\"/></components></object>",
+      item(2) + item(1));
+  ASSERT_EQ(read_mesh(write_model(whole)).triangles.size(), 4u);
+  std::mt19937_64 random(3);
+  for (int i = 0; i < test::scaled(600); ++i) {
+    const auto file = write_model(test::damaged(whole, "0123456789.- <>/\"=cmovptx:#", random));
+    test::expect_read_or_refused([&] { EXPECT_FALSE(read_mesh(file).triangles.empty()); });
+  }
+}
+
+TEST_F(Threemf, DamagedArchivesNeverDoMoreThanFail) {
+  const std::string whole = read_file(write(object(1, box_text()), item(1)));
+  std::string bites;
+  for (int byte = 0; byte < 256; ++byte) bites += static_cast<char>(byte);
+  std::mt19937_64 random(4);
+  for (int i = 0; i < test::scaled(600); ++i) {
+    const auto file = folder_.write("b.3mf", test::damaged(whole, bites, random));
+    test::expect_read_or_refused([&] { EXPECT_FALSE(read_mesh(file).triangles.empty()); });
+  }
+}
+
+}  // namespace
+}  // namespace lamplock
