@@ -7,10 +7,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <nanoflann.hpp>
 #include <tuple>
 
 #include "host/error.hpp"
+#include "host/points/kd_tree.hpp"
 #include "host/points/limits.hpp"
 #include "host/points/parallel.hpp"
 
@@ -19,24 +19,6 @@ namespace {
 
 constexpr std::size_t bins = 60;
 constexpr double bins_to_means = 3;  // what the histogram goes to
-
-/// What the k-d tree needs to know about the positions.
-struct Adaptor {
-  std::span<const Point> cloud;
-  std::span<const std::uint32_t> positions;  // indices into the cloud
-  std::size_t kdtree_get_point_count() const { return positions.size(); }
-  double kdtree_get_pt(std::size_t index, std::size_t axis) const {
-    const Point& point = cloud[positions[index]];
-    return axis == 0 ? point.x : axis == 1 ? point.y : point.z;
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Adaptor>,
-                                                 Adaptor, 3, std::uint32_t>;
 
 /// The position nearest to one.
 struct Nearest {
@@ -81,15 +63,13 @@ std::vector<std::uint32_t> distinct_positions(std::span<const Point> cloud, Spac
 
 std::vector<Nearest> find_nearest(std::span<const Point> cloud,
                                   std::span<const std::uint32_t> positions) {
-  const Adaptor adaptor{cloud, positions};
-  const Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  const auto position = [&](std::size_t i) -> const Point& { return cloud[positions[i]]; };
+  const KdTree tree(positions.size(), position);
   std::vector<Nearest> nearest(positions.size());
   for_each_index(positions.size(), 0, [&](std::size_t i) {
-    const Point& point = cloud[positions[i]];
-    const std::array<double, 3> query{point.x, point.y, point.z};
     std::array<std::uint32_t, 2> index{};
     std::array<double, 2> squared{};
-    tree.knnSearch(query.data(), 2, index.data(), squared.data());
+    tree.nearest(position(i), index.size(), index, squared);
     // One of the two is the position itself, unless others are so near that squares are 0.
     const std::size_t other = index[0] == i ? 1 : 0;
     nearest[i] = {std::sqrt(squared[other]), index[other]};

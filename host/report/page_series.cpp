@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nanoflann.hpp>
 
+#include "host/points/kd_tree.hpp"
 #include "host/report/matching.hpp"
 #include "host/report/shot_beats.hpp"
 
@@ -19,22 +19,6 @@ constexpr std::size_t beat_bins = 33;
 constexpr double shown_share = 0.99;
 /// Finer than any laser's spot; what differs by less is rounding.
 constexpr double least_bin_mm = 1e-4;
-
-/// What the k-d tree needs to know about points.
-struct Adaptor {
-  const points::PointCloud& points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t index, std::size_t axis) const {
-    const points::Point& point = points[index];
-    return axis == 0 ? point.x : axis == 1 ? point.y : point.z;
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Adaptor>,
-                                                 Adaptor, 3, std::uint32_t>;
 
 std::uint32_t shots_ordered(const JobRun& run, std::size_t point) {
   return run.shots_ordered.empty() ? 1 : run.shots_ordered[point];
@@ -95,17 +79,15 @@ Histogram spacing_histogram(const points::PointCloud& cloud, std::size_t most) {
   Histogram result;
   if (cloud.size() < 2 || most == 0 || !std::all_of(cloud.begin(), cloud.end(), points::is_finite))
     return result;
-  const Adaptor adaptor{cloud};
-  const Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  const auto tree = points::kd_tree_of(cloud);
   const std::size_t stride = (cloud.size() + most - 1) / most;
   std::vector<double> distances;
   distances.reserve(cloud.size() / stride + 1);
   for (std::size_t i = 0; i < cloud.size(); i += stride) {
-    const std::array<double, 3> query{cloud[i].x, cloud[i].y, cloud[i].z};
     std::array<std::uint32_t, 2> index{};
     std::array<double, 2> squared{};
     // The nearest of all is the point itself.
-    tree.knnSearch(query.data(), 2, index.data(), squared.data());
+    tree.nearest(cloud[i], index.size(), index, squared);
     distances.push_back(std::sqrt(squared[1]));
   }
   result.values = distances.size();
