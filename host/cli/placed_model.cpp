@@ -91,15 +91,22 @@ void check_size(const Object& object, const Bounds& box, const Volume& volume) {
               remedy);
 }
 
+/// In the middle of the block, and from there as the object says.
+template <class Model>
+Model fitted(Model model, const Object& object, const Volume& volume) {
+  const Affine first = into_the_middle(box_of(model), object.size_mm, volume);
+  model = placed(std::move(model), first, object, volume);
+  check_size(object, box_of(model), volume);
+  return model;
+}
+
 PlacedModel placed_mesh(const Object& object, const Volume& volume) {
   model::Mesh mesh = model::read_mesh(object.file);
   PlacedModel result;
   result.kind = InputKind::mesh;
   result.warnings = model::warnings(model::find_faults(mesh));
   if (object.up == "y") mesh = model::y_up_to_z_up(std::move(mesh));
-  const Affine first = into_the_middle(box_of(mesh), object.size_mm, volume);
-  mesh = placed(std::move(mesh), first, object, volume);
-  check_size(object, box_of(mesh), volume);
+  mesh = fitted(std::move(mesh), object, volume);
   result.what = fmt::format("{} triangles", mesh.triangles.size());
   result.model = std::move(mesh);
   return result;
@@ -115,9 +122,7 @@ PlacedModel placed_curves(const Object& object, const Volume& volume) {
         fmt::format("{} x {} cannot be engraved and is left out", count, name));
   if (curves.paths.empty() && curves.points.empty())
     throw Error(Exit::bad_input, object.file, "has no curves", "draw lines, arcs or splines");
-  const Affine first = into_the_middle(box_of(curves), object.size_mm, volume);
-  curves = placed(std::move(curves), first, object, volume);
-  check_size(object, box_of(curves), volume);
+  curves = fitted(std::move(curves), object, volume);
   result.what = fmt::format("{} curves", curves.paths.size());
   result.model = std::move(curves);
   return result;

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#define TOML_EXCEPTIONS 1
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <limits>
@@ -13,6 +11,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/toml_file.hpp"
 
 namespace lamplock::glass {
 namespace {
@@ -20,15 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view object_section = "object";
-
-[[noreturn]] void fail(const std::string& where, const std::string& what,
-                       const std::string& remedy) {
-  throw Error(Exit::bad_input, where, what, remedy);
-}
-
-std::string location(const fs::path& file, const toml::source_region& source) {
-  return fmt::format("{}:{}", file.string(), source.begin.line);
-}
 
 /// Names of keys, for who has mistaken one.
 std::string keys_of(const std::vector<Parameter>& parameters) {
@@ -50,7 +40,8 @@ class ValueReader {
 
  private:
   [[noreturn]] void refuse(const std::string& what, const std::string& remedy) const {
-    fail(location(file_, node_.source()), fmt::format("'{}' {}", parameter_.key, what), remedy);
+    lamplock::refuse(toml_location(file_, node_.source()),
+                     fmt::format("'{}' {}", parameter_.key, what), remedy);
   }
 
   double number(const toml::node& node) const {
@@ -112,8 +103,8 @@ void read_section(const toml::table& table, std::string_view name,
       return p.key == key.str();
     });
     if (found == known.end())
-      fail(location(file, key.source()), fmt::format("unknown key '{}' in {}", key.str(), name),
-           "use " + keys_of(known));
+      refuse(toml_location(file, key.source()),
+             fmt::format("unknown key '{}' in {}", key.str(), name), "use " + keys_of(known));
     ValueReader(*found, node, file).read();
   }
 }
@@ -121,12 +112,14 @@ void read_section(const toml::table& table, std::string_view name,
 void read_objects(const toml::node& node, Description& description, const fs::path& file) {
   const toml::array* list = node.as_array();
   if (list == nullptr || !list->is_array_of_tables())
-    fail(location(file, node.source()), "'object' must be a list of tables", "write [[object]]");
+    refuse(toml_location(file, node.source()), "'object' must be a list of tables",
+           "write [[object]]");
   for (const toml::node& one : *list) {
     Object object;
     read_section(*one.as_table(), "[[object]]", parameters(object), file);
     if (object.file.empty())
-      fail(location(file, one.source()), "an object without a file", "write file = \"NAME\"");
+      refuse(toml_location(file, one.source()), "an object without a file",
+             "write file = \"NAME\"");
     description.objects.push_back(std::move(object));
   }
 }
@@ -196,13 +189,7 @@ std::string section_text(std::string_view heading, Section section, const fs::pa
 bool is_description(const fs::path& file) { return lower_extension(file) == ".toml"; }
 
 Description read_description(const fs::path& file) {
-  const std::string text = read_file(file);
-  toml::table table;
-  try {
-    table = toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    fail(location(file, error.source()), std::string(error.description()), "correct the line");
-  }
+  const toml::table table = read_toml(file);
   Description description;
   for (const auto& [key, node] : table) {
     const std::string_view name = key.str();
@@ -212,12 +199,12 @@ Description read_description(const fs::path& file) {
     }
     const auto section = section_named(description, name);
     if (!section || !node.is_table())
-      fail(location(file, key.source()), fmt::format("unknown section or key '{}'", name),
-           "use [machine], [glass], [[object]], [order], [pause] and [output]");
+      refuse(toml_location(file, key.source()), fmt::format("unknown section or key '{}'", name),
+             "use [machine], [glass], [[object]], [order], [pause] and [output]");
     read_section(*node.as_table(), fmt::format("[{}]", name), *section, file);
   }
   if (description.objects.empty())
-    fail(file.string(), "there is no object", "write [[object]] and file = \"NAME\"");
+    refuse(file, "there is no object", "write [[object]] and file = \"NAME\"");
   return description;
 }
 

@@ -1,8 +1,6 @@
 #include "host/job/profile.hpp"
 
 #include <fmt/format.h>
-#define TOML_EXCEPTIONS 1
-#include <toml++/toml.h>
 
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/toml_file.hpp"
 #include "host/units.hpp"
 #include "shared/units.hpp"
 
@@ -22,11 +21,6 @@ using settings::Row;
 using settings::setting_count;
 
 constexpr std::string_view first_axis_suffix = "_x";
-
-[[noreturn]] void fail(const std::string& where, const std::string& what,
-                       const std::string& remedy) {
-  throw Error(Exit::bad_input, where, what, remedy);
-}
 
 /// A value in thousandths as a person writes it: no trailing zeros.
 std::string format_milli(std::int32_t milli) {
@@ -47,22 +41,18 @@ std::optional<Id> find_per_axis(std::string_view key) {
   return id;
 }
 
-std::string location(const std::filesystem::path& file, const toml::source_region& source) {
-  return fmt::format("{}:{}", file.string(), source.begin.line);
-}
-
 double number_of(const toml::node& node, const std::string& where, std::string_view key) {
   if (const auto* flag = node.as_boolean()) return flag->get() ? 1.0 : 0.0;
   if (const auto number = node.value<double>(); number && node.is_number()) return *number;
-  fail(where, fmt::format("'{}' must be a number", key), "write it without quotes");
+  refuse(where, fmt::format("'{}' must be a number", key), "write it without quotes");
 }
 
 void read_axes(Profile& profile, Id x_row, std::string_view key, const toml::node& node,
                const std::string& where) {
   const toml::array* values = node.as_array();
   if (values == nullptr || values->empty() || values->size() > max_axes)
-    fail(where, fmt::format("'{}' must be an array of 1 to {} numbers, X first", key, max_axes),
-         fmt::format("write {} = [x, y, z]", key));
+    refuse(where, fmt::format("'{}' must be an array of 1 to {} numbers, X first", key, max_axes),
+           fmt::format("write {} = [x, y, z]", key));
   for (std::size_t axis = 0; axis < values->size(); ++axis)
     state_setting(profile, settings::for_axis(x_row, static_cast<int>(axis)),
                   number_of(*values->get(axis), where, key), where);
@@ -72,15 +62,15 @@ void read_key(Profile& profile, std::string_view key, const toml::node& node,
               const std::string& where) {
   if (key == "name") {
     const auto text = node.value<std::string>();
-    if (!text || !node.is_string()) fail(where, "'name' must be a text", "write it in quotes");
+    if (!text || !node.is_string()) refuse(where, "'name' must be a text", "write it in quotes");
     profile.name = *text;
   } else if (const auto x_row = find_per_axis(key)) {
     read_axes(profile, *x_row, key, node, where);
   } else if (const Id id = settings::find_name(key); id != Id::count) {
     state_setting(profile, id, number_of(node, where, key), where);
   } else {
-    fail(where, fmt::format("unknown key '{}'", key),
-         "use the names of the settings table (examples/machine.toml lists them)");
+    refuse(where, fmt::format("unknown key '{}'", key),
+           "use the names of the settings table (examples/machine.toml lists them)");
   }
 }
 
@@ -89,17 +79,11 @@ void read_key(Profile& profile, std::string_view key, const toml::node& node,
 Profile default_profile() { return {}; }
 
 Profile read_profile(const std::filesystem::path& file) {
-  const std::string text = read_file(file);
-  toml::table table;
-  try {
-    table = toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    fail(location(file, error.source()), std::string(error.description()), "correct the line");
-  }
+  const toml::table table = read_toml(file);
   Profile profile;
   profile.name = file.stem().string();
   for (const auto& [key, node] : table)
-    read_key(profile, key.str(), node, location(file, key.source()));
+    read_key(profile, key.str(), node, toml_location(file, key.source()));
   return profile;
 }
 
@@ -109,11 +93,13 @@ void state_setting(Profile& profile, Id id, double value, const std::string& whe
   const bool fits = milli >= static_cast<double>(std::numeric_limits<std::int32_t>::min()) &&
                     milli <= static_cast<double>(std::numeric_limits<std::int32_t>::max());
   if (!fits || !profile.settings.set_milli(id, static_cast<std::int32_t>(milli)))
-    fail(where, fmt::format("{} = {} is out of range", row.name, value), range_of(row));
+    throw Error(Exit::bad_input, where, fmt::format("{} = {} is out of range", row.name, value),
+                range_of(row));
   // For many settings 0 is none, or no limit: not what a small number means.
   if (value != 0 && milli == 0)
-    fail(where, fmt::format("{} = {} cannot be told from 0", row.name, value),
-         "settings are kept to 0.001; give 0 or more than that");
+    throw Error(Exit::bad_input, where,
+                fmt::format("{} = {} cannot be told from 0", row.name, value),
+                "settings are kept to 0.001; give 0 or more than that");
   profile.stated.set(static_cast<std::size_t>(id));
 }
 
