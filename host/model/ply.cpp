@@ -209,6 +209,7 @@ class Reader {
       column[axis] = static_cast<std::size_t>(found - element.properties.begin());
     }
     std::vector<double> row(element.properties.size());
+    vertices.reserve(element.count);  // no more than the file has bytes (read_ply_header)
     for (std::size_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < row.size(); ++p) {
         const PlyProperty& property = element.properties[p];

@@ -1,15 +1,14 @@
 #include "host/order/cut.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <limits>
 
 namespace lamplock::order {
 
 using points::Point;
 
-void cut_tour(std::span<Point> tour, std::span<const Point> before, const Point& from,
-              const TourCost& cost) {
+Cut find_cut(std::span<const Point> tour, std::span<const Point> before, const Point& from,
+             const TourCost& cost) {
   const std::size_t n = tour.size();
   const Point last = before.empty() ? from : before.back();
   const Point last_but_one = before.size() < 2 ? last : before[before.size() - 2];
@@ -17,8 +16,7 @@ void cut_tour(std::span<Point> tour, std::span<const Point> before, const Point&
   const auto entry = [&](const Point& p, const Point& q) {
     return cost.turn(last_but_one, last, p) + cost.edge(last, p) + cost.turn(last, p, q);
   };
-  std::size_t best = 0;
-  bool backward = false;
+  Cut best;
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     const Point &b = tour[(i + n - 1) % n], &bb = tour[(i + 2 * n - 2) % n];
@@ -28,11 +26,14 @@ void cut_tour(std::span<Point> tour, std::span<const Point> before, const Point&
     const double forward_cost = entry(p, pp) - removed, backward_cost = entry(b, bb) - removed;
     if (std::min(forward_cost, backward_cost) >= lowest) continue;
     lowest = std::min(forward_cost, backward_cost);
-    best = i;
-    backward = backward_cost < forward_cost;
+    best = {i, backward_cost < forward_cost};
   }
-  std::rotate(tour.begin(), tour.begin() + static_cast<std::ptrdiff_t>(best), tour.end());
-  if (backward) std::reverse(tour.begin(), tour.end());
+  return best;
+}
+
+void cut_tour(std::span<Point> tour, std::span<const Point> before, const Point& from,
+              const TourCost& cost) {
+  cut_open(tour, find_cut(tour, before, from, cost));
 }
 
 }  // namespace lamplock::order

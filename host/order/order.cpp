@@ -14,6 +14,7 @@
 #include "host/order/cut.hpp"
 #include "host/order/layers.hpp"
 #include "host/order/parts.hpp"
+#include "host/order/permute.hpp"
 #include "host/order/pieces.hpp"
 #include "host/order/serpentine.hpp"
 #include "host/order/shadow.hpp"
@@ -25,12 +26,6 @@ namespace {
 
 using points::Point;
 using points::PointCloud;
-using Indices = std::vector<std::uint32_t>;
-
-void arrange(std::span<Point> points, const Indices& order) {
-  const PointCloud copy(points.begin(), points.end());
-  for (std::size_t i = 0; i < order.size(); ++i) points[i] = copy[order[i]];
-}
 
 /// Puts a layer so that it goes on well after what is fired before it, or from where the machine
 /// stands if that is nothing.
@@ -66,14 +61,14 @@ class Run {
   void layers() {
     const Starts starts = sort_into_layers(cloud_, options_.layer_mm);
     by_layers(
-        starts, [](std::span<Point> layer) { arrange(layer, even_tour(layer)); },
+        starts, [](std::span<Point> layer) { permute(layer, even_tour(layer)); },
         cut_by(TourCost()), 1);
   }
 
   void serpentine() {
     const Starts starts = sort_into_layers(cloud_, options_.layer_mm);
     by_layers(
-        starts, [](std::span<Point> layer) { arrange(layer, to_and_fro(layer)); }, turn_to, 1);
+        starts, [](std::span<Point> layer) { permute(layer, to_and_fro(layer)); }, turn_to, 1);
   }
 
   void best() {
@@ -84,7 +79,7 @@ class Run {
     const double jump = jump_mm(cloud_, model);
     const Starts starts = split_into_parts(cloud_, layers, jump, tangent_);
     by_layers(
-        starts, [&](std::span<Point> layer) { arrange(layer, beat_tour(layer, model, asked)); },
+        starts, [&](std::span<Point> layer) { permute(layer, beat_tour(layer, model, asked)); },
         cut_by(TourCost(model)), layers_part);
     join_pieces(cloud_, starts, options_.start, jump, model, tangent_, tell(layers_part, 1));
   }
@@ -96,7 +91,7 @@ class Run {
     for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
       const std::span<Point> layer =
           std::span(cloud_).subspan(starts[i], starts[i + 1] - starts[i]);
-      arrange(layer, nearest_first(layer, from, tangent_,
+      permute(layer, nearest_first(layer, from, tangent_,
                                    [&](std::size_t done) { told(starts[i] + done); }));
       from = layer.back();
       told(starts[i + 1]);
@@ -104,7 +99,8 @@ class Run {
   }
 
   void cone() {
-    arrange(cloud_, cone_first(cloud_, options_.start, options_.cone, tangent_, tell(0, 1)));
+    permute(std::span(cloud_),
+            cone_first(cloud_, options_.start, options_.cone, tangent_, tell(0, 1)));
   }
 
  private:

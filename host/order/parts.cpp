@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "host/order/permute.hpp"
 #include "host/points/bounds.hpp"
 
 namespace lamplock::order {
@@ -77,15 +78,14 @@ std::vector<Index> parts_of(std::span<const Point> layer, double cell_mm) {
 /// Sorts a layer by its parts and adds where they begin, counted from `first`.
 void split(std::span<Point> layer, double cell_mm, std::size_t first, Starts& starts) {
   const std::vector<Index> parts = parts_of(layer, cell_mm);
-  std::vector<Index> order(layer.size());
+  Indices order(layer.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](Index i, Index j) { return parts[i] < parts[j]; });
-  const PointCloud copy(layer.begin(), layer.end());
   for (std::size_t i = 0; i < order.size(); ++i) {
-    layer[i] = copy[order[i]];
     if (i == 0 || parts[order[i]] != parts[order[i - 1]]) starts.push_back(first + i);
   }
+  permute(layer, std::move(order));
 }
 
 }  // namespace

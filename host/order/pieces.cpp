@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
+#include <utility>
 
 #include "host/order/cone.hpp"
 #include "host/order/cost.hpp"
 #include "host/order/cut.hpp"
 #include "host/order/layers.hpp"
+#include "host/order/permute.hpp"
 #include "host/order/rest_tree.hpp"
 #include "host/order/shadow.hpp"
 
@@ -17,7 +20,7 @@ namespace {
 
 using points::Point;
 using points::PointCloud;
-using Number = std::size_t;  // of a piece
+using Number = std::uint32_t;  // of a piece
 
 constexpr Number no_piece = std::numeric_limits<Number>::max();
 // Pieces, in the order that came, among which the next one is looked for besides the nearest.
@@ -33,10 +36,10 @@ struct Piece {
 
 /// Median way from a point to the next.
 double usual_step_mm(const PointCloud& order) {
-  std::vector<double> steps;
+  std::vector<float> steps;
   steps.reserve(order.size());
   for (std::size_t i = 1; i < order.size(); ++i) {
-    steps.push_back(distance(order[i - 1], order[i]));
+    steps.push_back(static_cast<float>(distance(order[i - 1], order[i])));
   }
   if (steps.empty()) return 0;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
@@ -62,12 +65,13 @@ class Join {
     }
   }
 
-  PointCloud run(Point from, const std::function<void(std::size_t)>& progress) {
+  /// The places of the order that came, in the new order.
+  Indices run(Point from, const std::function<void(std::size_t)>& progress) {
     result_.reserve(order_.size());
     for (std::size_t left = pieces_.size(); left > 0; --left) {
       while (pieces_[first_left_].fired) ++first_left_;
       fire_piece(next_piece(from), from);
-      from = result_.back();
+      from = order_[result_.back()];
       if (progress) progress(result_.size());
     }
     return std::move(result_);
@@ -136,17 +140,31 @@ class Join {
     Piece& piece = pieces_[number];
     piece.fired = true;
     const auto points = points_of(piece);
-    PointCloud other(points.begin(), points.end());
+    Indices way(piece.count);
+    std::iota(way.begin(), way.end(), static_cast<std::uint32_t>(piece.first));
+    const Indices as_it_came = way;
     if (piece.ring) {
-      cut_tour(other, result_, from, cost_);
-    } else if (distance(from, other.back()) < distance(from, other.front())) {
-      std::reverse(other.begin(), other.end());
+      cut_open(std::span(way), find_cut(points, last_fired(), from, cost_));
+    } else if (distance(from, points.back()) < distance(from, points.front())) {
+      std::reverse(way.begin(), way.end());
     }
-    if (!keeps_rule(other)) other.assign(points.begin(), points.end());
-    result_.insert(result_.end(), other.begin(), other.end());
+    if (!keeps_rule(way)) way = as_it_came;
+    result_.insert(result_.end(), way.begin(), way.end());
   }
 
-  bool keeps_rule(std::span<const Point> piece) const {
+  /// The last two points, or fewer.
+  PointCloud last_fired() const {
+    PointCloud last;
+    for (std::size_t i = result_.size() - std::min<std::size_t>(2, result_.size());
+         i < result_.size(); ++i)
+      last.push_back(order_[result_[i]]);
+    return last;
+  }
+
+  bool keeps_rule(const Indices& way) const {
+    PointCloud piece;
+    piece.reserve(way.size());
+    for (const std::uint32_t i : way) piece.push_back(order_[i]);
     const auto [low, high] = std::minmax_element(
         piece.begin(), piece.end(), [](const Point& p, const Point& q) { return p.z < q.z; });
     return low->z == high->z || !find_shadowed(piece, tangent_);
@@ -159,8 +177,16 @@ class Join {
   std::vector<Number> piece_of_;
   std::vector<Piece> pieces_;
   Number first_left_ = 0;
-  PointCloud result_;
+  Indices result_;
 };
+
+long beats(const BeatModel& model, const PointCloud& cloud, const Indices& order) {
+  PlanState state;
+  long sum = 0;
+  for (std::size_t i = 1; i < order.size(); ++i)
+    sum += model.step(state, cloud[order[i - 1]], cloud[order[i]]);
+  return sum;
+}
 
 }  // namespace
 
@@ -175,8 +201,9 @@ double jump_mm(const PointCloud& cloud, const BeatModel& model) {
 void join_pieces(PointCloud& order, const std::vector<std::size_t>& starts, const Point& from,
                  double jump, const BeatModel& model, double tangent,
                  const std::function<void(std::size_t)>& progress) {
-  PointCloud joined = Join(order, starts, jump, model, tangent).run(from, progress);
-  if (model.beats(joined) < model.beats(order)) order = std::move(joined);
+  Indices joined = Join(order, starts, jump, model, tangent).run(from, progress);
+  if (beats(model, order, joined) < model.beats(order))
+    permute(std::span(order), std::move(joined));
 }
 
 }  // namespace lamplock::order

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -25,6 +24,16 @@ std::uint64_t spread(std::uint64_t bits) {
   bits = (bits | bits << 8) & 0x100f00f00f00f00fu;
   bits = (bits | bits << 4) & 0x10c30c30c30c30c3u;
   return (bits | bits << 2) & 0x1249249249249249u;
+}
+
+/// The nearest single below or above a number, so that a box of singles holds its points.
+float below(double value) {
+  const auto single = static_cast<float>(value);
+  return single <= value ? single : std::nextafter(single, -std::numeric_limits<float>::max());
+}
+float above(double value) {
+  const auto single = static_cast<float>(value);
+  return single >= value ? single : std::nextafter(single, std::numeric_limits<float>::max());
 }
 
 /// Places along the curve with the index of the point, sorted.
@@ -76,8 +85,7 @@ RestTree::RestTree(std::span<const Point> points) {
     points_.push_back(points[i]);
   }
   present_.assign(points.size(), 1);
-  leaves_ =
-      std::bit_ceil(std::max<std::size_t>(1, (points.size() + leaf_points - 1) / leaf_points));
+  leaves_ = std::max<std::size_t>(1, (points.size() + leaf_points - 1) / leaf_points);
   nodes_.resize(2 * leaves_);
   for (std::size_t i = 0; i < leaves_; ++i) nodes_[leaves_ + i] = leaf(i);
   for (std::size_t i = leaves_ - 1; i > 0; --i) nodes_[i] = join(nodes_[2 * i], nodes_[2 * i + 1]);
@@ -90,7 +98,9 @@ RestTree::Node RestTree::leaf(std::size_t number) const {
   for (std::size_t slot = first; slot < last; ++slot) {
     if (!present_[slot]) continue;
     const Point& p = points_[slot];
-    node = join(node, {{p, p}, index_[slot]});
+    node = join(
+        node,
+        {{below(p.x), below(p.y), below(p.z)}, {above(p.x), above(p.y), above(p.z)}, index_[slot]});
   }
   return node;
 }
@@ -98,11 +108,12 @@ RestTree::Node RestTree::leaf(std::size_t number) const {
 RestTree::Node RestTree::join(const Node& a, const Node& b) {
   if (a.least == none) return b;
   if (b.least == none) return a;
-  const Bounds &p = a.box, &q = b.box;
-  return {
-      {{std::min(p.low.x, q.low.x), std::min(p.low.y, q.low.y), std::min(p.low.z, q.low.z)},
-       {std::max(p.high.x, q.high.x), std::max(p.high.y, q.high.y), std::max(p.high.z, q.high.z)}},
-      std::min(a.least, b.least)};
+  Node both{a.low, a.high, std::min(a.least, b.least)};
+  for (std::size_t axis = 0; axis < both.low.size(); ++axis) {
+    both.low[axis] = std::min(a.low[axis], b.low[axis]);
+    both.high[axis] = std::max(a.high[axis], b.high[axis]);
+  }
+  return both;
 }
 
 void RestTree::set_present(Index point, bool present) {
@@ -121,7 +132,7 @@ std::optional<RestTree::Index> RestTree::under_cone(const Point& apex, double ta
   waiting[count++] = 1;
   while (count > 0) {
     const std::size_t node = waiting[--count];
-    if (nodes_[node].least == none || !may_be_under(apex, nodes_[node].box, tangent)) continue;
+    if (nodes_[node].least == none || !may_be_under(apex, nodes_[node].box(), tangent)) continue;
     if (node < leaves_) {
       waiting[count++] = 2 * node;
       waiting[count++] = 2 * node + 1;

@@ -5,10 +5,11 @@
 // Points are sorted along a Morton curve (G. M. Morton, "A computer oriented geodetic data base",
 // 1966) and stand in the leaves of a binary tree in that order; a node knows the box round what
 // remains below it. A removal costs the depth of the tree, a query usually not much more. Memory:
-// about 50 bytes a point.
+// about 41 bytes a point.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -72,9 +73,11 @@ class RestTree {
   static constexpr Index none = std::numeric_limits<Index>::max();
   static constexpr std::size_t leaf_points = 8;
 
+  // Boxes of singles, rounded outwards: half the memory.
   struct Node {
-    points::Bounds box{};
+    std::array<float, 3> low{}, high{};
     Index least = none;  // index of what remains; none: nothing does
+    points::Bounds box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
   };
   struct Best {
     double cost = std::numeric_limits<double>::infinity();
@@ -102,8 +105,8 @@ class RestTree {
     }
     std::size_t near = 2 * node, far = near + 1;
     constexpr double never = std::numeric_limits<double>::infinity();
-    double to_near = nodes_[near].least == none ? never : metric.bound(nodes_[near].box);
-    double to_far = nodes_[far].least == none ? never : metric.bound(nodes_[far].box);
+    double to_near = nodes_[near].least == none ? never : metric.bound(nodes_[near].box());
+    double to_far = nodes_[far].least == none ? never : metric.bound(nodes_[far].box());
     if (to_far < to_near) {
       std::swap(near, far);
       std::swap(to_near, to_far);
@@ -115,7 +118,7 @@ class RestTree {
   std::vector<points::Point> points_;  // along the curve
   std::vector<Index> index_, slot_;    // of the point in a slot, of the slot of a point
   std::vector<std::uint8_t> present_;  // per slot
-  std::size_t leaves_ = 1;  // a power of two; node 1 is the root, 2 n and 2 n + 1 below n
+  std::size_t leaves_ = 1;  // node 1 is the root, 2 n and 2 n + 1 stand below n, leaves last
   std::vector<Node> nodes_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host/order/permute.hpp"
+
 namespace lamplock::order {
 
 using points::Point;
@@ -38,14 +40,13 @@ void pull_ahead(std::span<Point> order, double tangent) {
   const auto [lowest, highest] = std::minmax_element(
       order.begin(), order.end(), [](const Point& p, const Point& q) { return p.z < q.z; });
   if (order.empty() || lowest->z == highest->z) return;
-  const std::vector<Point> points(order.begin(), order.end());
-  RestTree rest(points);
-  std::vector<std::uint32_t> fired;
-  fired.reserve(points.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
-    if (rest.holds(i)) fire(rest, points, i, tangent, fired);
+  RestTree rest(order);
+  Indices fired;
+  fired.reserve(order.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) {
+    if (rest.holds(i)) fire(rest, order, i, tangent, fired);
   }
-  for (std::size_t i = 0; i < fired.size(); ++i) order[i] = points[fired[i]];
+  permute(order, std::move(fired));
 }
 
 }  // namespace lamplock::order
