@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/order/anneal.hpp"
 #include "host/order/cost.hpp"
 #include "host/order/cut.hpp"
 #include "host/order/layers.hpp"
@@ -52,6 +53,12 @@ std::size_t asked_a_point(std::size_t points) {
   return std::clamp<std::size_t>(asked_in_all / points, 7, most);
 }
 
+/// The same for the annealing of the whole order, which asks slower and saves more.
+std::size_t annealed_a_point(std::size_t points) {
+  constexpr std::size_t asked_in_all = 1'500'000, most = 40;
+  return std::clamp<std::size_t>(asked_in_all / points, 1, most);
+}
+
 /// One job of ordering a cloud that is not empty.
 class Run {
  public:
@@ -72,7 +79,7 @@ class Run {
   }
 
   void best() {
-    constexpr double layers_part = 0.85;
+    constexpr double layers_part = 0.5, pieces_part = 0.6;
     const BeatModel model(options_.motion);
     const std::size_t asked = asked_a_point(cloud_.size());
     const Starts layers = sort_into_fitting_layers(cloud_, tangent_);
@@ -81,7 +88,10 @@ class Run {
     by_layers(
         starts, [&](std::span<Point> layer) { permute(layer, beat_tour(layer, model, asked)); },
         cut_by(TourCost(model)), layers_part);
-    join_pieces(cloud_, starts, options_.start, jump, model, tangent_, tell(layers_part, 1));
+    join_pieces(cloud_, starts, options_.start, jump, model, tangent_,
+                tell(layers_part, pieces_part));
+    anneal(cloud_, model, tangent_, annealed_a_point(cloud_.size()), options_.threads,
+           tell(pieces_part, 1));
   }
 
   void nearest() {

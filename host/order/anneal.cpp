@@ -1,0 +1,296 @@
+#include "host/order/anneal.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "host/order/cone.hpp"
+#include "host/order/cost.hpp"
+#include "host/order/layers.hpp"
+#include "host/order/local_search.hpp"
+#include "host/order/permute.hpp"
+#include "host/points/random.hpp"
+
+namespace lamplock::order {
+namespace {
+
+using points::Point;
+using Node = std::uint32_t;
+using Place = std::int32_t;  // in a stretch
+
+// Numbers tried on the torus of docs/ordering.md at 100 Hz and 2 m/s2; its other clouds, and some
+// of other sizes and shapes, were only looked at afterwards.
+
+// Points of a stretch.
+constexpr std::size_t stretch_points = 4000;
+// The second pass takes stretches that begin in the middle of those of the first.
+constexpr std::size_t passes = 2;
+// Points on either side of a change that are planned anew, as in the local search; as many at the
+// ends of a stretch stay where they are.
+constexpr Place window = 6;
+// The longest piece that is turned round: 50 leaves 0.4 % more beats, 1000 save none.
+constexpr Place longest_turned = 300;
+// The longest pieces that are moved elsewhere, how many moves are of such, and how far they go.
+constexpr Place longest_moved = 100, short_moved = 3, longest_way = 1000;
+constexpr double long_share = 0.3;
+// Exchanges that are tried for each node in a round.
+constexpr int tries = 4;
+// The temperature at the beginning and at the end, beats: what an exchange may waste.
+constexpr double hot = 0.15, cold = 0.05;
+// What the cost of a tour counts beside a beat of the model, and by how much worse it may get.
+constexpr double cost_weight = 0.3, most_loss = 1.5;
+
+/// Places first .. first + count - 1 of the path, maybe gone backwards.
+struct Piece {
+  Place first = 0, count = 0;
+  bool turned = false;
+
+  Place at(Place i) const { return first + (turned ? count - 1 - i : i); }
+};
+using Pieces = std::array<Piece, 2>;
+
+/// Two pieces that follow each other, and what is to stand in their place. The second may be empty.
+struct Exchange {
+  Pieces now{}, then{};
+  Place first = 0, end = 0;  // of both
+};
+
+/// One stretch of an order.
+class Stretch {
+ public:
+  Stretch(std::span<const Point> path, const BeatModel& model, double tangent, std::size_t asks,
+          std::uint64_t seed)
+      : points_(path),
+        model_(model),
+        cost_(model),
+        tangent_(tangent),
+        asks_(asks),
+        size_(static_cast<Place>(path.size())),
+        neighbours_(find_neighbours(path, few_beats_neighbours)),
+        path_(path.size()),
+        place_(path.size()),
+        random_(seed) {
+    std::iota(path_.begin(), path_.end(), 0u);
+    std::iota(place_.begin(), place_.end(), 0);
+  }
+
+  /// The numbers of the points in the best order that was found.
+  Indices run() {
+    Indices best = path_;
+    long fewest = find_wasted();
+    for (std::size_t left = asks_; left > 0 && !wasted_.empty();) {
+      const double done = 1 - static_cast<double>(left) / static_cast<double>(asks_);
+      temperature_ = hot * std::pow(cold / hot, done);
+      asked_ = 0;
+      for (const Node node : wasted_) {
+        for (int i = 0; i < tries; ++i) try_one(node);
+      }
+      // A round costs time even if nothing was worth asking.
+      constexpr std::size_t nodes_an_ask = 8;
+      left -= std::min(left, std::max(asked_, wasted_.size() / nodes_an_ask + 1));
+      const long beats = find_wasted();
+      if (beats >= fewest) continue;
+      fewest = beats;
+      best = path_;
+    }
+    return best;
+  }
+
+ private:
+  Node node(Place place) const { return path_[static_cast<std::size_t>(place)]; }
+  const Point& at(Place place) const { return points_[node(place)]; }
+  /// 0 to count - 1.
+  Place any(std::size_t count) { return static_cast<Place>(random_.next() % count); }
+
+  /// Beats of the whole path; notes the nodes near steps that take several.
+  long find_wasted() {
+    constexpr Place near = 3;
+    wasted_.clear();
+    Place noted = window;
+    PlanState state = model_.any_speed();
+    long sum = 0;
+    for (Place i = 1; i < size_; ++i) {
+      const int step = model_.step(state, at(i - 1), at(i));
+      sum += step;
+      if (step == 1) continue;
+      for (noted = std::max(noted, i - near); noted < std::min(size_ - window, i + near); ++noted)
+        wasted_.push_back(node(noted));
+    }
+    return sum;
+  }
+
+  /// Brings a node beside one of its neighbours.
+  void try_one(Node a) {
+    const auto near = neighbours_.of(a);
+    const Place p = place_[a], q = place_[near[static_cast<std::size_t>(any(near.size()))]];
+    switch (any(4)) {
+      case 0:
+        return turn(std::min(p, q) + 1, std::max(p, q));
+      case 1:
+        return turn(std::min(p, q), std::max(p, q) - 1);
+      default:
+        return move(p, q);
+    }
+  }
+
+  /// Turns the piece between two places round (2-opt).
+  void turn(Place first, Place last) {
+    const Place count = last - first + 1;
+    if (count < 2 || count > longest_turned) return;
+    consider({{{{first, count, false}, {}}}, {{{first, count, true}, {}}}, first, last + 1});
+  }
+
+  /// Moves a piece that begins or ends at p so that its node at p stands beside that at q.
+  void move(Place p, Place q) {
+    const bool is_long = random_.uniform() < long_share;
+    const Place count = 1 + any(is_long ? longest_moved : short_moved);
+    const bool ahead = any(2) == 1, behind_q = any(2) == 1;
+    const Place first = ahead ? p : p - count + 1, end = first + count;
+    const Place gap = behind_q ? q + 1 : q;  // the piece goes before this place
+    if (gap >= first && gap <= end) return;
+    const Piece piece{first, count, false}, moved{first, count, ahead != behind_q};
+    const Piece way = gap > end ? Piece{end, gap - end} : Piece{gap, first - gap};
+    if (way.count > longest_way) return;
+    if (gap > end)
+      consider({{{piece, way}}, {{way, moved}}, first, gap});
+    else
+      consider({{{way, piece}}, {{moved, way}}, gap, end});
+  }
+
+  void consider(const Exchange& exchange) {
+    if (exchange.first < window || exchange.end > size_ - window) return;
+    const double gain = cost(exchange, exchange.now) - cost(exchange, exchange.then);
+    if (gain < -most_loss) return;
+    ++asked_;
+    const long saved = beats(exchange, exchange.now) - beats(exchange, exchange.then);
+    const double better = static_cast<double>(saved) + cost_weight * gain;
+    // 1 - uniform() is never 0.
+    if (better < temperature_ * std::log(1 - random_.uniform())) return;
+    if (keeps_rule(exchange)) carry_out(exchange);
+  }
+
+  /// Looks at all pairs of points of which the second would come first.
+  bool keeps_rule(const Exchange& exchange) const {
+    for (const Piece& piece : exchange.then) {
+      if (!piece.turned) continue;
+      for (Place i = 1; i < piece.count; ++i)
+        if (shadows_any(piece.first + i, {piece.first, i})) return false;
+    }
+    const auto& [one, two] = exchange.now;
+    for (Place i = 0; i < two.count; ++i)
+      if (shadows_any(two.first + i, one)) return false;
+    return true;
+  }
+
+  /// Whether a defect there shadows a point of the piece.
+  bool shadows_any(Place upper, const Piece& piece) const {
+    const Point& apex = at(upper);
+    for (Place i = piece.first; i < piece.first + piece.count; ++i)
+      if (shadows(apex, at(i), tangent_)) return true;
+    return false;
+  }
+
+  void carry_out(const Exchange& exchange) {
+    changed_.clear();
+    for (const Piece& piece : exchange.then)
+      for (Place i = 0; i < piece.count; ++i) changed_.push_back(node(piece.at(i)));
+    Place place = exchange.first;
+    for (const Node one : changed_) {
+      path_[static_cast<std::size_t>(place)] = one;
+      place_[one] = place++;
+    }
+  }
+
+  /// Visits the points of pieces and `around` so many on either side, with how many were visited
+  /// before that follow each other: the middles of long pieces are left out.
+  template <class Visit>
+  void walk(const Exchange& exchange, const Pieces& pieces, Place around, Visit&& visit) const {
+    int known = 0;
+    for (Place i = exchange.first - around; i < exchange.first; ++i) visit(at(i), known++);
+    for (const Piece& piece : pieces) {
+      for (Place i = 0; i < piece.count; ++i) {
+        if (i == around && piece.count > 2 * around) {
+          i = piece.count - around;
+          known = 0;
+        }
+        visit(at(piece.at(i)), known++);
+      }
+    }
+    for (Place i = exchange.end; i < exchange.end + around; ++i) visit(at(i), known++);
+  }
+
+  double cost(const Exchange& exchange, const Pieces& pieces) const {
+    constexpr Place felt = 2;  // a turn is between three points
+    double sum = 0;
+    const Point *last = nullptr, *before = nullptr;
+    walk(exchange, pieces, felt, [&](const Point& p, int known) {
+      if (known >= 1) sum += cost_.edge(*last, p);
+      if (known >= 2) sum += cost_.turn(*before, *last, p);
+      before = last;
+      last = &p;
+    });
+    return sum;
+  }
+
+  long beats(const Exchange& exchange, const Pieces& pieces) const {
+    PlanState state;
+    long sum = 0;
+    const Point* last = nullptr;
+    walk(exchange, pieces, window, [&](const Point& p, int known) {
+      if (known == 0) {
+        state = model_.any_speed();
+      } else {
+        sum += model_.step(state, *last, p);
+      }
+      last = &p;
+    });
+    return sum;
+  }
+
+  std::span<const Point> points_;
+  const BeatModel& model_;
+  TourCost cost_;
+  double tangent_;
+  std::size_t asks_, asked_ = 0;
+  Place size_;
+  double temperature_ = hot;
+  Neighbours neighbours_;
+  Indices path_;  // nodes by their places, and the other way round
+  std::vector<Place> place_;
+  std::vector<Node> wasted_, changed_;
+  points::Random random_;
+};
+
+/// Where the stretches of a pass begin; none is shorter than half of the others.
+Starts stretches(std::size_t points, std::size_t pass) {
+  Starts starts{0};
+  constexpr std::size_t half = stretch_points / 2;
+  for (std::size_t i = pass == 0 ? stretch_points : half; i + half < points; i += stretch_points)
+    starts.push_back(i);
+  starts.push_back(points);
+  return starts;
+}
+
+}  // namespace
+
+void anneal(points::PointCloud& order, const BeatModel& model, double tangent,
+            std::size_t asked_a_point, unsigned threads,
+            const std::function<void(std::size_t)>& progress) {
+  constexpr std::size_t fewest_points = 5 * window;
+  for (std::size_t pass = 0; pass < passes; ++pass) {
+    const auto work = [&](std::span<Point> path) {
+      if (path.size() < fewest_points) return;
+      const std::size_t asks = asked_a_point * path.size() / passes;
+      permute(path, Stretch(path, model, tangent, asks, pass).run());
+    };
+    for_each_layer(order, stretches(order.size(), pass), threads, work, [&](std::size_t done) {
+      if (progress) progress((pass * order.size() + done) / passes);
+    });
+  }
+}
+
+}  // namespace lamplock::order

@@ -1,0 +1,90 @@
+#include "host/order/anneal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <span>
+
+#include "host/bench/orders.hpp"
+#include "host/order/cone.hpp"
+#include "host/order/order.hpp"
+#include "host/order/permute.hpp"
+#include "host/order/shadow.hpp"
+#include "tests/order/clouds.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock {
+namespace {
+
+using order::BeatModel;
+using order::Indices;
+using order::Ordering;
+using points::PointCloud;
+
+const BeatModel& slow_machine() {
+  static const BeatModel model({{2000, 2000, 2000}, {1000, 1000, 1000}, 0.01});
+  return model;
+}
+
+TEST(Permute, IsWhatACopyGives) {
+  std::mt19937_64 random(40);
+  for (int i = 0; i < test::scaled(200); ++i) {
+    Indices order(random() % 50), things(order.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::shuffle(order.begin(), order.end(), random);
+    for (std::uint32_t& thing : things) thing = static_cast<std::uint32_t>(random());
+    Indices expected;
+    for (const std::uint32_t number : order) expected.push_back(things[number]);
+    order::permute(std::span(things), order);
+    EXPECT_EQ(things, expected);
+  }
+}
+
+TEST(Anneal, KeepsThePointsAndTheRuleAndWastesNoMore) {
+  std::mt19937_64 random(41);
+  for (int i = 0; i < test::scaled(30); ++i) {
+    const PointCloud cloud = test::awkward_cloud(random, i % test::cloud_kinds, random() % 1500);
+    order::OrderOptions options;
+    options.layer_mm = 0.3;
+    options.half_angle_deg = i % 3 == 0 ? 60 : 20;
+    const PointCloud before = order::order(cloud, Ordering::layers, options);
+    PointCloud order = before;
+    order::anneal(order, slow_machine(), order::cone_tangent(options.half_angle_deg), 10, 2, {});
+    EXPECT_TRUE(test::is_permutation_of(order, before)) << i;
+    EXPECT_FALSE(order::first_shadowed(order, options.half_angle_deg)) << i;
+    EXPECT_LE(slow_machine().beats(order), slow_machine().beats(before)) << i;
+  }
+}
+
+TEST(Anneal, SavesWhatASearchInLayersLeaves) {
+  for (const bench::OrderCloud& cloud : bench::order_clouds(3000)) {
+    if (cloud.name != "torus" && cloud.name != "solid") continue;
+    order::OrderOptions options;
+    options.layer_mm = cloud.layer_mm;
+    PointCloud order = order::order(cloud.points, Ordering::layers, options);
+    const auto wasted = [&] {
+      return slow_machine().beats(order) - static_cast<long>(order.size());
+    };
+    const long before = wasted();
+    order::anneal(order, slow_machine(), order::cone_tangent(options.half_angle_deg), 10, 2, {});
+    EXPECT_LT(2 * wasted(), before) << cloud.name;
+  }
+}
+
+TEST(Anneal, DoesNotDependOnThreadsAndTellsProgress) {
+  const PointCloud cloud = bench::order_clouds(12'000)[1].points;
+  PointCloud alone = order::order(cloud, Ordering::layers), together = alone;
+  std::size_t told = 0;
+  order::anneal(alone, slow_machine(), 0.36, 1, 1, [&told](std::size_t done) {
+    EXPECT_GE(done, told);
+    told = done;
+  });
+  EXPECT_EQ(told, alone.size());
+  order::anneal(together, slow_machine(), 0.36, 1, 3, {});
+  EXPECT_EQ(alone, together);
+}
+
+}  // namespace
+}  // namespace lamplock
