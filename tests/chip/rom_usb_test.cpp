@@ -13,7 +13,7 @@
 #include "sim/chip/chip.hpp"
 #include "sim/chip/rom/crc32.hpp"
 #include "sim/chip/usb_host/usb_host.hpp"
-#include "tests/chip/vendor_host.hpp"
+#include "sim/chip/usb_host/vendor_host.hpp"
 
 namespace lamplock::sim::chip {
 namespace {
@@ -21,7 +21,6 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 using picoboot::Command;
 using picoboot::Status;
-using test::VendorHost;
 using End = VendorHost::End;
 
 constexpr std::uint32_t flash = 0x1000'0000, sram = 0x2000'0000;

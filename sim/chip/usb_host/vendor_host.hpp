@@ -3,7 +3,7 @@
 //
 // In:  transfers; a function that lets the chip run.
 // Out: what became of them, after as much simulated time as they took.
-// Who: tests of devices that are no serial port.
+// Who: the simulated USB of the host program (host/usb/simulated_usb.hpp), tests of the boot ROM.
 //
 // Frames of 1 ms begin with SOF; a transaction that is refused (NAK) is repeated until the time for
 // the transfer is over. A stalled endpoint stays stalled until clear_halt().
@@ -21,7 +21,7 @@
 #include "sim/chip/usb/wire.hpp"
 #include "sim/chip/usb_host/transactions.hpp"
 
-namespace lamplock::sim::chip::test {
+namespace lamplock::sim::chip {
 
 /// The host. `run` lets the chip run to a cycle, or a little further.
 class VendorHost final : private usb::HostEnd {
@@ -47,6 +47,8 @@ class VendorHost final : private usb::HostEnd {
   bool enumerate(Picoseconds patience = 1'000 * ps_per_ms);
   /// A device is connected.
   bool connected() const { return device_.pull_up(); }
+  /// How often a device has gone: one that was enumerated before is another one now.
+  std::uint64_t departures() const { return departures_; }
   const Bytes& device_descriptor() const { return device_descriptor_; }
   const Bytes& configuration_descriptor() const { return configuration_descriptor_; }
 
@@ -69,7 +71,7 @@ class VendorHost final : private usb::HostEnd {
   static End end_of(const usb::Result& result);
   bool read_descriptor(std::uint8_t type, std::size_t size, Bytes& bytes);
 
-  void pull_up_changed(bool, Picoseconds) override {}
+  void pull_up_changed(bool on, Picoseconds at) override;
   void remote_wakeup(Picoseconds) override {}
 
   TimeWheel& wheel_;
@@ -82,8 +84,9 @@ class VendorHost final : private usb::HostEnd {
   Picoseconds bus_free_ = 0;
   Picoseconds next_frame_ = -1;  ///< -1: no frames
   std::uint16_t frame_ = 0;
+  std::uint64_t departures_ = 0;
   Picoseconds timeout_ = 10'000 * ps_per_ms;
   Bytes device_descriptor_, configuration_descriptor_;
 };
 
-}  // namespace lamplock::sim::chip::test
+}  // namespace lamplock::sim::chip

@@ -1,4 +1,4 @@
-#include "tests/chip/vendor_host.hpp"
+#include "sim/chip/usb_host/vendor_host.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -6,7 +6,7 @@
 #include "sim/chip/usb_host/descriptors.hpp"
 #include "sim/chip/usb_host/usb_host.hpp"
 
-namespace lamplock::sim::chip::test {
+namespace lamplock::sim::chip {
 
 using usb::Pid;
 
@@ -39,6 +39,7 @@ void VendorHost::wait(Picoseconds time) {
   const Picoseconds end = wheel_.time() + time;
   while (next_frame_ >= 0 && next_frame_ <= end) {
     run_to(next_frame_);
+    if (next_frame_ < 0) break;  // the device has gone meanwhile
     device_.start_of_frame(frame_, wheel_.time());
     frame_ = (frame_ + 1) & 0x7ff;
     next_frame_ += frame_time;
@@ -55,6 +56,13 @@ void VendorHost::reset() {
   wait(times.reset_recovery);
   address_ = 0;
   data1_.clear();
+}
+
+void VendorHost::pull_up_changed(bool on, Picoseconds) {
+  if (on) return;
+  ++departures_;
+  next_frame_ = -1;
+  address_ = 0;
 }
 
 // --- transactions ---
@@ -199,4 +207,4 @@ bool VendorHost::enumerate(Picoseconds patience) {
   return control({0, set_configuration, 1, 0, 0, 0, 0, 0}).done();
 }
 
-}  // namespace lamplock::sim::chip::test
+}  // namespace lamplock::sim::chip
