@@ -426,6 +426,8 @@ class Controller {
   void begin_probe();
   bool end_probe();
 
+  GcodeError request_loader();
+  bool nothing_is_under_way() const;
   bool may_be_changed() const;
   void answer_system_command(std::string_view line);
   GcodeError system_command(std::string_view line);

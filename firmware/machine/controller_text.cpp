@@ -142,11 +142,10 @@ GcodeError Controller::keep_build_text(std::string_view text) {
 }
 
 GcodeError Controller::command_at_rest(std::string_view line) {
+  if (line == "$BOOT") return request_loader();
   if (!may_be_changed()) return GcodeError::not_idle;
   if (line.starts_with("$I=")) return keep_build_text(line.substr(3));
-  if (line == "$BOOT") {
-    loader_requested_ = true;
-  } else if (line == "$C") {
+  if (line == "$C") {
     if (state_ != MachineState::idle) return GcodeError::not_idle;
     toggle_check();
   } else if (line == "$SLP") {
@@ -166,9 +165,21 @@ GcodeError Controller::command_at_rest(std::string_view line) {
   return GcodeError::none;
 }
 
+/// Under the e-stop too: there a board without wires is, and a machine that is made safe first. The
+/// loader has every output off.
+GcodeError Controller::request_loader() {
+  if (!may_be_changed() && !(state_ == MachineState::estop && nothing_is_under_way()))
+    return GcodeError::not_idle;
+  loader_requested_ = true;
+  return GcodeError::none;
+}
+
+bool Controller::nothing_is_under_way() const {
+  return runner_.at_rest() && !shots_.undecided() && !program_unfinished() && !asleep_;
+}
+
 bool Controller::may_be_changed() const {
-  return (state_ == MachineState::idle || state_ == MachineState::alarm) && runner_.at_rest() &&
-         !shots_.undecided() && !program_unfinished() && !asleep_;
+  return (state_ == MachineState::idle || state_ == MachineState::alarm) && nothing_is_under_way();
 }
 
 GcodeError Controller::change_setting(std::string_view line) {
