@@ -1,0 +1,80 @@
+#include "host/flash/flash_image.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/error.hpp"
+#include "shared/boards/pico_flash.hpp"
+#include "sim/chip/rom/crc32.hpp"
+
+namespace lamplock::flash {
+namespace {
+
+/// The settings begin there.
+constexpr std::uint32_t limit = flash_base + boards::settings_offset;
+static_assert(limit % sector_size == 0);
+
+[[noreturn]] void refuse(const std::string& where, const std::string& what,
+                         const std::string& remedy) {
+  throw Error(Exit::bad_input, where, what, remedy);
+}
+
+void check_place(const Part& part, const std::string& where) {
+  if (part.address < flash_base || part.address >= limit ||
+      part.bytes.size() > limit - part.address)
+    refuse(where,
+           fmt::format("{} bytes for 0x{:08x} are not inside 0x{:08x} to 0x{:08x}, the room for "
+                       "images: behind it are the settings",
+                       part.bytes.size(), part.address, flash_base, limit - 1),
+           "build the image of lamplock again");
+}
+
+void check_overlap(const Part& before, const Part& after, const std::string& where) {
+  if (after.address - before.address < before.bytes.size())
+    refuse(where, fmt::format("two parts overlap at 0x{:08x}", after.address),
+           "build the image again");
+}
+
+/// The ROM starts what has the CRC of its first 252 bytes behind them.
+void check_boot_code(const FlashImage& image, const std::string& where) {
+  constexpr std::size_t code_size = 252;
+  const char* const remedy = "give an image that starts by itself, such as lamplock-rp2040.uf2";
+  if (image.sectors.empty() || image.sectors.front().address != flash_base)
+    refuse(where, "has nothing for the begin of the flash, where the chip starts", remedy);
+  const std::span<const std::uint8_t> bytes = image.sectors.front().bytes;
+  std::uint32_t stored = 0;
+  for (std::size_t i = 4; i-- > 0;) stored = stored << 8 | bytes[code_size + i];
+  if (sim::chip::boot2_crc32(bytes.first(code_size)) != stored)
+    refuse(where, "has boot code with a wrong checksum: the chip would not start it", remedy);
+}
+
+void put(const Part& part, FlashImage& image) {
+  for (std::size_t i = 0; i < part.bytes.size(); ++i) {
+    const std::uint32_t address = part.address + static_cast<std::uint32_t>(i);
+    const auto within = static_cast<std::uint32_t>(address % sector_size);
+    if (image.sectors.empty() || image.sectors.back().address != address - within) {
+      image.sectors.push_back({address - within, {}});
+      image.sectors.back().bytes.fill(erased);
+    }
+    image.sectors.back().bytes[within] = part.bytes[i];
+  }
+  image.size += part.bytes.size();
+}
+
+}  // namespace
+
+FlashImage make_flash_image(std::vector<Part> parts, const std::string& where) {
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Part& a, const Part& b) { return a.address < b.address; });
+  FlashImage image;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    check_place(parts[i], where);
+    if (i > 0) check_overlap(parts[i - 1], parts[i], where);
+    put(parts[i], image);
+  }
+  check_boot_code(image, where);
+  return image;
+}
+
+}  // namespace lamplock::flash

@@ -1,0 +1,101 @@
+// PICOBOOT: what the boot loader in the ROM of the RP2040 understands over USB.
+//
+// In:  commands for flash, memory, restart. Out: bytes read; an Error that says what the loader
+//      or the cable has against it.
+// Who: Flasher.
+// Protocol: RP2040 datasheet, 2.8.5 (commands 2.8.5.4, requests and status 2.8.5.5); status codes
+// above 8 are those that the loader of the RP2350 has (datasheet, 5.6.5).
+//
+// A command is 32 bytes, its data follow in their direction, an empty packet the other way ends it.
+// A command that is refused halts the endpoints: its status is asked for before the interface is
+// reset, which forgets it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "host/error.hpp"
+#include "host/usb/usb.hpp"
+
+namespace lamplock::flash {
+
+/// dStatusCode of a command.
+enum class PicobootStatus : std::uint32_t {
+  ok,
+  unknown_command,
+  invalid_command_length,
+  invalid_transfer_length,
+  invalid_address,
+  bad_alignment,
+  interleaved_write,
+  rebooting,
+  unknown_error,
+  invalid_state,
+  not_permitted,
+  invalid_argument,
+  buffer_too_small,
+  precondition_not_met,
+  modified_data,
+  invalid_data,
+  not_found,
+  unsupported_modification
+};
+
+/// A command that did not end well; with its status if the loader told one.
+class PicobootError : public Error {
+ public:
+  PicobootError(Exit exit, const std::string& what, const std::string& remedy,
+                std::optional<PicobootStatus> status = std::nullopt)
+      : Error(exit, "boot loader", what, remedy), status_(status) {}
+  std::optional<PicobootStatus> status() const { return status_; }
+
+ private:
+  std::optional<PicobootStatus> status_;
+};
+
+/// One session with a loader. Every function throws PicobootError.
+class Picoboot {
+ public:
+  /// Takes the interface, and ends whatever a program before has left half done. `device` must
+  /// outlive this.
+  Picoboot(usb::Device& device, const usb::DeviceInfo& info);
+  Picoboot(const Picoboot&) = delete;
+  Picoboot& operator=(const Picoboot&) = delete;
+
+  /// Nobody else writes: the drive RPI-RP2 refuses meanwhile.
+  void take_exclusive_access();
+  /// Makes flash ready for the commands that follow.
+  void exit_xip();
+  /// Whole sectors.
+  void erase(std::uint32_t address, std::uint32_t size);
+  /// From the begin of a page on; into erased flash.
+  void write(std::uint32_t address, std::span<const std::uint8_t> bytes);
+  void read(std::uint32_t address, std::span<std::uint8_t> bytes);
+  /// Starts what is in flash, after `delay`; the device then leaves.
+  void reboot(std::chrono::milliseconds delay);
+
+ private:
+  enum class Command : std::uint8_t;
+  struct Order;
+  struct Status;
+
+  void find_interface(const usb::DeviceInfo& info);
+  void send(const Order& order);
+  void run(const Order& order, std::chrono::milliseconds patience);
+  void take_empty(std::chrono::milliseconds patience, const Order& order);
+  void check(const usb::Transfer& transfer, std::size_t size, const Order& order);
+  [[noreturn]] void fail(const usb::Transfer& transfer, const Order& order);
+  [[noreturn]] void fail_refused(const Order& order);
+  std::optional<Status> status();
+  void recover();
+  bool halted(std::uint8_t endpoint);
+
+  usb::Device& device_;
+  std::uint8_t interface_ = 0, out_ = 0, in_ = 0;
+  std::uint32_t token_ = 0;
+};
+
+}  // namespace lamplock::flash

@@ -1,0 +1,207 @@
+#include "host/flash/update.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/flash/board_dialog.hpp"
+#include "host/flash/drive.hpp"
+#include "host/flash/target.hpp"
+#include "host/flash/uf2.hpp"
+
+namespace lamplock::flash {
+namespace {
+
+using std::chrono::milliseconds;
+using usb::DeviceInfo;
+using usb::Kind;
+
+/// From `$BOOT` or the restart to a device that a slow hub has enumerated.
+constexpr milliseconds enumeration_time{15'000};
+/// What the system does then: permissions by rules, the driver of the port, mounting.
+constexpr milliseconds settling_time{5'000};
+constexpr milliseconds look_again{50};
+/// The answer to the order comes before the restart.
+constexpr milliseconds restart_delay{100};
+
+constexpr const char* take_in_hand =
+    "plug it in again; if it does not come up, with BOOTSEL held, then lamplock flash again";
+
+/// Calls `look` until it gives something; nothing after `time`.
+template <class Look>
+auto poll(usb::Bus& bus, milliseconds time, Look&& look) -> decltype(look()) {
+  const milliseconds end = bus.now() + time;
+  for (;;) {
+    if (auto found = look()) return found;
+    if (bus.now() >= end) return {};
+    bus.sleep(look_again);
+  }
+}
+
+/// An error's text as part of another line.
+std::string without_prefix(std::string_view text) {
+  constexpr std::string_view prefix = "error: ";
+  if (text.starts_with(prefix)) text.remove_prefix(prefix.size());
+  return std::string(text);
+}
+
+}  // namespace
+
+Update::Update(UpdateSite site, const FlashImage& image, UpdateEvents events)
+    : site_(std::move(site)), image_(image), events_(std::move(events)) {}
+
+void Update::step(const std::string& name, const std::string& what) const {
+  if (events_.on_step) events_.on_step(name, what);
+}
+
+UpdateReport Update::run(const std::string& serial) {
+  const DeviceInfo target = find_target(site_.bus, serial);
+  boards_before_ = boards();
+  boards_before_.erase(target.place);
+  DeviceInfo loader = target;
+  if (usb::known_device(target).kind == Kind::board) {
+    stop_board(target);
+    loader = wait_for_loader(target.place);
+  }
+  step("found", name_of(loader));
+  if (loader.problem.empty())
+    flash_over_usb(loader);
+  else
+    flash_over_drive(wait_for_drive(loader));
+  wait_for_board(target.place);
+  ask_version();
+  return report_;
+}
+
+UpdateReport Update::run_on_drive(const std::filesystem::path& drive) {
+  boards_before_ = boards();
+  flash_over_drive(drive);
+  if (const auto board = poll(site_.bus, settling_time, [&] { return new_board(); })) {
+    report_.board = *board;
+    ask_version();
+  } else {
+    report_.version_problem = "the drive has gone, and no new board is seen on the bus";
+  }
+  return report_;
+}
+
+// --- from the running board to its loader ---
+
+void Update::stop_board(const DeviceInfo& board) {
+  const std::string name = name_of(board);
+  const auto transport = site_.ports.open(board);
+  report_.version_before = version_at_rest(*transport, name);
+  step("board", fmt::format("{}, version {}", name, report_.version_before));
+  enter_boot_loader(*transport, name);
+}
+
+DeviceInfo Update::wait_for_loader(const std::string& place) {
+  const auto look = [&] { return find_at(site_.bus, Kind::boot_loader, place); };
+  const auto loader = poll(site_.bus, enumeration_time, look);
+  if (!loader)
+    throw Error(Exit::no_device, "boot loader",
+                fmt::format("did not come up at USB {} within {} s", place,
+                            enumeration_time.count() / 1'000),
+                take_in_hand);
+  if (loader->problem.empty()) return *loader;
+  // The system's rules may give the permission in a moment.
+  const auto permitted = poll(site_.bus, settling_time, [&] {
+    auto now = look();
+    return now && now->problem.empty() ? now : std::nullopt;
+  });
+  return permitted.value_or(*loader);
+}
+
+// --- the image ---
+
+void Update::flash_over_usb(const DeviceInfo& info) {
+  const std::unique_ptr<usb::Device> device = site_.bus.open(info);
+  Picoboot loader(*device, info);
+  const FlashResult result = Flasher(loader, image_, events_.on_progress).run();
+  report_.flash = result;
+  step("flash", fmt::format("{} sectors of 4 KiB, {} of them differed: written and read back",
+                            result.sectors, result.written));
+  loader.reboot(restart_delay);
+}
+
+std::filesystem::path Update::wait_for_drive(const DeviceInfo& loader) {
+  const auto drives = poll(site_.bus, settling_time, [&] {
+    auto found = find_loader_drives(site_.drive_roots);
+    return found.empty() ? std::nullopt : std::make_optional(std::move(found));
+  });
+  if (!drives)
+    throw Error(Exit::no_device, name_of(loader), loader.problem,
+                "or mount its drive RPI-RP2 and give that with --drive");
+  if (drives->size() > 1)
+    throw Error(Exit::bad_input, name_of(loader),
+                fmt::format("{} drives of boot loaders are mounted", drives->size()),
+                "choose one with --drive");
+  return drives->front();
+}
+
+void Update::flash_over_drive(const std::filesystem::path& drive) {
+  DriveActions actions;
+  actions.write = write_through;
+  actions.sleep = [&](milliseconds time) { site_.bus.sleep(time); };
+  actions.now = [&] { return site_.bus.now(); };
+  actions.board_is_back = [&] { return new_board().has_value(); };
+  copy_to_drive(drive, write_uf2(image_), actions);
+  report_.drive = drive;
+  step("copy", fmt::format("{} bytes to {}, taken by the board", image_.size, drive.string()));
+}
+
+// --- the board with the new firmware ---
+
+std::set<std::string> Update::boards() {
+  std::set<std::string> places;
+  for (const DeviceInfo& device : site_.bus.devices())
+    if (usb::known_device(device).kind == Kind::board) places.insert(device.place);
+  return places;
+}
+
+std::optional<DeviceInfo> Update::new_board() {
+  for (const DeviceInfo& device : site_.bus.devices())
+    if (usb::known_device(device).kind == Kind::board && !boards_before_.contains(device.place))
+      return device;
+  return std::nullopt;
+}
+
+void Update::wait_for_board(const std::string& place) {
+  bool left = false, came_back_as_loader = false;
+  const auto board = poll(site_.bus, enumeration_time, [&]() -> std::optional<DeviceInfo> {
+    const bool loader = find_at(site_.bus, Kind::boot_loader, place).has_value();
+    left = left || !loader;
+    came_back_as_loader = came_back_as_loader || (left && loader);
+    return came_back_as_loader ? DeviceInfo{} : find_at(site_.bus, Kind::board, place);
+  });
+  if (came_back_as_loader)
+    throw Error(Exit::job_failed, "board", "has the image and does not start it",
+                "check that the image is one for this board, then flash again");
+  if (!board)
+    throw Error(Exit::job_failed, "board",
+                fmt::format("has the image and was not seen again at USB {} as lamplock", place),
+                take_in_hand);
+  report_.board = *board;
+}
+
+/// The port is made, and opened to users, some time after the device has come.
+void Update::ask_version() {
+  const auto version_now = poll(site_.bus, settling_time, [&]() -> std::optional<std::string> {
+    try {
+      const auto transport = site_.ports.open(report_.board);
+      return version(*transport);
+    } catch (const Error& error) {
+      report_.version_problem = without_prefix(error.what());
+      return std::nullopt;
+    }
+  });
+  report_.port = site_.ports.name(report_.board);
+  if (!version_now) return;
+  report_.version = *version_now;
+  report_.version_problem.clear();
+  step("board",
+       fmt::format("{} at {}, version {}", name_of(report_.board), report_.port, report_.version));
+}
+
+}  // namespace lamplock::flash

@@ -1,0 +1,80 @@
+// A board gets another firmware: from the running board, or its boot loader, to the board that
+// runs the new one.
+//
+// In:  a bus, ports, an image; which board. Out: what was written and which version answers, or an
+//      Error that says where the board is left.
+// Who: `lamplock flash`.
+//
+// A board with a job is left alone. Where the loader may not be used over USB the image is copied
+// to its drive, if that is mounted.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "host/flash/board_ports.hpp"
+#include "host/flash/flash_image.hpp"
+#include "host/flash/flasher.hpp"
+#include "host/usb/known_devices.hpp"
+#include "host/usb/usb.hpp"
+
+namespace lamplock::flash {
+
+/// What was done.
+struct UpdateReport {
+  usb::DeviceInfo board{};             ///< as it runs now; without place if it was not seen
+  std::string version_before{};        ///< empty: it was in its boot loader
+  std::string version{};               ///< empty: see version_problem
+  std::string version_problem{};       ///< why the new version was not read; one line
+  std::string port{};                  ///< of the board
+  std::optional<FlashResult> flash{};  ///< over USB
+  std::optional<std::filesystem::path> drive{};  ///< or by a copy
+};
+
+/// Told meanwhile: a step that is done, and what came of it; how far the flash is.
+struct UpdateEvents {
+  std::function<void(const std::string& step, const std::string& what)> on_step{};
+  OnFlashProgress on_progress{};
+};
+
+/// What it works on. All must outlive the update.
+struct UpdateSite {
+  usb::Bus& bus;
+  BoardPorts& ports;
+  std::vector<std::filesystem::path> drive_roots{};  ///< where drives are mounted
+};
+
+/// One update.
+class Update {
+ public:
+  Update(UpdateSite site, const FlashImage& image, UpdateEvents events);
+
+  /// The board with this serial number, or the only one. Throws Error.
+  UpdateReport run(const std::string& serial);
+  /// What is behind a mounted drive. Throws Error.
+  UpdateReport run_on_drive(const std::filesystem::path& drive);
+
+ private:
+  void stop_board(const usb::DeviceInfo& board);
+  usb::DeviceInfo wait_for_loader(const std::string& place);
+  void flash_over_usb(const usb::DeviceInfo& loader);
+  void flash_over_drive(const std::filesystem::path& drive);
+  std::filesystem::path wait_for_drive(const usb::DeviceInfo& loader);
+  void wait_for_board(const std::string& place);
+  void ask_version();
+  std::set<std::string> boards();
+  std::optional<usb::DeviceInfo> new_board();
+  void step(const std::string& name, const std::string& what) const;
+
+  UpdateSite site_;
+  const FlashImage& image_;
+  UpdateEvents events_;
+  UpdateReport report_;
+  std::set<std::string> boards_before_;  ///< places
+};
+
+}  // namespace lamplock::flash

@@ -1,0 +1,43 @@
+#include "host/usb/access.hpp"
+
+#include <fmt/format.h>
+#include <grp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace lamplock::usb {
+namespace {
+
+/// The group that may read and write the node; empty if that is root's, or none.
+std::string group_with_access(const std::filesystem::path& node) {
+  struct stat status {};
+  constexpr mode_t both = S_IRGRP | S_IWGRP;
+  if (::stat(node.c_str(), &status) != 0 || status.st_gid == 0 || (status.st_mode & both) != both)
+    return "";
+  const group* const found = ::getgrgid(status.st_gid);
+  return found == nullptr ? "" : found->gr_name;
+}
+
+}  // namespace
+
+AccessProblem access_problem(const std::filesystem::path& node) {
+  if (::access(node.c_str(), R_OK | W_OK) == 0) return {};
+  const int failure = errno;
+  if (failure == ENOENT)
+    return {fmt::format("there is no {}", node.string()),
+            "in a container give it the /dev of the computer, otherwise plug in again"};
+  if (failure != EACCES && failure != EPERM)
+    return {fmt::format("{} cannot be used ({})", node.string(), std::strerror(failure)),
+            "plug in again"};
+  const std::string group = group_with_access(node);
+  const std::string what = fmt::format("no permission to use {}", node.string());
+  if (!group.empty())
+    return {what, fmt::format("join its group: sudo adduser $USER {}, then log in again", group)};
+  return {what,
+          "install 60-lamplock.rules (cmake --install, or the Debian package), then plug in again"};
+}
+
+}  // namespace lamplock::usb

@@ -1,0 +1,39 @@
+#include "host/usb/known_devices.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "firmware/boards/rp2040/usb/descriptors.hpp"
+
+namespace lamplock::usb {
+namespace {
+
+struct Row {
+  std::uint16_t vendor, product;
+  KnownDevice device;
+};
+
+/// RP2040 datasheet, 2.8.5.1; numbers of pendants as their makers' devices show them.
+constexpr std::array<Row, 5> rows = {{
+    {0x2e8a, 0x0003, {Kind::boot_loader, "RP2040 boot loader"}},
+    {0x10ce, 0xeb70, {Kind::pendant, "XHC HB04"}},
+    {0x10ce, 0xeb93, {Kind::pendant, "XHC WHB04B"}},
+    {0x0b33, 0x0020, {Kind::pendant, "Contour ShuttleXpress"}},
+    {0x0b33, 0x0030, {Kind::pendant, "Contour ShuttlePro v2"}},
+}};
+
+constexpr std::string_view manufacturer = "lamplock";
+
+}  // namespace
+
+KnownDevice known_device(const DeviceInfo& device) {
+  if (device.vendor == rp2040::usb::vendor_id && device.product == rp2040::usb::product_id &&
+      device.manufacturer == manufacturer)
+    return {Kind::board, "lamplock board"};
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) {
+    return row.vendor == device.vendor && row.product == device.product;
+  });
+  return found == rows.end() ? KnownDevice{} : found->device;
+}
+
+}  // namespace lamplock::usb

@@ -1,0 +1,59 @@
+#include "host/usb/sysfs.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+namespace lamplock::usb {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is in a folder; nothing if it is none or has just gone.
+std::vector<fs::path> entries(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code failure;
+  for (fs::directory_iterator at(folder, failure), end; !failure && at != end;
+       at.increment(failure))
+    found.push_back(at->path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// Folders of the interfaces of a device: "1-4.2:1.0".
+std::vector<fs::path> interface_folders(const fs::path& root, const std::string& place) {
+  std::vector<fs::path> found;
+  for (const fs::path& entry : entries(root / place))
+    if (entry.filename().string().starts_with(place + ":")) found.push_back(entry);
+  return found;
+}
+
+void add_nodes(const fs::path& folder, std::vector<std::string>& nodes) {
+  for (const fs::path& entry : entries(folder))
+    nodes.push_back("/dev/" + entry.filename().string());
+}
+
+}  // namespace
+
+std::string Sysfs::text(const std::string& place, const std::string& attribute) const {
+  std::ifstream file(root_ / place / attribute);
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
+
+std::vector<std::string> Sysfs::serial_ports(const std::string& place) const {
+  std::vector<std::string> nodes;
+  for (const fs::path& interface : interface_folders(root_, place))
+    add_nodes(interface / "tty", nodes);
+  return nodes;
+}
+
+std::vector<std::string> Sysfs::hid_nodes(const std::string& place) const {
+  std::vector<std::string> nodes;
+  for (const fs::path& interface : interface_folders(root_, place))
+    for (const fs::path& device : entries(interface)) add_nodes(device / "hidraw", nodes);
+  return nodes;
+}
+
+}  // namespace lamplock::usb

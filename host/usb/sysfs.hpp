@@ -1,0 +1,33 @@
+// What Linux says of USB devices in /sys without any permission: texts, serial ports, HID nodes.
+//
+// In:  the place of a device, "1-4.2". Out: text of an attribute, paths in /dev.
+// Who: libusb_bus, lists of devices, whoever looks for the serial port of a board.
+// Layout: Documentation/ABI/testing/sysfs-bus-usb of the kernel.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lamplock::usb {
+
+/// Where the kernel shows USB devices by place.
+inline constexpr const char* sysfs_devices = "/sys/bus/usb/devices";
+
+/// Attributes of devices; `root` is another folder in tests.
+class Sysfs {
+ public:
+  explicit Sysfs(std::filesystem::path root = sysfs_devices) : root_(std::move(root)) {}
+
+  /// Such as "serial"; empty if there is none.
+  std::string text(const std::string& place, const std::string& attribute) const;
+  /// "/dev/ttyACM0" and the like, by name; none while no driver has made one.
+  std::vector<std::string> serial_ports(const std::string& place) const;
+  /// "/dev/hidraw0" and the like, by name.
+  std::vector<std::string> hid_nodes(const std::string& place) const;
+
+ private:
+  std::filesystem::path root_;
+};
+
+}  // namespace lamplock::usb

@@ -1,0 +1,45 @@
+// Images that an RP2040 would start, made in the test.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "host/flash/flash_image.hpp"
+#include "sim/chip/rom/crc32.hpp"
+
+namespace lamplock::flash::test {
+
+/// Writes the checksum behind the boot code at the begin of these bytes.
+inline void stamp(std::span<std::uint8_t> flash) {
+  const std::uint32_t crc = sim::chip::boot2_crc32(flash.first(252));
+  for (std::size_t i = 0; i < 4; ++i) flash[252 + i] = static_cast<std::uint8_t>(crc >> 8 * i);
+}
+
+/// True if the ROM would start what stands at the begin of a flash.
+inline bool starts(std::span<const std::uint8_t> flash) {
+  std::vector<std::uint8_t> code(flash.begin(), flash.begin() + 256);
+  stamp(code);
+  return std::equal(code.begin(), code.end(), flash.begin());
+}
+
+/// Noise of so many bytes at the begin of the flash, with boot code that starts.
+inline FlashImage noise_image(std::size_t size, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  Part part{flash_base, std::vector<std::uint8_t>(std::max<std::size_t>(size, page_size))};
+  for (std::uint8_t& byte : part.bytes) byte = static_cast<std::uint8_t>(random());
+  stamp(part.bytes);
+  return make_flash_image({std::move(part)}, "test");
+}
+
+/// What the image leaves in the flash, sector by sector.
+inline bool holds(std::span<const std::uint8_t> flash, const FlashImage& image) {
+  return std::all_of(image.sectors.begin(), image.sectors.end(), [&](const Sector& sector) {
+    return std::equal(sector.bytes.begin(), sector.bytes.end(),
+                      flash.begin() + (sector.address - flash_base));
+  });
+}
+
+}  // namespace lamplock::flash::test

@@ -1,0 +1,205 @@
+// UF2 files: what is right is read, everything else is refused with the block that is wrong.
+#include "host/flash/uf2.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host/bytes.hpp"
+#include "tests/error_of.hpp"
+#include "tests/flash/images.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::flash {
+namespace {
+
+constexpr std::size_t block = uf2_block_size;
+
+/// A file of three sectors, 48 blocks.
+std::string file_of_three() { return write_uf2(test::noise_image(3 * sector_size, 5)); }
+
+void put(std::string& file, std::size_t at, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) file[at + i] = static_cast<char>(value >> 8 * i & 0xff);
+}
+
+TEST(Uf2, FieldsOfABlockAreThoseOfTheSpecification) {
+  const std::string file = file_of_three();
+  ASSERT_EQ(file.size(), 48 * block);
+  // Microsoft, UF2: block format; RP2040 datasheet, 2.8.4.2.
+  const std::vector<std::uint32_t> wanted = {0x0a324655, 0x9e5d5157, 0x2000, 0x10000100,
+                                             256,        1,          48,     0xe48bff56};
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    EXPECT_EQ(load<std::uint32_t>(file.data() + block + 4 * i), wanted[i]) << i;
+  EXPECT_EQ(load<std::uint32_t>(file.data() + block + 508), 0x0ab16f30u);
+  EXPECT_EQ(file.substr(block + 32 + 256, 476 - 256), std::string(476 - 256, '\0'));
+}
+
+TEST(Uf2, WrittenAndReadIsTheSameImage) {
+  std::mt19937_64 random(3);
+  for (int i = 0; i < lamplock::test::scaled(20); ++i) {
+    const FlashImage image = test::noise_image(random() % 20'000, random());
+    const FlashImage back = make_flash_image(read_uf2(write_uf2(image), "file"), "file");
+    ASSERT_EQ(back.sectors.size(), image.sectors.size());
+    for (std::size_t k = 0; k < image.sectors.size(); ++k) {
+      EXPECT_EQ(back.sectors[k].address, image.sectors[k].address);
+      EXPECT_EQ(back.sectors[k].bytes, image.sectors[k].bytes);
+    }
+  }
+}
+
+TEST(Uf2, BlocksMayComeInAnyOrder) {
+  const std::string file = file_of_three();
+  std::string turned = file.substr(block) + file.substr(0, block);
+  EXPECT_EQ(make_flash_image(read_uf2(turned, "file"), "file").sectors.front().bytes,
+            make_flash_image(read_uf2(file, "file"), "file").sectors.front().bytes);
+}
+
+/// One field of block 7 changed, and what must be said of it.
+struct Damage {
+  const char* name;
+  std::size_t at;
+  std::uint32_t value;
+  Uf2Fault fault;
+  const char* words;
+};
+
+TEST(Uf2, EachWrongFieldIsNamedWithItsBlock) {
+  const std::vector<Damage> all = {
+      {"first magic", 0, 0x0a324656, Uf2Fault::magic, "no UF2 magic numbers"},
+      {"second magic", 4, 0, Uf2Fault::magic, "no UF2 magic numbers"},
+      {"last magic", 508, 0, Uf2Fault::magic, "no UF2 magic numbers"},
+      {"not for flash", 8, 0x2001, Uf2Fault::flags, "flags 0x2001"},
+      {"container", 8, 0x1000, Uf2Fault::flags, "flags 0x1000"},
+      {"no family", 8, 0, Uf2Fault::family, "does not say which chip"},
+      {"RP2350", 28, 0xe48bff59, Uf2Fault::family, "another chip (family 0xe48bff59)"},
+      {"payload", 16, 476, Uf2Fault::payload, "holds 476 bytes"},
+      {"alignment", 12, 0x10000780, Uf2Fault::alignment, "0x10000780"},
+      {"SRAM", 12, 0x20000000, Uf2Fault::address, "0x20000000, which is not flash"},
+      {"behind flash", 12, 0x11000000, Uf2Fault::address, "not flash"},
+      {"before flash", 12, 0x0fffff00, Uf2Fault::address, "not flash"},
+      {"place twice", 12, 0x10000100, Uf2Fault::repeated_place, "like one before"},
+      {"count", 24, 47, Uf2Fault::count, "announces 47 blocks, there are 48"},
+      {"number", 20, 48, Uf2Fault::number, "number 48 of 48"},
+      {"number twice", 20, 3, Uf2Fault::repeated, "number 3 like one before"},
+  };
+  for (const Damage& damage : all) {
+    std::string file = file_of_three();
+    put(file, 7 * block + damage.at, damage.value);
+    try {
+      read_uf2(file, "new.uf2");
+      ADD_FAILURE() << damage.name;
+    } catch (const Uf2Error& error) {
+      EXPECT_EQ(error.fault(), damage.fault) << damage.name;
+      EXPECT_EQ(error.block(), 7u) << damage.name;
+      EXPECT_EQ(error.exit(), Exit::bad_input);
+      const std::string text = error.what();
+      EXPECT_TRUE(text.starts_with("error: new.uf2: block 7: ")) << text;
+      EXPECT_NE(text.find(damage.words), std::string::npos) << text;
+    }
+  }
+}
+
+TEST(Uf2, ChecksumsAndTagsBehindThePayloadArePassedOver) {
+  std::string file = file_of_three();
+  for (std::size_t i = 0; i < file.size(); i += block) put(file, i + 8, 0x2000 | 0x4000 | 0x8000);
+  EXPECT_EQ(read_uf2(file, "file").size(), 48u);
+}
+
+TEST(Uf2, PartsOfFilesAreRefused) {
+  const std::string file = file_of_three();
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, block - 1, block + 1, 5 * block}) {
+    EXPECT_THROW(read_uf2(file.substr(0, size), "file"), Uf2Error) << size;
+  }
+}
+
+TEST(Uf2, AnyDamageIsRefusedOrHarmless) {
+  std::mt19937_64 random(11);
+  const std::string file = file_of_three();
+  const auto right = read_uf2(file, "file");
+  for (int i = 0; i < lamplock::test::scaled(20'000); ++i) {
+    std::string changed = file;
+    const std::size_t at = random() % changed.size();
+    const int kind = static_cast<int>(random() % 4);
+    if (kind == 0) changed[at] = static_cast<char>(random());
+    if (kind == 1) changed.resize(at);
+    if (kind == 2) changed.insert(at, std::string(1 + random() % 700, static_cast<char>(random())));
+    if (kind == 3)
+      put(changed, at / block * block + random() % 8 * 4, static_cast<std::uint32_t>(random()));
+    try {
+      const auto parts = read_uf2(changed, "file");
+      // Read: then it differs at most in what is data, or what nobody reads.
+      ASSERT_EQ(parts.size(), right.size());
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        ASSERT_EQ(parts[k].bytes.size(), page_size);
+        ASSERT_EQ(parts[k].address % page_size, 0u);
+        ASSERT_GE(parts[k].address, flash_base);
+      }
+    } catch (const Uf2Error& error) {
+      ASSERT_EQ(error.exit(), Exit::bad_input);
+      ASSERT_LE(error.block(), changed.size() / block);
+    }
+  }
+}
+
+TEST(FlashImage, IsWholeSectorsErasedWhereNothingIsGiven) {
+  std::vector<std::uint8_t> boot(256, 1);
+  test::stamp(boot);
+  const FlashImage image = make_flash_image(
+      {{flash_base + 0x3ff0, std::vector<std::uint8_t>(32, 7)}, {flash_base, boot}}, "test");
+  ASSERT_EQ(image.sectors.size(), 3u);
+  EXPECT_EQ(image.size, 256u + 32);
+  EXPECT_EQ(image.sectors[1].address, flash_base + 0x3000);
+  EXPECT_EQ(image.sectors[0].bytes[256], erased);
+  EXPECT_EQ(image.sectors[1].bytes[0xfef], erased);
+  EXPECT_EQ(image.sectors[1].bytes[0xff0], 7);
+  EXPECT_EQ(image.sectors[2].bytes[15], 7);
+  EXPECT_EQ(image.sectors[2].bytes[16], erased);
+}
+
+TEST(FlashImage, NeverReachesTheSettings) {
+  std::vector<std::uint8_t> boot(256, 1);
+  test::stamp(boot);
+  const auto with = [&](std::uint32_t address, std::size_t size) {
+    return make_flash_image({{flash_base, boot}, {address, std::vector<std::uint8_t>(size)}},
+                            "new.uf2");
+  };
+  // shared/boards/pico_flash.hpp: 512 KiB.
+  EXPECT_EQ(with(0x1007'ff00, 256).sectors.back().address, 0x1007'f000u);
+  for (const auto& [address, size] :
+       std::vector<std::pair<std::uint32_t, std::size_t>>{{0x1007'ff00, 257},
+                                                          {0x1008'0000, 1},
+                                                          {0x1020'0000, 1},
+                                                          {0x2000'0000, 1},
+                                                          {0x0fff'ff00, 512},
+                                                          {0xffff'ffff, 1}}) {
+    const std::string text = lamplock::test::error_of([&, a = address, s = size] { with(a, s); });
+    EXPECT_NE(text.find("the settings"), std::string::npos) << text;
+  }
+}
+
+TEST(FlashImage, HasToStartByItself) {
+  std::vector<std::uint8_t> boot(256, 1);
+  test::stamp(boot);
+  boot[100] ^= 1;
+  EXPECT_NE(lamplock::test::error_of([&] {
+              make_flash_image({{flash_base, boot}}, "x");
+            }).find("wrong checksum"),
+            std::string::npos);
+  EXPECT_NE(lamplock::test::error_of([&] {
+              make_flash_image({{flash_base + 0x1000, boot}}, "x");
+            }).find("begin of the flash"),
+            std::string::npos);
+  EXPECT_NE(lamplock::test::error_of([&] { make_flash_image({}, "x"); }).find("begin of the flash"),
+            std::string::npos);
+  boot[100] ^= 1;
+  EXPECT_NE(lamplock::test::error_of([&] {
+              make_flash_image({{flash_base, boot}, {flash_base + 255, {1}}}, "x");
+            }).find("overlap"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace lamplock::flash

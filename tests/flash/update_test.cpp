@@ -1,0 +1,145 @@
+// Whole updates: which board, whether it may be stopped now, what is said when it does not come
+// back.
+#include "host/flash/update.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "host/error.hpp"
+#include "tests/flash/board_model.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace lamplock::flash {
+namespace {
+
+using test::BoardModel;
+
+class UpdateTest : public testing::Test {
+ protected:
+  UpdateTest() { put(bus_.boards.front(), old_); }
+
+  /// As the factory does.
+  static void put(BoardModel& board, const FlashImage& image) {
+    for (const Sector& sector : image.sectors)
+      std::copy(sector.bytes.begin(), sector.bytes.end(),
+                board.flash.bytes.begin() + (sector.address - flash_base));
+  }
+  static std::string version_of(const FlashImage& image) {
+    return "1." + std::to_string(image.sectors.front().bytes[251]) + ":";
+  }
+  UpdateReport update(const std::string& serial = "") {
+    return Update({bus_, ports_, roots_}, image_, {}).run(serial);
+  }
+  /// The error that an update must end with.
+  std::string refused(Exit exit, const std::string& serial = "") {
+    try {
+      update(serial);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit(), exit) << error.what();
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return "";
+  }
+  BoardModel& board() { return bus_.boards.front(); }
+
+  FlashImage old_ = test::noise_image(9'000, 1), image_ = test::noise_image(12'000, 2);
+  test::BusModel bus_;
+  test::PortsModel ports_{bus_};
+  std::vector<std::filesystem::path> roots_;
+};
+
+TEST_F(UpdateTest, RunningBoardGetsTheImageAndTellsItsVersion) {
+  const UpdateReport report = update();
+  EXPECT_TRUE(test::holds(board().flash.bytes, image_));
+  EXPECT_EQ(report.version_before, version_of(old_));
+  EXPECT_EQ(report.version, version_of(image_));
+  EXPECT_EQ(report.port, "/dev/port1-4");
+  EXPECT_EQ(report.board.serial, "A1");
+  ASSERT_TRUE(report.flash.has_value());
+  EXPECT_EQ(report.flash->written, 3u);
+  EXPECT_EQ(board().heard.front(), "?") << "nothing before it has said that it rests";
+}
+
+TEST_F(UpdateTest, BoardInItsLoaderGetsIt) {
+  board().in_loader = true;
+  const UpdateReport report = update();
+  EXPECT_EQ(report.version_before, "");
+  EXPECT_EQ(report.version, version_of(image_));
+  // One with an empty flash, too.
+  board() = {};
+  EXPECT_EQ(update().version, version_of(image_));
+}
+
+TEST_F(UpdateTest, NothingIsDoneWhileTheBoardWorks) {
+  for (const char* status : {"Run", "Hold:0", "Door:1", "Jog", "Home", "Check", "Sleep"}) {
+    board().status = status;
+    board().heard.clear();
+    const std::string text = refused(Exit::job_failed);
+    const std::string state = std::string(status).substr(0, std::string(status).find(':'));
+    EXPECT_NE(text.find("not at rest (" + state + ")"), std::string::npos) << text;
+    for (const std::string& heard : board().heard) EXPECT_EQ(heard, "?") << status;
+    EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+  }
+  board().status = "Alarm";
+  EXPECT_EQ(update().version, version_of(image_)) << "an alarm is no job";
+}
+
+TEST_F(UpdateTest, ABoardThatRefusesOrIsSilentIsLeftAlone) {
+  board().boot_error = 8;
+  EXPECT_NE(refused(Exit::job_failed).find("error:8"), std::string::npos);
+  board().boot_error = 0;
+  board().status = "";
+  EXPECT_NE(refused(Exit::no_device).find("does not answer"), std::string::npos);
+  EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+}
+
+TEST_F(UpdateTest, SeveralBoardsAreChosenBySerialNumber) {
+  bus_.boards.resize(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    bus_.boards[i].place = "1-" + std::to_string(i + 1);
+    bus_.boards[i].serial = std::string(1, static_cast<char>('A' + i)) + "1";
+    put(bus_.boards[i], old_);
+  }
+  const std::string several = refused(Exit::bad_input);
+  for (const char* word : {"A1 (USB 1-1)", "B1 (USB 1-2)", "C1 (USB 1-3)", "--serial"}) {
+    EXPECT_NE(several.find(word), std::string::npos) << several;
+  }
+  const std::string wrong = refused(Exit::no_device, "D1");
+  EXPECT_NE(wrong.find("B1 (USB 1-2)"), std::string::npos) << wrong;
+  EXPECT_EQ(update("B1").board.place, "1-2");
+  EXPECT_TRUE(test::holds(bus_.boards[0].flash.bytes, old_));
+  EXPECT_TRUE(test::holds(bus_.boards[1].flash.bytes, image_));
+  EXPECT_TRUE(test::holds(bus_.boards[2].flash.bytes, old_));
+  bus_.boards.clear();
+  EXPECT_NE(refused(Exit::no_device).find("no board is plugged in"), std::string::npos);
+}
+
+TEST_F(UpdateTest, ABoardThatDoesNotComeBackIsAnError) {
+  board().firmware_starts = false;
+  board().in_loader = true;
+  EXPECT_NE(refused(Exit::job_failed).find("does not start it"), std::string::npos);
+  // It has not left its loader for good; a cut in the middle is told, and repaired.
+  board().firmware_starts = true;
+  board().faults.cut_at = 300;
+  board().in_loader = true;
+  put(board(), old_);
+  EXPECT_NE(refused(Exit::no_device).find("unplugged"), std::string::npos);
+  board().faults = {};
+  EXPECT_EQ(update().version, version_of(image_));
+}
+
+TEST_F(UpdateTest, WithoutPermissionTheDriveIsUsedOrTheRemedyTold) {
+  const lamplock::test::TemporaryFolder folder;
+  roots_ = {folder.file("media")};
+  board().in_loader = true;
+  board().loader_problem = "no permission to use /dev/bus/usb/001/005; install 60-lamplock.rules";
+  const std::string text = refused(Exit::no_device);
+  EXPECT_NE(text.find("60-lamplock.rules"), std::string::npos) << text;
+  EXPECT_NE(text.find("--drive"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace lamplock::flash
