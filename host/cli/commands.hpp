@@ -24,6 +24,8 @@ void add_job(CLI::App& program, Action& action);
 void add_raster(CLI::App& program, Action& action);
 void add_send(CLI::App& program, Action& action);
 void add_settings(CLI::App& program, Action& action);
+void add_devices(CLI::App& program, Action& action);
+void add_flash(CLI::App& program, Action& action);
 void add_console(CLI::App& program, Action& action);
 void add_estimate(CLI::App& program, Action& action);
 void add_engrave(CLI::App& program, Action& action);

@@ -55,6 +55,8 @@ Exit run(int argc, char** argv) {
   lamplock::cli::add_raster(program, action);
   lamplock::cli::add_send(program, action);
   lamplock::cli::add_settings(program, action);
+  lamplock::cli::add_devices(program, action);
+  lamplock::cli::add_flash(program, action);
   lamplock::cli::add_console(program, action);
   lamplock::cli::add_frame(program, action);
   lamplock::cli::add_operate(program, action);

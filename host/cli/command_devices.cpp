@@ -1,0 +1,57 @@
+// `lamplock devices`: what is plugged in, and what is missing to use it.
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/device_list.hpp"
+#include "host/usb/libusb_bus.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+Json as_json(const DeviceRow& row) {
+  const auto text = [](const std::string& value) { return value.empty() ? Json() : Json(value); };
+  return {{"kind", row.kind},
+          {"name", row.name},
+          {"serial", text(row.serial)},
+          {"place", text(row.place)},
+          {"node", text(row.node)},
+          {"use", text(row.use)},
+          {"problem", text(row.problem)}};
+}
+
+void say(Console& console, const DeviceRow& row) {
+  const auto shown = [](const std::string& value) { return value.empty() ? "-" : value; };
+  console.say("{:<12} {:<26} {:<18} {:<8} {:<15} {}", row.kind, row.name, shown(row.serial),
+              shown(row.place), shown(row.node), row.problem.empty() ? row.use : "not usable yet");
+  if (!row.problem.empty()) console.say("  {}", row.problem);
+}
+
+Exit list(bool json) {
+  Console console(json);
+  usb::LibusbBus bus;
+  const std::vector<DeviceRow> rows = list_devices(bus);
+  Json document = Json::array();
+  for (const DeviceRow& row : rows) {
+    if (!json) say(console, row);
+    document.push_back(as_json(row));
+  }
+  if (rows.empty()) console.line("nothing that lamplock can use is plugged in");
+  console.document(document);
+  return Exit::done;
+}
+
+}  // namespace
+
+void add_devices(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand(
+      "devices", "Boards, boot loaders, pendants and GPIO chips of this computer");
+  app->footer(
+      "What may not be used is told with what helps: docs/devices.md.\n"
+      "Example:\n  lamplock devices\n  lamplock devices --json");
+  const auto json = std::make_shared<bool>(false);
+  app->add_flag("--json", *json, "Print them as JSON on stdout");
+  app->callback([json, &action] { action = [json] { return list(*json); }; });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,152 @@
+// `lamplock flash`: the firmware into a board.
+#include <filesystem>
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/flash_file.hpp"
+#include "host/cli/progress.hpp"
+#include "host/flash/drive.hpp"
+#include "host/flash/update.hpp"
+#include "host/usb/libusb_bus.hpp"
+#include "host/usb/simulated_usb.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using flash::FlashProgress;
+
+struct Options {
+  std::string image, serial, drive, board = "usb";
+  bool json = false;
+};
+
+/// A board to flash that nobody has to own: a chip with nothing in its flash.
+class EmptyChip {
+ public:
+  EmptyChip() {
+    chip_.power_on();
+    bus_.sleep(start_time);
+  }
+  flash::UpdateSite site() { return {bus_, ports_, {}}; }
+
+ private:
+  /// The ROM looks for a program for half a second (RP2040 datasheet, 2.8.1.3).
+  static constexpr std::chrono::milliseconds start_time{700};
+  sim::chip::Chip chip_;
+  usb::SimulatedUsb bus_{chip_};
+  flash::DirectPorts ports_{bus_};
+};
+
+/// The boards of this computer.
+struct ThisComputer {
+  usb::LibusbBus bus;
+  flash::SystemPorts ports;
+  flash::UpdateSite site() { return {bus, ports, flash::usual_drive_roots()}; }
+};
+
+/// A bar for reading, one for writing.
+class FlashBar {
+ public:
+  void update(const FlashProgress& progress) {
+    if (!bar_ || progress.step != step_) {
+      const char* const title =
+          progress.step == FlashProgress::Step::reading ? "reading" : "writing";
+      bar_.reset();
+      bar_ = std::make_unique<Progress>(title, progress.total);
+      step_ = progress.step;
+    }
+    bar_->update(progress.done);
+  }
+  void end() { bar_.reset(); }
+
+ private:
+  std::unique_ptr<Progress> bar_;
+  FlashProgress::Step step_ = FlashProgress::Step::reading;
+};
+
+Json as_json(const flash::UpdateReport& report, const std::string& image) {
+  const auto text = [](const std::string& value) { return value.empty() ? Json() : Json(value); };
+  Json document = {{"image", image},
+                   {"way", report.drive ? "drive" : "usb"},
+                   {"sectors", nullptr},
+                   {"written", nullptr},
+                   {"drive", nullptr},
+                   {"serial", text(report.board.serial)},
+                   {"port", text(report.port)},
+                   {"version_before", text(report.version_before)},
+                   {"version", text(report.version)},
+                   {"version_problem", text(report.version_problem)}};
+  if (report.drive) document["drive"] = report.drive->string();
+  if (!report.flash) return document;
+  document["sectors"] = report.flash->sectors;
+  document["written"] = report.flash->written;
+  return document;
+}
+
+Exit flash_site(const flash::UpdateSite& site, const FlashFile& file, const Options& options,
+                Console& console) {
+  FlashBar bar;
+  flash::UpdateEvents events;
+  events.on_step = [&](const std::string& name, const std::string& what) {
+    bar.end();
+    console.phase(name, what);
+  };
+  events.on_progress = [&](const FlashProgress& progress) { bar.update(progress); };
+  flash::Update update(site, file.image, std::move(events));
+  const flash::UpdateReport report =
+      options.drive.empty() ? update.run(options.serial) : update.run_on_drive(options.drive);
+  if (!report.version_problem.empty())
+    console.say("the image is on the board; its version was not read: {}", report.version_problem);
+  console.document(as_json(report, file.file));
+  return Exit::done;
+}
+
+Exit flash_board(const Options& options) {
+  Console console(options.json);
+  const FlashFile file = read_flash_file(options.image);
+  console.phase("image", fmt::format("{}, {} bytes", file.file, file.image.size));
+  if (options.board == "chip") {
+    EmptyChip chip;
+    const Exit exit = flash_site(chip.site(), file, options, console);
+    console.line("a simulated board forgets this now");
+    return exit;
+  }
+  ThisComputer computer;
+  return flash_site(computer.site(), file, options, console);
+}
+
+}  // namespace
+
+void add_flash(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand("flash", "The firmware into a board, over USB");
+  app->footer(
+      "Takes a board that runs lamplock and is at rest, or one in its boot loader (BOOTSEL held\n"
+      "while plugging in). Settings stay. What differs is written and read back; if anything cuts\n"
+      "in, the board comes up in its boot loader and the command is given again.\n"
+      "Example:\n  lamplock flash\n  lamplock flash --serial E661640843322A2B\n"
+      "  lamplock flash new.uf2 --drive /media/$USER/RPI-RP2\n  lamplock flash --board chip");
+  const auto options = std::make_shared<Options>();
+  app->add_option("IMAGE", options->image,
+                  "UF2 or ELF file; without it lamplock-rp2040.uf2 that came with the program");
+  auto* serial =
+      app->add_option("--serial", options->serial, "The board with this serial number: see devices")
+          ->type_name("TEXT");
+  auto* drive = app->add_option("--drive", options->drive,
+                                "Copy to this drive of a boot loader, without access to USB")
+                    ->type_name("FOLDER")
+                    ->excludes(serial);
+  app->add_option("--board", options->board,
+                  "usb: a real one; chip: a simulated one with an empty flash, to see it done")
+      ->check(CLI::IsMember({"usb", "chip"}))
+      ->type_name("usb|chip")
+      ->capture_default_str();
+  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
+  app->callback([options, drive, &action] {
+    if (options->board == "chip" && !drive->empty())
+      throw CLI::ValidationError("--drive", "a simulated board has no drive");
+    action = [options] { return flash_board(*options); };
+  });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,28 @@
+#include "host/cli/flash_file.hpp"
+
+#include <utility>
+#include <vector>
+
+#include "host/cli/boards.hpp"
+#include "host/cli/image_path.hpp"
+#include "host/file.hpp"
+#include "host/flash/uf2.hpp"
+
+namespace lamplock::cli {
+
+FlashFile read_flash_file(const std::string& name) {
+  const std::string file = image_path(name, uf2_image_name, "flash");
+  const std::string bytes = read_file(file);
+  std::vector<flash::Part> parts;
+  if (flash::is_uf2(bytes)) {
+    parts = flash::read_uf2(bytes, file);
+  } else {
+    sim::chip::Image image = read_image(file);
+    parts.reserve(image.parts.size());
+    for (sim::chip::ImagePart& part : image.parts)
+      parts.push_back({part.address, std::move(part.bytes)});
+  }
+  return {file, flash::make_flash_image(std::move(parts), file)};
+}
+
+}  // namespace lamplock::cli
