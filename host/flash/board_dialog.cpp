@@ -74,7 +74,7 @@ void enter_boot_loader(link::Transport& transport, const std::string& where) {
   if (error != 0)
     throw Error(Exit::job_failed, where,
                 fmt::format("does not leave for its boot loader ({})", link::error_text(error)),
-                "end the job, then flash");
+                "end what it does, or plug it in with BOOTSEL held, then flash");
   // Gone before its answer has come: that is an answer too.
   if (!answered && transport.connected())
     throw Error(Exit::no_device, where, "does not answer $BOOT",

@@ -193,5 +193,18 @@ TEST(SettingsText, TheLoaderIsEnteredAtRestAndEndsEverything) {
   EXPECT_TRUE(rig.monitor.nothing_happened());
 }
 
+TEST(SettingsText, TheLoaderIsEnteredUnderTheEStopToo) {
+  const job::Profile profile = lamp_profile();
+  Rig rig(profile);
+  Terminal user(rig);
+  rig.board.world().schedule(sim::Pin::estop, true, rig.board.now() + ps_per_ms);
+  rig.board.run_until(rig.board.now() + 100 * ps_per_ms);
+  ASSERT_EQ(rig.board.controller().state(), MachineState::estop);
+  EXPECT_THAT(user.answer("$901=50"), HasSubstr("error:8\r\n")) << "and nothing else";
+  EXPECT_EQ(user.answer("$BOOT"), "ok\r\n");
+  EXPECT_TRUE(rig.board.controller().loader_requested());
+  EXPECT_TRUE(rig.monitor.nothing_happened());
+}
+
 }  // namespace
 }  // namespace lamplock::test
