@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/flash/uf2.hpp"
 
 namespace lamplock::flash::test {
 namespace {
@@ -103,6 +105,27 @@ BoardModel& BusModel::at(const std::string& place) {
 void BusModel::restart(BoardModel& board, bool into_loader) {
   board.in_loader = into_loader;
   board.back_at = now_ + restart_time;
+}
+
+namespace {
+
+/// The ROM takes a file that was copied to the drive, and restarts: the drive vanishes.
+bool take_copy(BoardModel& board) {
+  const std::filesystem::path file = board.drive / "LAMPLOCK.UF2";
+  if (board.drive.empty() || !std::filesystem::exists(file)) return false;
+  for (const Part& part : read_uf2(read_file(file), "copy"))
+    std::copy(part.bytes.begin(), part.bytes.end(),
+              board.flash.bytes.begin() + (part.address - flash_base));
+  std::filesystem::remove_all(board.drive);
+  return true;
+}
+
+}  // namespace
+
+void BusModel::sleep(std::chrono::milliseconds time) {
+  now_ += time;
+  for (BoardModel& board : boards)
+    if (take_copy(board)) restart(board, false);
 }
 
 std::vector<usb::DeviceInfo> BusModel::devices() {

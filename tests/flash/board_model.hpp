@@ -6,6 +6,7 @@
 // Who: tests of whole updates.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ struct BoardModel {
   std::string loader_problem{};  ///< the loader may not be opened
   bool firmware_starts = true;   ///< otherwise the image finds itself broken and enters the loader
 
+  std::filesystem::path drive{};  ///< where the loader's drive is mounted; empty: nowhere
+
   bool in_loader = false;
   std::chrono::milliseconds back_at{0};  ///< not on the bus before
   std::vector<std::string> heard{};      ///< lines and real-time bytes
@@ -41,7 +44,7 @@ class BusModel final : public usb::Bus {
 
   std::vector<usb::DeviceInfo> devices() override;
   std::unique_ptr<usb::Device> open(const usb::DeviceInfo& device) override;
-  void sleep(std::chrono::milliseconds time) override { now_ += time; }
+  void sleep(std::chrono::milliseconds time) override;
   std::chrono::milliseconds now() override { return now_; }
 
   BoardModel& at(const std::string& place);

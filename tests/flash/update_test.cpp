@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/file.hpp"
 #include "tests/flash/board_model.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -44,6 +45,13 @@ class UpdateTest : public testing::Test {
     return "";
   }
   BoardModel& board() { return bus_.boards.front(); }
+  /// The board in its loader, with its drive there.
+  void mount(const std::filesystem::path& drive) {
+    std::filesystem::create_directories(drive);
+    write_file(drive / "INFO_UF2.TXT", "Board-ID: RPI-RP2\r\n");
+    board().drive = drive;
+    board().in_loader = true;
+  }
 
   FlashImage old_ = test::noise_image(9'000, 1), image_ = test::noise_image(12'000, 2);
   test::BusModel bus_;
@@ -134,11 +142,35 @@ TEST_F(UpdateTest, ABoardThatDoesNotComeBackIsAnError) {
 TEST_F(UpdateTest, WithoutPermissionTheDriveIsUsedOrTheRemedyTold) {
   const lamplock::test::TemporaryFolder folder;
   roots_ = {folder.file("media")};
-  board().in_loader = true;
   board().loader_problem = "no permission to use /dev/bus/usb/001/005; install 60-lamplock.rules";
+  board().in_loader = true;
   const std::string text = refused(Exit::no_device);
   EXPECT_NE(text.find("60-lamplock.rules"), std::string::npos) << text;
   EXPECT_NE(text.find("--drive"), std::string::npos) << text;
+  EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+
+  mount(folder.file("media/user/RPI-RP2"));
+  const UpdateReport report = update();
+  EXPECT_EQ(report.drive, folder.file("media/user/RPI-RP2"));
+  EXPECT_FALSE(report.flash.has_value());
+  EXPECT_EQ(report.version, version_of(image_));
+  EXPECT_TRUE(test::holds(board().flash.bytes, image_));
+}
+
+TEST_F(UpdateTest, ADriveThatIsGivenNeedsNoBus) {
+  const lamplock::test::TemporaryFolder folder;
+  mount(folder.file("drive"));
+  const UpdateReport report =
+      Update({bus_, ports_, {}}, image_, {}).run_on_drive(folder.file("drive"));
+  EXPECT_EQ(report.version, version_of(image_));
+  EXPECT_EQ(report.board.place, "1-4");
+  // Nothing is seen of the board: the copy counts.
+  mount(folder.file("drive"));
+  board().firmware_starts = false;
+  const UpdateReport unseen =
+      Update({bus_, ports_, {}}, old_, {}).run_on_drive(folder.file("drive"));
+  EXPECT_NE(unseen.version_problem.find("no new board"), std::string::npos);
+  EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 
 }  // namespace
