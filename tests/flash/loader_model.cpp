@@ -65,6 +65,7 @@ Transfer LoaderModel::control(const usb::Setup& setup, std::span<std::uint8_t> d
   }
   if (setup.type == 0x41 && setup.request == 0x41 && data.empty()) {
     ++resets_;
+    halted_at_reset_ = !halted_.empty();
     halted_.clear();
     state_ = State::command;
     token_ = status_ = 0;

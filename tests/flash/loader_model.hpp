@@ -68,6 +68,8 @@ class LoaderModel final : public usb::Device {
   bool gone() const { return gone_; }
   /// A halt is left.
   bool halted() const { return !halted_.empty(); }
+  /// Some were when the interface was reset last: they are to be cleared one by one before.
+  bool halted_at_reset() const { return halted_at_reset_; }
 
  private:
   enum class State : std::uint8_t { command, data_out, data_in, end_in, end_out };
@@ -84,6 +86,7 @@ class LoaderModel final : public usb::Device {
   std::mt19937_64 random_;
   std::size_t steps_ = 0, commands_ = 0, resets_ = 0;
   bool exclusive_ = false, xip_left_ = false, rebooted_ = false, gone_ = false, silent_ = false;
+  bool halted_at_reset_ = false;
   std::set<std::uint8_t> halted_;
   State state_ = State::command;
   std::uint8_t command_ = 0, argument_bytes_ = 0;

@@ -92,6 +92,7 @@ TEST(Picoboot, EveryStatusHasALineOfItsOwn) {
     EXPECT_TRUE(lines.insert(text.substr(0, text.find("(status"))).second) << text;
     // The session goes on.
     EXPECT_FALSE(device.halted());
+    EXPECT_FALSE(device.halted_at_reset()) << "halts are cleared before";
     EXPECT_NO_THROW(loader.erase(flash_base + 0x1000, sector_size));
   }
 }
