@@ -213,6 +213,12 @@ void ChipBoard::run_until(Picoseconds until) {
   }
 }
 
+void ChipBoard::talk_over(chip::UsbFunction function) {
+  function_ = function;
+  host_.open_serial(function == chip::UsbFunction::serial);
+  host_.claim_vendor(function == chip::UsbFunction::vendor);
+}
+
 bool ChipBoard::run_until_found(Picoseconds limit) {
   const Picoseconds end = now() + limit;
   for (Picoseconds next = now() + ps_per_ms; !host_.enumerated() && next <= end; next += ps_per_ms)

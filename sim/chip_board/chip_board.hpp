@@ -48,9 +48,15 @@ class ChipBoard final : public Board,
   bool run_until_found(Picoseconds limit);
 
   std::string_view name() const override { return "chip"; }
-  std::size_t write(std::span<const std::uint8_t> bytes) override { return host_.write(bytes); }
-  std::size_t read(std::span<std::uint8_t> bytes) override { return host_.read(bytes); }
-  bool has_output() const override { return host_.has_output(); }
+  /// What the host talks over from now on: the serial port at first. What it does not talk over it
+  /// does not have open.
+  void talk_over(chip::UsbFunction function);
+
+  std::size_t write(std::span<const std::uint8_t> bytes) override {
+    return host_.write(bytes, function_);
+  }
+  std::size_t read(std::span<std::uint8_t> bytes) override { return host_.read(bytes, function_); }
+  bool has_output() const override { return host_.has_output(function_); }
   void reconnect() override { host_.reset_device(); }
   void run_until(Picoseconds until) override;
   Picoseconds now() const override { return chip_.wheel().time(); }
@@ -85,6 +91,7 @@ class ChipBoard final : public Board,
   std::unique_ptr<World> world_;
   chip::Chip chip_;
   chip::UsbHost host_;
+  chip::UsbFunction function_ = chip::UsbFunction::serial;
   chip::TimeWheel::Slot slot_;
   const boards::PinMap map_;
   struct Pad {

@@ -273,18 +273,18 @@ class UsbHost {
     if (control(0x80, 6, 0x0100, 0, 64).handshake != Handshake::ack) return false;
     if (control(0x00, 5, 7, 0, 0).handshake != Handshake::ack) return false;
     const bool good = control(0x00, 9, 1, 0, 0).handshake == Handshake::ack;
-    toggle_out_ = false;
-    toggle_in_ = false;
+    clear_toggles();
     return good;
   }
   void clear_toggles() {
-    toggle_out_ = false;
-    toggle_in_ = false;
+    toggle_out_ = {};
+    toggle_in_ = {};
   }
 
   Handshake bulk_out(std::span<const std::uint8_t> data, bool serve_now = true) {
-    const Handshake answer = usb.out(2, toggle_out_, data);
-    if (answer == Handshake::ack) toggle_out_ = !toggle_out_;
+    bool& toggle = toggle_out_[endpoint];
+    const Handshake answer = usb.out(endpoint, toggle, data);
+    if (answer == Handshake::ack) toggle = !toggle;
     if (serve_now) serve();
     return answer;
   }
@@ -292,10 +292,11 @@ class UsbHost {
   Result bulk_in(bool serve_now = true) {
     Result result;
     bool data1 = false;
-    result.handshake = usb.in(2, result.data, data1);
+    bool& toggle = toggle_in_[endpoint];
+    result.handshake = usb.in(endpoint, result.data, data1);
     if (result.handshake == Handshake::ack) {
-      EXPECT_EQ(data1, toggle_in_);
-      toggle_in_ = !toggle_in_;
+      EXPECT_EQ(data1, toggle);
+      toggle = !toggle;
     }
     if (serve_now) serve();
     return result;
@@ -303,6 +304,8 @@ class UsbHost {
 
   FakeUsb usb;
   rp2040::BasicUsbSerial<FakeUsb> serial{usb};
+  /// Of bulk transfers: 2, the serial port; 3, the pulse stream.
+  std::uint8_t endpoint = 2;
 
  private:
   Result control_read(std::uint16_t length) {
@@ -325,8 +328,26 @@ class UsbHost {
     return result;
   }
 
-  bool toggle_out_ = false;
-  bool toggle_in_ = false;
+  std::array<bool, 16> toggle_out_{};
+  std::array<bool, 16> toggle_in_{};
 };
+
+/// Letters, from the n-th one on.
+inline Bytes numbered(std::size_t size, unsigned first = 0) {
+  Bytes out(size);
+  for (std::size_t i = 0; i < size; ++i) out[i] = static_cast<std::uint8_t>('A' + (first + i) % 26);
+  return out;
+}
+
+/// What the device has received.
+inline Bytes read_all(UsbHost& host, std::size_t piece = 64) {
+  Bytes out;
+  Bytes buffer(piece);
+  while (host.serial.available() != 0) {
+    const std::size_t count = host.serial.read(buffer);
+    out.insert(out.end(), buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return out;
+}
 
 }  // namespace lamplock::test

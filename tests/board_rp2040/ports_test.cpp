@@ -32,10 +32,12 @@ struct FakePort {
   }
   void poll() {}
   std::uint32_t generation() const { return now; }
+  void set_tied(bool value) { tied = value; }
 
   std::string waiting, sent;
   std::uint32_t now = 0;
   bool breaks_in_read = false;
+  bool tied = false;
 };
 
 struct Desk {
@@ -111,6 +113,14 @@ TEST(Ports, TiedTheOtherOneIsNotHeardNorAnswered) {
   EXPECT_EQ(desk.hear_usb("~", true), "~");
   // What was said meanwhile is not heard later.
   EXPECT_EQ(desk.hear(), "");
+}
+
+TEST(Ports, UsbLearnsWhetherAJobIsUnfinished) {
+  Desk desk;
+  desk.hear(true);
+  EXPECT_TRUE(desk.ports.usb().tied);
+  desk.hear(false);
+  EXPECT_FALSE(desk.ports.usb().tied);
 }
 
 }  // namespace

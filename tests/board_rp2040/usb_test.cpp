@@ -34,27 +34,13 @@ std::string text(const Bytes& string_descriptor) {
   return out;
 }
 
-Bytes numbered(std::size_t size, unsigned first = 0) {
-  Bytes out(size);
-  for (std::size_t i = 0; i < size; ++i) out[i] = static_cast<std::uint8_t>('A' + (first + i) % 26);
-  return out;
-}
-
-Bytes read_all(UsbHost& host, std::size_t piece = 64) {
-  Bytes out;
-  Bytes buffer(piece);
-  while (const std::size_t count = host.serial.read(buffer))
-    out.insert(out.end(), buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(count));
-  return out;
-}
-
 TEST(UsbControl, EnumeratesLikeLinux) {
   UsbHost host;
   EXPECT_TRUE(host.usb.started && host.usb.attached);
   host.serial.set_serial_number("E6605838832A1B2C");
   host.reset();
   const auto first = host.control(to_host, 6, 0x0100, 0, 64);
-  const Bytes device = {18,   1,    0x00, 0x02, 0xEF, 0x02, 0x01, 64, 0x09,
+  const Bytes device = {18,   1,    0x01, 0x02, 0xEF, 0x02, 0x01, 64, 0x09,
                         0x12, 0x01, 0x00, 0x10, 0x00, 1,    2,    3,  1};
   EXPECT_EQ(first.data, device);
   host.reset();
@@ -63,8 +49,8 @@ TEST(UsbControl, EnumeratesLikeLinux) {
   EXPECT_EQ(host.control(to_host, 6, 0x0100, 0, 18).data, device);
   EXPECT_EQ(host.control(to_host, 6, 0x0600, 0, 10).handshake, Handshake::stall);
   const auto head = host.control(to_host, 6, 0x0200, 0, 9);
-  EXPECT_EQ(head.data, (Bytes{9, 2, 75, 0, 2, 1, 0, 0x80, 50}));
-  const Bytes configuration = {9, 2,    75,   0,    2,    1,    0,  0x80, 50,  // configuration
+  EXPECT_EQ(head.data, (Bytes{9, 2, 98, 0, 3, 1, 0, 0x80, 50}));
+  const Bytes configuration = {9, 2,    98,   0,    3,    1,    0,  0x80, 50,  // configuration
                                8, 11,   0,    2,    2,    2,    0,  4,         // association
                                9, 4,    0,    0,    1,    2,    2,  0,    4,   // control interface
                                5, 0x24, 0,    0x10, 0x01,                      // header
@@ -74,12 +60,16 @@ TEST(UsbControl, EnumeratesLikeLinux) {
                                7, 5,    0x81, 3,    16,   0,    16,            // notification
                                9, 4,    1,    0,    2,    0x0A, 0,  0,    0,   // data interface
                                7, 5,    0x02, 2,    64,   0,    0,             // OUT
-                               7, 5,    0x82, 2,    64,   0,    0};            // IN
-  EXPECT_EQ(host.control(to_host, 6, 0x0200, 0, 75).data, configuration);
+                               7, 5,    0x82, 2,    64,   0,    0,             // IN
+                               9, 4,    2,    0,    2,    0xFF, 0,  0,    5,   // pulse stream
+                               7, 5,    0x03, 2,    64,   0,    0,             // OUT
+                               7, 5,    0x83, 2,    64,   0,    0};            // IN
+  EXPECT_EQ(host.control(to_host, 6, 0x0200, 0, 98).data, configuration);
   EXPECT_EQ(host.control(to_host, 6, 0x0300, 0, 255).data, (Bytes{4, 3, 9, 4}));
   EXPECT_EQ(text(host.control(to_host, 6, 0x0301, 0x0409, 255).data), "lamplock");
   EXPECT_EQ(text(host.control(to_host, 6, 0x0302, 0x0409, 255).data), "lamplock laser controller");
   EXPECT_EQ(text(host.control(to_host, 6, 0x0303, 0x0409, 255).data), "E6605838832A1B2C");
+  EXPECT_EQ(text(host.control(to_host, 6, 0x0305, 0x0409, 255).data), "lamplock pulse stream");
   EXPECT_EQ(host.control(to_host, 8, 0, 0, 1).data, Bytes{0});
   EXPECT_FALSE(host.serial.configured());
   ASSERT_EQ(host.control(0, 9, 1, 0, 0).handshake, Handshake::ack);
@@ -93,11 +83,45 @@ TEST(UsbControl, WindowsAndMacAskDifferently) {
   host.reset();
   EXPECT_EQ(host.control(to_host, 6, 0x0100, 0, 8).data.size(), 8u);  // macOS: first 8 bytes
   ASSERT_EQ(host.control(0, 5, 1, 0, 0).handshake, Handshake::ack);
-  EXPECT_EQ(host.control(to_host, 6, 0x0200, 0, 255).data.size(), 75u);
+  EXPECT_EQ(host.control(to_host, 6, 0x0200, 0, 255).data.size(), 98u);
   EXPECT_EQ(host.control(to_host, 6, 0x03EE, 0, 18).handshake, Handshake::stall);  // Microsoft
-  EXPECT_EQ(host.control(to_host, 6, 0x0F00, 0, 5).handshake, Handshake::stall);   // BOS
   EXPECT_EQ(host.control(to_host, 6, 0x0303, 0x0407, 255).handshake, Handshake::stall);
   EXPECT_EQ(host.control(to_host, 6, 0x0302, 0x0409, 2).data.size(), 2u);
+}
+
+// Specification of Microsoft OS 2.0 descriptors, tables 4 and 10 to 14; byte by byte.
+TEST(UsbControl, TellsWindowsOfWinUsb) {
+  UsbHost host;
+  host.reset();
+  const Bytes bos = {5,    15,   33,   0,    1,                                   // header
+                     28,   16,   5,    0,                                         // platform
+                     0xDF, 0x60, 0xDD, 0xD8, 0x89, 0x45, 0xC7, 0x4C, 0x9C, 0xD2,  // UUID
+                     0x65, 0x9D, 0x9E, 0x64, 0x8A, 0x9F, 0x00, 0x00, 0x03, 0x06,  // 8.1
+                     178,  0,    0x4D, 0};
+  Bytes set = {10,  0, 0, 0, 0x00, 0x00, 0x03, 0x06, 178, 0,          // set header
+               8,   0, 1, 0, 0,    0,    168,  0,                     // configuration subset
+               8,   0, 2, 0, 2,    0,    160,  0,                     // function subset
+               20,  0, 3, 0, 'W',  'I',  'N',  'U',  'S', 'B', 0, 0,  // compatible ID
+               0,   0, 0, 0, 0,    0,    0,    0,                     // sub-ID
+               132, 0, 4, 0, 7,    0,    42,   0};                    // registry property
+  const auto wide = [&set](std::string_view ascii, int zeros) {
+    for (const char c : ascii) set.insert(set.end(), {static_cast<std::uint8_t>(c), 0});
+    set.insert(set.end(), static_cast<std::size_t>(2 * zeros), 0);
+  };
+  wide("DeviceInterfaceGUIDs", 1);
+  set.insert(set.end(), {80, 0});
+  wide("{DF884B5E-C1E3-4649-AAC9-FCBA261F5FF0}", 2);
+  for (const bool configured : {false, true}) {
+    if (configured) {
+      ASSERT_TRUE(host.enumerate());
+    }
+    EXPECT_EQ(host.control(to_host, 6, 0x0F00, 0, 5).data, Bytes(bos.begin(), bos.begin() + 5));
+    EXPECT_EQ(host.control(to_host, 6, 0x0F00, 0, 33).data, bos);
+    EXPECT_EQ(host.control(to_host, 6, 0x0F00, 0, 255).data, bos);
+    EXPECT_EQ(host.control(0xC0, 0x4D, 0, 7, 178).data, set);
+    EXPECT_EQ(host.control(0xC0, 0x4D, 0, 7, 10).data, Bytes(set.begin(), set.begin() + 10));
+    EXPECT_EQ(host.control(0xC0, 0x4D, 0, 7, 4096).data, set);
+  }
 }
 
 TEST(UsbControl, AddressTakesEffectAfterTheStatusStage) {
@@ -130,14 +154,17 @@ TEST(UsbControl, EveryRequestInEveryState) {
       {to_host, 0, 1, 0, 2, false, false},
       {interface_in, 0, 0, 0, 2, false, true, {0, 0}},
       {interface_in, 0, 0, 1, 2, false, true, {0, 0}},
-      {interface_in, 0, 0, 2, 2, false, false},
+      {interface_in, 0, 0, 2, 2, false, true, {0, 0}},
+      {interface_in, 0, 0, 3, 2, false, false},
       {endpoint_in, 0, 0, 0x00, 2, true, true, {0, 0}},
       {endpoint_in, 0, 0, 0x80, 2, true, true, {0, 0}},
       {endpoint_in, 0, 0, 0x81, 2, false, true, {0, 0}},
       {endpoint_in, 0, 0, 0x82, 2, false, true, {0, 0}},
       {endpoint_in, 0, 0, 0x02, 2, false, true, {0, 0}},
       {endpoint_in, 0, 0, 0x01, 2, false, false},
-      {endpoint_in, 0, 0, 0x83, 2, false, false},
+      {endpoint_in, 0, 0, 0x03, 2, false, true, {0, 0}},
+      {endpoint_in, 0, 0, 0x83, 2, false, true, {0, 0}},
+      {endpoint_in, 0, 0, 0x84, 2, false, false},
       // CLEAR_FEATURE, SET_FEATURE (9.4.1, 9.4.9).
       {0x00, 1, 1, 0, 0, false, false},  // remote wake-up
       {0x00, 3, 1, 0, 0, false, false},
@@ -146,6 +173,8 @@ TEST(UsbControl, EveryRequestInEveryState) {
       {endpoint_out, 1, 0, 0x82, 0, false, true},
       {endpoint_out, 1, 0, 0x02, 0, false, true},
       {endpoint_out, 1, 0, 0x81, 0, false, true},
+      {endpoint_out, 1, 0, 0x03, 0, false, true},
+      {endpoint_out, 1, 0, 0x83, 0, false, true},
       {endpoint_out, 1, 1, 0x82, 0, false, false},
       {endpoint_out, 1, 0, 0x84, 0, false, false},
       {endpoint_out, 3, 0, 0x00, 0, false, false},
@@ -157,7 +186,9 @@ TEST(UsbControl, EveryRequestInEveryState) {
       // GET_DESCRIPTOR, SET_DESCRIPTOR (9.4.3, 9.4.8).
       {to_host, 6, 0x0101, 0, 18, false, false},
       {to_host, 6, 0x0201, 0, 9, false, false},
-      {to_host, 6, 0x0305, 0x0409, 255, false, false},
+      {to_host, 6, 0x0306, 0x0409, 255, false, false},
+      {to_host, 6, 0x0F01, 0, 5, false, false},
+      {to_host, 6, 0x0F00, 1, 5, false, false},
       {to_host, 6, 0x0400, 0, 9, false, false},
       {to_host, 6, 0x0700, 0, 9, false, false},
       {0x00, 7, 0x0100, 0, 18, false, false},
@@ -168,9 +199,11 @@ TEST(UsbControl, EveryRequestInEveryState) {
       // GET_INTERFACE, SET_INTERFACE, SYNCH_FRAME (9.4.4, 9.4.10, 9.4.11).
       {interface_in, 10, 0, 0, 1, false, true, {0}},
       {interface_in, 10, 0, 1, 1, false, true, {0}},
-      {interface_in, 10, 0, 2, 1, false, false},
+      {interface_in, 10, 0, 2, 1, false, true, {0}},
+      {interface_in, 10, 0, 3, 1, false, false},
       {interface_out, 11, 0, 0, 0, false, true},
       {interface_out, 11, 0, 1, 0, false, true},
+      {interface_out, 11, 0, 2, 0, false, true},
       {interface_out, 11, 1, 1, 0, false, false},
       {endpoint_in, 12, 0, 0x82, 2, false, false},
       // Abstract control model (PSTN 1.2, 6.3).
@@ -185,6 +218,10 @@ TEST(UsbControl, EveryRequestInEveryState) {
       {0x20, 0x22, 3, 0, 0, false, false},       // to the device
       {0x40, 0, 0, 0, 0, false, false},          // vendor
       {0xC0, 0x20, 0, 4, 16, false, false},
+      {0xC0, 0x4D, 0, 8, 178, false, false},  // SET_ALT_ENUMERATION, which we do not announce
+      {0xC0, 0x4D, 1, 7, 178, false, false},
+      {0xC1, 0x4D, 0, 7, 178, false, false},
+      {0x40, 0x4D, 0, 7, 0, false, false},
       {0x60, 0, 0, 0, 0, false, false},
       {0x03, 0, 0, 0, 0, false, false},
   };
@@ -299,8 +336,26 @@ TEST(UsbControl, LineCodingIsKeptAndNothingElseHappens) {
   EXPECT_EQ(host.control(class_in, 0x21, 0, 0, 7).data, coding);
 }
 
-TEST(UsbControl, HaltAndItsEnd) {
+class UsbFunctions : public testing::TestWithParam<std::uint8_t> {
+ protected:
+  /// A host that talks over one of them.
+  UsbFunctions() { host.endpoint = GetParam(); }
+  /// Its OUT and IN endpoint.
+  std::uint8_t out() const { return GetParam(); }
+  std::uint8_t in() const { return 0x80 | GetParam(); }
+  /// Who speaks is answered.
+  void speak() {
+    ASSERT_EQ(host.bulk_out(numbered(1)), Handshake::ack);
+    ASSERT_EQ(read_all(host), numbered(1));
+  }
   UsbHost host;
+};
+INSTANTIATE_TEST_SUITE_P(Endpoints, UsbFunctions, testing::Values(2, 3),
+                         [](const auto& param_info) {
+                           return param_info.param == 2 ? "SerialPort" : "PulseStream";
+                         });
+
+TEST_P(UsbFunctions, HaltAndItsEnd) {
   ASSERT_TRUE(host.enumerate());
   // One packet each way, so that toggles and turns are odd.
   ASSERT_EQ(host.bulk_out(numbered(5)), Handshake::ack);
@@ -309,7 +364,7 @@ TEST(UsbControl, HaltAndItsEnd) {
   ASSERT_EQ(host.bulk_in().data, numbered(3));
   host.serial.write(numbered(70, 5));
   host.serve();
-  for (const std::uint16_t endpoint : std::array<std::uint16_t, 3>{0x02, 0x82, 0x81}) {
+  for (const std::uint16_t endpoint : std::array<std::uint16_t, 3>{out(), in(), 0x81}) {
     EXPECT_EQ(host.control(endpoint_out, 3, 0, endpoint, 0).handshake, Handshake::ack);
     EXPECT_EQ(host.control(endpoint_in, 0, 0, endpoint, 2).data, (Bytes{1, 0}));
   }
@@ -318,7 +373,7 @@ TEST(UsbControl, HaltAndItsEnd) {
   Bytes none;
   bool data1 = false;
   EXPECT_EQ(host.usb.in(1, none, data1), Handshake::stall);
-  for (const std::uint16_t endpoint : std::array<std::uint16_t, 3>{0x02, 0x82, 0x81}) {
+  for (const std::uint16_t endpoint : std::array<std::uint16_t, 3>{out(), in(), 0x81}) {
     EXPECT_EQ(host.control(endpoint_out, 1, 0, endpoint, 0).handshake, Handshake::ack);
     EXPECT_EQ(host.control(endpoint_in, 0, 0, endpoint, 2).data, (Bytes{0, 0}));
   }
@@ -336,9 +391,8 @@ TEST(UsbControl, HaltAndItsEnd) {
   EXPECT_EQ(host.serial.counters().resynchronised, 0u);
 }
 
-TEST(UsbControl, ClearFeatureAndSetInterfaceRestartToggles) {
+TEST_P(UsbFunctions, ClearFeatureAndSetInterfaceRestartToggles) {
   for (const bool by_interface : {false, true}) {
-    UsbHost host;
     ASSERT_TRUE(host.enumerate());
     Bytes sent;
     for (unsigned round = 0; round < 9; ++round) {
@@ -351,10 +405,10 @@ TEST(UsbControl, ClearFeatureAndSetInterfaceRestartToggles) {
         ASSERT_EQ(host.bulk_in().data, packet);
       }
       if (by_interface) {
-        ASSERT_EQ(host.control(interface_out, 11, 0, 1, 0).handshake, Handshake::ack);
+        ASSERT_EQ(host.control(interface_out, 11, 0, out() - 1, 0).handshake, Handshake::ack);
       } else {
-        ASSERT_EQ(host.control(endpoint_out, 1, 0, 0x02, 0).handshake, Handshake::ack);
-        ASSERT_EQ(host.control(endpoint_out, 1, 0, 0x82, 0).handshake, Handshake::ack);
+        ASSERT_EQ(host.control(endpoint_out, 1, 0, out(), 0).handshake, Handshake::ack);
+        ASSERT_EQ(host.control(endpoint_out, 1, 0, in(), 0).handshake, Handshake::ack);
       }
       host.clear_toggles();
     }
@@ -398,7 +452,7 @@ TEST(UsbControl, GarbageNeverWedgesIt) {
     for (std::uint64_t i = random() % 4; i > 0; --i) {
       Bytes data(random() % 65);
       bool data1 = random() % 2 == 0;
-      const auto endpoint = static_cast<std::uint8_t>(random() % 3);
+      const auto endpoint = static_cast<std::uint8_t>(random() % 4);
       if (random() % 2 == 0) {
         host.usb.in(endpoint, data, data1);
       } else if (data.size() <= 64) {
@@ -422,10 +476,10 @@ TEST(UsbControl, GarbageNeverWedgesIt) {
   }
 }
 
-TEST(UsbBulk, BytesArriveOnceAndInOrder) {
+TEST_P(UsbFunctions, BytesArriveOnceAndInOrder) {
   std::mt19937_64 random(7);
-  UsbHost host;
   ASSERT_TRUE(host.enumerate());
+  ASSERT_NO_FATAL_FAILURE(speak());
   Bytes to_device, at_device, to_host_bytes, at_host;
   for (int round = 0; round < scaled(20000); ++round) {
     if (random() % 32 == 0) host.frame(static_cast<std::uint32_t>(random() % 800));
@@ -472,9 +526,9 @@ TEST(UsbBulk, BytesArriveOnceAndInOrder) {
   EXPECT_GT(counters.packets_received, 1000u);
 }
 
-TEST(UsbBulk, AnEmptyPacketFollowsWholeOnes) {
-  UsbHost host;
+TEST_P(UsbFunctions, AnEmptyPacketFollowsWholeOnes) {
   ASSERT_TRUE(host.enumerate());
+  ASSERT_NO_FATAL_FAILURE(speak());
   for (const std::size_t size : {1u, 63u, 64u, 65u, 127u, 128u, 129u, 640u, 2048u}) {
     const Bytes sent = numbered(size);
     ASSERT_EQ(host.serial.write(sent), size);

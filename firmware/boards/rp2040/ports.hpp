@@ -1,4 +1,5 @@
-// The two links, USB and UART, as one: the core talks with one host at a time.
+// The two links, USB and UART, as one: the core talks with one host at a time. USB has two
+// functions, of which it chooses one by rules of its own (usb/listener.hpp).
 //
 // In:  bytes of both. Out: bytes of the one that is being listened to; answers go there.
 // Who: main loop.
@@ -7,8 +8,9 @@
 // would break each other's frames, and noise on an open line would take the answers over or, by a
 // stray `~`, end a hold. What it says is thrown away, real-time bytes too, however long the first
 // one is silent: noise cannot be told from a host by waiting.
-// The first bytes of the other port, and those that come after USB was reset or configured anew,
-// are a new connection's: half a line of before must not become a whole one with them.
+// The first bytes of the other port, and those that come after USB was reset, configured anew or
+// heard over its other function, are a new connection's: half a line of before must not become a
+// whole one with them.
 #pragma once
 
 #include <cstddef>
@@ -28,6 +30,7 @@ class BasicPorts {
 
   /// Takes received bytes; returns how many. `tied`: only from the one listened to last.
   std::size_t read(std::span<std::uint8_t> out, bool tied) {
+    usb_.set_tied(tied);
     if (const std::size_t n = read_from(usb_, false, out, tied); n != 0) return n;
     return read_from(uart_, true, out, tied);
   }

@@ -26,7 +26,7 @@ class ConfigurationReader {
   ConfigurationReader(Bytes bytes, const DeviceInfo& device, Violations& violations)
       : bytes_(bytes), device_(device), violations_(violations) {}
 
-  SerialPort read();
+  Configuration read();
 
  private:
   struct Interface {
@@ -46,12 +46,15 @@ class ConfigurationReader {
   void functional(Bytes d);
   void close_interface();
   void finish();
+  bool is_vendor() const { return current_ && current_->code == 0xff; }
   bool is_control() const { return current_ && current_->code == 2 && current_->subclass == 2; }
 
   Bytes bytes_;
   const DeviceInfo& device_;
   Violations& violations_;
-  SerialPort port_;
+  Configuration configuration_;
+  SerialPort& port_ = configuration_.port;
+  VendorPipe& vendor_ = configuration_.vendor;
   std::optional<Interface> current_;
   std::map<unsigned, Interface> interfaces_;
   std::set<unsigned> addresses_;
@@ -60,7 +63,7 @@ class ConfigurationReader {
   std::optional<unsigned> call_data_;
 };
 
-SerialPort ConfigurationReader::read() {
+Configuration ConfigurationReader::read() {
   if (bytes_.size() < 9) {
     say("shorter than 9 bytes");
     return {};
@@ -77,7 +80,7 @@ SerialPort ConfigurationReader::read() {
     at += length;
   }
   finish();
-  return port_;
+  return configuration_;
 }
 
 void ConfigurationReader::head() {
@@ -89,9 +92,9 @@ void ConfigurationReader::head() {
   expect(bytes_[5] != 0, "bConfigurationValue is 0");
   expect((bytes_[7] & 0x9f) == 0x80, "bmAttributes has reserved bits wrong");
   expect(bytes_[8] <= 250, "bMaxPower is above 500 mA");
-  port_.configuration = bytes_[5];
-  port_.remote_wakeup = (bytes_[7] & 0x20) != 0;
-  if (bytes_[6] != 0) port_.strings.push_back(bytes_[6]);
+  configuration_.value = bytes_[5];
+  configuration_.remote_wakeup = (bytes_[7] & 0x20) != 0;
+  if (bytes_[6] != 0) configuration_.strings.push_back(bytes_[6]);
 }
 
 void ConfigurationReader::one(Bytes d) {
@@ -121,7 +124,7 @@ void ConfigurationReader::association(Bytes d) {
   expect(
       device_.device_class == 0xef && device_.device_subclass == 2 && device_.device_protocol == 1,
       "interface association without class EF/02/01 of the device");
-  if (d[7] != 0) port_.strings.push_back(d[7]);
+  if (d[7] != 0) configuration_.strings.push_back(d[7]);
 }
 
 void ConfigurationReader::interface(Bytes d) {
@@ -129,7 +132,7 @@ void ConfigurationReader::interface(Bytes d) {
   close_interface();
   current_ = Interface{d[2], d[5], d[6], d[7], d[4], 0};
   if (d[3] == 0) expect(!interfaces_.contains(d[2]), "interface number twice");
-  if (d[8] != 0) port_.strings.push_back(d[8]);
+  if (d[8] != 0) configuration_.strings.push_back(d[8]);
   if (is_control()) {
     port_.control_interface = d[2];
     expect(d[7] <= 6 || d[7] == 0xff, "ACM interface has an unknown protocol");
@@ -137,6 +140,10 @@ void ConfigurationReader::interface(Bytes d) {
   if (d[5] == 0x0a) {
     port_.data_interface = d[2];
     expect(d[6] == 0 && d[7] == 0, "data interface has subclass or protocol");
+  }
+  if (is_vendor()) {
+    vendor_.interface = d[2];
+    vendor_.string = d[8];
   }
 }
 
@@ -168,9 +175,10 @@ void ConfigurationReader::endpoint(Bytes d) {
     expect(d[6] >= 1, name + ": interrupt interval is 0");
   }
   if (type == isochronous || type == control) say(name + ": a serial port has no such type");
-  if (current_->code == 0x0a && type == bulk) {
-    (in ? port_.in : port_.out) = static_cast<std::uint8_t>(number);
-    (in ? port_.in_size : port_.out_size) = static_cast<std::uint16_t>(size);
+  if ((current_->code == 0x0a || is_vendor()) && type == bulk) {
+    BulkEndpoints& ends = is_vendor() ? static_cast<BulkEndpoints&>(vendor_) : port_;
+    (in ? ends.in : ends.out) = static_cast<std::uint8_t>(number);
+    (in ? ends.in_size : ends.out_size) = static_cast<std::uint16_t>(size);
   } else if (is_control() && type == interrupt && in) {
     port_.notify = static_cast<std::uint8_t>(number);
     port_.notify_size = static_cast<std::uint16_t>(size);
@@ -236,8 +244,9 @@ DeviceInfo parse_device(Bytes bytes, Violations& violations) {
   if (bytes.size() < 18) return info;
   expect(bytes[0] == 18, "bLength is not 18");
   expect(bytes[1] == descriptor::device, "bDescriptorType is not 1");
-  const unsigned version = word(bytes, 2);
-  expect(version == 0x0110 || version == 0x0200 || version == 0x0201, "bcdUSB is no version");
+  info.version = word(bytes, 2);
+  expect(info.version == 0x0110 || info.version == 0x0200 || info.version == 0x0201,
+         "bcdUSB is no version");
   info.device_class = bytes[4];
   info.device_subclass = bytes[5];
   info.device_protocol = bytes[6];
@@ -257,7 +266,7 @@ DeviceInfo parse_device(Bytes bytes, Violations& violations) {
   return info;
 }
 
-SerialPort parse_configuration(Bytes bytes, const DeviceInfo& device, Violations& violations) {
+Configuration parse_configuration(Bytes bytes, const DeviceInfo& device, Violations& violations) {
   return ConfigurationReader(bytes, device, violations).read();
 }
 

@@ -52,6 +52,7 @@ UsbHost::UsbHost(TimeWheel& wheel, DeviceEnd& device, UsbHostOptions options)
       device_(device),
       options_(options),
       engine_(wheel, device) {
+  bulk(UsbFunction::serial).open = true;
   engine_.on_done([this](const Transaction& t, const Result& r) { done(t, r); });
   plug();
 }
@@ -117,23 +118,30 @@ void UsbHost::frame(Picoseconds at) {
 
 // The user's side
 
-std::size_t UsbHost::write(std::span<const std::uint8_t> bytes) {
-  if (step_ != Step::running) return 0;
-  const std::size_t used = unsent();
+std::size_t UsbHost::write(std::span<const std::uint8_t> bytes, UsbFunction to) {
+  BulkFunction& function = bulk(to);
+  if (step_ != Step::running || !function.open || !function.ends.found()) return 0;
+  const std::size_t used = function.unsent();
   const std::size_t room = options_.write_buffer > used ? options_.write_buffer - used : 0;
-  const std::size_t count = std::min(room, bytes.size());
-  to_send_.insert(to_send_.end(), bytes.begin(),
-                  bytes.begin() + static_cast<std::ptrdiff_t>(count));
+  const std::size_t count = function.write(bytes, room);
   if (count != 0) go_on(wheel_.time());
   return count;
 }
 
-std::size_t UsbHost::read(std::span<std::uint8_t> bytes) {
-  const std::size_t count = std::min(bytes.size(), received_.size());
-  std::copy_n(received_.begin(), count, bytes.begin());
-  received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(count));
+std::size_t UsbHost::read(std::span<std::uint8_t> bytes, UsbFunction from) {
+  const std::size_t count = bulk(from).read(bytes);
   if (count != 0) go_on(wheel_.time());
   return count;
+}
+
+void UsbHost::claim_vendor(bool claimed) {
+  bulk(UsbFunction::vendor).open = claimed;
+  go_on(wheel_.time());
+}
+
+void UsbHost::open_serial(bool open) {
+  bulk(UsbFunction::serial).open = open;
+  go_on(wheel_.time());
 }
 
 void UsbHost::plug() {
@@ -160,15 +168,13 @@ void UsbHost::detach() {
 }
 
 void UsbHost::clear_port() {
-  to_send_.clear();
-  received_.clear();
-  transfer_.clear();
-  packet_.reset();
-  zero_length_due_ = in_data1_ = out_data1_ = notify_data1_ = false;
-  refused_since_ = -1;
+  for (BulkFunction& function : bulk_) function.clear();
+  notify_data1_ = false;
   transfer_now_.reset();
   control_queue_.clear();
-  port_ = {};
+  configuration_ = {};
+  microsoft_.reset();
+  microsoft_set_.reset();
 }
 
 void UsbHost::suspend() {
@@ -185,7 +191,8 @@ void UsbHost::resume() {
 }
 
 void UsbHost::remote_wakeup(Picoseconds) {
-  if (!port_.remote_wakeup) violation("remote wake-up that the configuration does not announce");
+  if (!configuration_.remote_wakeup)
+    violation("remote wake-up that the configuration does not announce");
   resume();
 }
 
@@ -199,7 +206,8 @@ void UsbHost::reset_device() {
 void UsbHost::set_dtr(bool on) {
   dtr_ = on;
   if (step_ == Step::running)
-    control(setup_packet(0x21, set_control_line_state, on ? 3 : 2, port_.control_interface, 0));
+    control(setup_packet(0x21, set_control_line_state, on ? 3 : 2,
+                         configuration_.port.control_interface, 0));
 }
 
 void UsbHost::control(const std::array<std::uint8_t, 8>& setup, std::vector<std::uint8_t> data) {
@@ -282,6 +290,15 @@ void UsbHost::enter(Step step) {
     case Step::qualifier:
       ask_descriptor(descriptor::device_qualifier, 0, 0, 10);
       break;
+    case Step::bos_head:
+      ask_descriptor(descriptor::bos, 0, 0, 5);
+      break;
+    case Step::bos:
+      ask_descriptor(descriptor::bos, 0, 0, bos_size_);
+      break;
+    case Step::microsoft_set:
+      ask(setup_packet(0xc0, microsoft_->request, 0, microsoft_set_index, microsoft_->set_size));
+      break;
     case Step::configuration_head:
       ask_descriptor(descriptor::configuration, 0, 0, 9);
       break;
@@ -297,17 +314,20 @@ void UsbHost::enter(Step step) {
       next_string();
       break;
     case Step::set_configuration:
-      ask(setup_packet(0, set_configuration, port_.configuration, 0, 0));
+      ask(setup_packet(0, set_configuration, configuration_.value, 0, 0));
       break;
     case Step::set_line_coding:
-      ask(setup_packet(0x21, set_line_coding, 0, port_.control_interface, line_coding.size()),
+      ask(setup_packet(0x21, set_line_coding, 0, configuration_.port.control_interface,
+                       line_coding.size()),
           line_coding);
       break;
     case Step::get_line_coding:
-      ask(setup_packet(0xa1, get_line_coding, 0, port_.control_interface, line_coding.size()));
+      ask(setup_packet(0xa1, get_line_coding, 0, configuration_.port.control_interface,
+                       line_coding.size()));
       break;
     case Step::line_state:
-      ask(setup_packet(0x21, set_control_line_state, dtr_ ? 3 : 2, port_.control_interface, 0));
+      ask(setup_packet(0x21, set_control_line_state, dtr_ ? 3 : 2,
+                       configuration_.port.control_interface, 0));
       break;
     default:
       break;
@@ -364,6 +384,9 @@ void UsbHost::enumeration_answer(const ControlAnswer& answer, Picoseconds at) {
       return wait(at + options_.address_recovery);
     case Step::device:
     case Step::qualifier:
+    case Step::bos_head:
+    case Step::bos:
+    case Step::microsoft_set:
     case Step::configuration_head:
     case Step::configuration:
     case Step::languages:
@@ -388,16 +411,24 @@ void UsbHost::descriptor_answer(const ControlAnswer& answer) {
       return enter(Step::qualifier);
     case Step::qualifier:
       if (!answer.stalled) violation("device: has a device qualifier without high speed");
-      return enter(Step::configuration_head);
+      // USB 2.1 and later have a BOS descriptor.
+      return enter(device_info_.version >= 0x0201 ? Step::bos_head : Step::configuration_head);
+    case Step::bos_head:
+    case Step::bos:
+    case Step::microsoft_set:
+      if (!bos_answer(answer)) enter(Step::configuration_head);
+      return;
     case Step::configuration_head:
       configuration_bytes_ = answer.data;
       if (answer.data.size() != 9) return give_up("not 9 bytes of the configuration");
       return enter(Step::configuration);
     case Step::configuration:
       configuration_bytes_ = answer.data;
-      port_ = parse_configuration(answer.data, device_info_, violations_);
-      if (!port_.found()) return give_up("no serial port");
-      strings_to_read_.assign(port_.strings.begin(), port_.strings.end());
+      configuration_ = parse_configuration(answer.data, device_info_, violations_);
+      if (!configuration_.port.found()) return give_up("no serial port");
+      bulk(UsbFunction::serial).ends = configuration_.port;
+      bulk(UsbFunction::vendor).ends = configuration_.vendor;
+      strings_to_read_.assign(configuration_.strings.begin(), configuration_.strings.end());
       for (const int index : {device_info_.serial_string, device_info_.product_string,
                               device_info_.manufacturer_string})
         if (index != 0) strings_to_read_.push_back(index);
@@ -419,6 +450,23 @@ void UsbHost::descriptor_answer(const ControlAnswer& answer) {
   }
 }
 
+/// Goes on with what the BOS descriptor tells; false if that is all.
+bool UsbHost::bos_answer(const ControlAnswer& answer) {
+  if (step_ == Step::bos_head) {
+    bos_size_ = parse_bos_head(answer.data, violations_);
+    if (bos_size_ != 0) enter(Step::bos);
+    return bos_size_ != 0;
+  }
+  if (step_ == Step::bos) {
+    microsoft_ = parse_bos(answer.data, violations_);
+    if (!microsoft_ || !options_.windows) return false;
+    enter(Step::microsoft_set);
+    return true;
+  }
+  microsoft_set_ = parse_microsoft_set(answer.data, *microsoft_, violations_);
+  return false;
+}
+
 /// Asks for the next string that has not been read; false if there is none.
 bool UsbHost::next_string() {
   while (!strings_to_read_.empty() && strings_.contains(strings_to_read_.back()))
@@ -432,7 +480,8 @@ bool UsbHost::next_string() {
 void UsbHost::class_answer(const ControlAnswer& answer) {
   switch (step_) {
     case Step::set_configuration:
-      in_data1_ = out_data1_ = notify_data1_ = false;
+      for (BulkFunction& function : bulk_) function.clear_toggles();
+      notify_data1_ = false;
       return enter(Step::set_line_coding);
     case Step::set_line_coding:
       return enter(Step::get_line_coding);
@@ -462,19 +511,28 @@ void UsbHost::go_on(Picoseconds at) {
     case Turn::control:
       return launch(control_transaction(), at);
     case Turn::interrupt:
-      interrupt_due_ = last_frame_ + port_.notify_interval_ms * ps_per_ms;
-      return launch({.token = Pid::in, .endpoint = port_.notify, .data = {}}, at);
+      interrupt_due_ = last_frame_ + configuration_.port.notify_interval_ms * ps_per_ms;
+      return launch({.token = Pid::in, .endpoint = configuration_.port.notify, .data = {}}, at);
     case Turn::bulk_in:
-      return launch({.token = Pid::in, .endpoint = port_.in, .data = {}}, at);
+    case Turn::vendor_in:
+      return launch({.token = Pid::in, .endpoint = bulk(function_of(turn_)).ends.in, .data = {}},
+                    at);
     case Turn::bulk_out:
-      return launch(bulk_out_transaction(), at);
+    case Turn::vendor_out: {
+      BulkFunction& function = bulk(function_of(turn_));
+      return launch({.token = Pid::out,
+                     .endpoint = function.ends.out,
+                     .data = function.next_packet(options_.send_zero_length)},
+                    at);
+    }
   }
 }
 
-/// The periodic endpoint first; then in turn control, bulk IN, bulk OUT.
+/// The periodic endpoint first; then in turn control, bulk IN and OUT of both functions.
 UsbHost::Turn UsbHost::choose(Picoseconds at) {
   if (can_take(Turn::interrupt, at)) return Turn::interrupt;
-  static constexpr std::array<Turn, 3> order = {Turn::control, Turn::bulk_in, Turn::bulk_out};
+  static constexpr std::array<Turn, 5> order = {Turn::control, Turn::bulk_in, Turn::bulk_out,
+                                                Turn::vendor_in, Turn::vendor_out};
   const auto last = std::find(order.begin(), order.end(), last_turn_);
   const std::size_t first =
       last == order.end() ? 0 : static_cast<std::size_t>(last - order.begin()) + 1;
@@ -489,19 +547,22 @@ UsbHost::Turn UsbHost::choose(Picoseconds at) {
 
 bool UsbHost::can_take(Turn turn, Picoseconds at) const {
   const bool running = step_ == Step::running;
+  const BulkFunction& function = bulk(function_of(turn));
+  const SerialPort& port = configuration_.port;
   switch (turn) {
     case Turn::control:
       return transfer_now_.has_value() && fits(max_packet, at);
     case Turn::interrupt:
-      return running && port_.notify != 0 && last_frame_ >= interrupt_due_ &&
-             fits(port_.notify_size, at);
+      return running && port.notify != 0 && last_frame_ >= interrupt_due_ &&
+             fits(port.notify_size, at);
     case Turn::bulk_in:
-      return running && received_.size() + transfer_.size() < options_.read_buffer &&
-             fits(port_.in_size, at);
+    case Turn::vendor_in:
+      return running && function.open && function.ends.found() &&
+             function.received.size() + function.transfer.size() < options_.read_buffer &&
+             fits(function.ends.in_size, at);
     case Turn::bulk_out:
-      return running && (packet_ || !to_send_.empty() || zero_length_due_) &&
-             fits(packet_ ? packet_->size : std::min<std::size_t>(to_send_.size(), port_.out_size),
-                  at);
+    case Turn::vendor_out:
+      return running && function.has_packet() && fits(function.next_size(), at);
     case Turn::none:
       break;
   }
@@ -529,10 +590,12 @@ void UsbHost::done(const Transaction& transaction, const Result& result) {
       interrupt_result(result);
       break;
     case Turn::bulk_in:
-      bulk_in_result(result);
+    case Turn::vendor_in:
+      bulk_in_result(bulk(function_of(turn_)), result);
       break;
     case Turn::bulk_out:
-      bulk_out_result(result);
+    case Turn::vendor_out:
+      bulk_out_result(bulk(function_of(turn_)), result);
       break;
     case Turn::none:
       break;
@@ -644,7 +707,7 @@ void UsbHost::check_control_times(Picoseconds at) {
 
 void UsbHost::interrupt_result(const Result& result) {
   if (!result.answer || *result.answer == Pid::nak) return;
-  if (*result.answer == Pid::stall) return stalled(port_.notify | 0x80);
+  if (*result.answer == Pid::stall) return stalled(configuration_.port.notify | 0x80);
   if (result.data.pid != (notify_data1_ ? Pid::data1 : Pid::data0)) {
     ++statistics_.repeated;
     return;
@@ -653,73 +716,57 @@ void UsbHost::interrupt_result(const Result& result) {
   ++statistics_.notifications;
 }
 
-void UsbHost::bulk_in_result(const Result& result) {
+void UsbHost::bulk_in_result(BulkFunction& function, const Result& result) {
   if (!result.answer) return;
   if (*result.answer == Pid::nak) {
     ++statistics_.in_naks;
     return;
   }
-  if (*result.answer == Pid::stall) return stalled(port_.in | 0x80);
-  if (result.data.pid != (in_data1_ ? Pid::data1 : Pid::data0)) {
+  if (*result.answer == Pid::stall) return stalled(function.ends.in | 0x80);
+  if (result.data.pid != (function.in_data1 ? Pid::data1 : Pid::data0)) {
     ++statistics_.repeated;
     return;
   }
-  in_data1_ = !in_data1_;
+  function.in_data1 = !function.in_data1;
   ++statistics_.in_packets;
   statistics_.in_bytes += result.data.size;
   statistics_.most_bulk_packets_in_frame =
       std::max(statistics_.most_bulk_packets_in_frame, ++bulk_in_frame_);
-  if (result.data.size > port_.in_size) violation("bulk IN packet longer than wMaxPacketSize");
-  const auto bytes = result.data.payload();
-  transfer_.insert(transfer_.end(), bytes.begin(), bytes.end());
-  if (bytes.size() >= port_.in_size && transfer_.size() < options_.read_transfer) return;
-  received_.insert(received_.end(), transfer_.begin(), transfer_.end());
-  transfer_.clear();
+  if (result.data.size > function.ends.in_size)
+    violation("bulk IN packet longer than wMaxPacketSize");
+  function.take(result.data.payload(), options_.read_transfer);
 }
 
-Transaction UsbHost::bulk_out_transaction() {
-  if (!packet_) {
-    packet_.emplace();
-    packet_->size = std::min<std::size_t>(to_send_.size(), port_.out_size);
-    std::copy_n(to_send_.begin(), packet_->size, packet_->bytes.begin());
-    to_send_.erase(to_send_.begin(), to_send_.begin() + static_cast<std::ptrdiff_t>(packet_->size));
-    packet_->pid = out_data1_ ? Pid::data1 : Pid::data0;
-    zero_length_due_ =
-        options_.send_zero_length && to_send_.empty() && packet_->size == port_.out_size;
-  }
-  return {.token = Pid::out, .endpoint = port_.out, .data = *packet_};
-}
-
-void UsbHost::bulk_out_result(const Result& result) {
-  if (!result.answer || !packet_) return;
-  if (*result.answer == Pid::stall) return stalled(port_.out);
+void UsbHost::bulk_out_result(BulkFunction& function, const Result& result) {
+  if (!result.answer || !function.packet) return;
+  if (*result.answer == Pid::stall) return stalled(function.ends.out);
   if (*result.answer == Pid::nak) {
     ++statistics_.out_naks;
-    if (refused_since_ < 0) refused_since_ = result.end;
+    if (function.refused_since < 0) function.refused_since = result.end;
   }
-  if (refused_since_ >= 0)
+  if (function.refused_since >= 0)
     statistics_.longest_refused =
-        std::max(statistics_.longest_refused, result.end - refused_since_);
+        std::max(statistics_.longest_refused, result.end - function.refused_since);
   if (*result.answer == Pid::nak) return;
-  refused_since_ = -1;
-  out_data1_ = !out_data1_;
+  function.refused_since = -1;
+  function.out_data1 = !function.out_data1;
   ++statistics_.out_packets;
-  statistics_.out_bytes += packet_->size;
+  statistics_.out_bytes += function.packet->size;
   statistics_.most_bulk_packets_in_frame =
       std::max(statistics_.most_bulk_packets_in_frame, ++bulk_in_frame_);
-  packet_.reset();
+  function.packet.reset();
 }
 
 /// An endpoint is halted: the driver clears it, after which both ends begin with DATA0.
 void UsbHost::stalled(std::uint8_t endpoint_address) {
   ++statistics_.stalls;
-  if (endpoint_address == (port_.in | 0x80))
-    in_data1_ = false;
-  else if (endpoint_address == port_.out)
-    out_data1_ = false;
-  else
-    notify_data1_ = false;
-  if (packet_ && endpoint_address == port_.out) packet_->pid = Pid::data0;
+  if (endpoint_address == (configuration_.port.notify | 0x80)) notify_data1_ = false;
+  for (BulkFunction& function : bulk_) {
+    if (endpoint_address == (function.ends.in | 0x80)) function.in_data1 = false;
+    if (endpoint_address != function.ends.out) continue;
+    function.out_data1 = false;
+    if (function.packet) function.packet->pid = Pid::data0;
+  }
   ControlTransfer clear;
   clear.setup = setup_packet(0x02, clear_feature, 0, endpoint_address, 0);
   clear.user = true;

@@ -1,4 +1,5 @@
-// The host end of the USB cable: an ordinary PC with its stack and a CDC serial driver.
+// The host end of the USB cable: an ordinary PC with its stack, a CDC serial driver, and a program
+// that may claim a vendor interface beside it.
 //
 // In:  bytes to send, plug, unplug, suspend, resume, DTR from whoever plays the user.
 // Out: bytes received, statistics, what the device says of itself, and every departure from the
@@ -6,10 +7,10 @@
 // Who: the board facade and tests; the time wheel runs it.
 //
 // A device that pulls D+ up is debounced, reset and enumerated; from then on every frame of 1 ms
-// begins with SOF, then control, bulk IN and bulk OUT take turns at the real bus times until the
-// next transaction would not end before the frame (at most 19 of 64 bytes), NAKed ones again and
-// again. Received packets are handed on when a short one ends the transfer or the transfer is
-// full, as drivers do: a device that leaves out the zero-length packet is found out.
+// begins with SOF, then control, bulk IN and bulk OUT of both take turns at the real bus times
+// until the next transaction would not end before the frame (at most 19 of 64 bytes), NAKed ones
+// again and again. Received packets are handed on when a short one ends the transfer or the
+// transfer is full, as drivers do: a device that leaves out the zero-length packet is found out.
 #pragma once
 
 #include <deque>
@@ -21,8 +22,11 @@
 
 #include "sim/chip/time_wheel.hpp"
 #include "sim/chip/usb/wire.hpp"
+#include "sim/chip/usb_host/bulk_function.hpp"
 #include "sim/chip/usb_host/descriptors.hpp"
+#include "sim/chip/usb_host/microsoft_os.hpp"
 #include "sim/chip/usb_host/transactions.hpp"
+#include "sim/chip/usb_host/usb_function.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -38,6 +42,8 @@ struct UsbHostOptions {
   /// First ask for 64 bytes of the device descriptor, then reset once more, as Linux and Windows
   /// do; otherwise ask for 8.
   bool second_reset = false;
+  /// Ask for the descriptors of Microsoft before the configuration, as Windows does.
+  bool windows = false;
   /// Full transfers to the device end with a zero-length packet.
   bool send_zero_length = false;
   /// Bytes that a read asks the device for.
@@ -48,7 +54,7 @@ struct UsbHostOptions {
   bool other_traffic = false;
 };
 
-/// Counters since plug-in.
+/// Counters since plug-in, both functions together.
 struct UsbHostStatistics {
   std::uint64_t frames = 0;
   std::uint64_t in_packets = 0, in_bytes = 0, in_naks = 0;
@@ -72,15 +78,23 @@ class UsbHost final : public Timed, public usb::HostEnd {
   UsbHost& operator=(const UsbHost&) = delete;
 
   /// Bytes for the device; how many were taken: none before enumerated(), at most what the buffer
-  /// of 4096 has room for.
-  std::size_t write(std::span<const std::uint8_t> bytes);
+  /// of 4096 has room for; over the vendor interface none without claim_vendor().
+  std::size_t write(std::span<const std::uint8_t> bytes, UsbFunction to = UsbFunction::serial);
   /// Bytes from the device; how many there were.
-  std::size_t read(std::span<std::uint8_t> bytes);
-  bool has_output() const { return !received_.empty(); }
+  std::size_t read(std::span<std::uint8_t> bytes, UsbFunction from = UsbFunction::serial);
+  bool has_output(UsbFunction from = UsbFunction::serial) const {
+    return !bulk(from).received.empty();
+  }
   /// Bytes that were written and that the device has not acknowledged.
-  std::size_t unsent() const { return to_send_.size() + (packet_ ? packet_->size : 0); }
+  std::size_t unsent(UsbFunction to = UsbFunction::serial) const { return bulk(to).unsent(); }
   /// Bytes that have come but wait for the end of their transfer.
-  std::size_t unfinished() const { return transfer_.size(); }
+  std::size_t unfinished() const { return bulk(UsbFunction::serial).transfer.size(); }
+
+  /// A program has the vendor interface, or will as soon as it is there; false gives it back.
+  void claim_vendor(bool claimed);
+  /// A program has the serial port open, as from the start: the driver asks for packets. DTR is a
+  /// matter of set_dtr().
+  void open_serial(bool open);
 
   void unplug();
   void plug();
@@ -100,7 +114,10 @@ class UsbHost final : public Timed, public usb::HostEnd {
   const UsbHostStatistics& statistics() const { return statistics_; }
   const usb::Violations& violations() const { return violations_; }
   const usb::DeviceInfo& device_info() const { return device_info_; }
-  const usb::SerialPort& port() const { return port_; }
+  const usb::SerialPort& port() const { return configuration_.port; }
+  const usb::VendorPipe& vendor() const { return configuration_.vendor; }
+  /// What Windows has found; nothing without UsbHostOptions::windows.
+  const std::optional<usb::MicrosoftSet>& microsoft_set() const { return microsoft_set_; }
   const std::map<int, std::string>& strings() const { return strings_; }
   struct ControlAnswer {
     bool done = false, stalled = false, failed = false;
@@ -131,6 +148,9 @@ class UsbHost final : public Timed, public usb::HostEnd {
     set_address,
     device,
     qualifier,
+    bos_head,
+    bos,
+    microsoft_set,
     configuration_head,
     configuration,
     languages,
@@ -144,7 +164,15 @@ class UsbHost final : public Timed, public usb::HostEnd {
     suspended,
     resuming
   };
-  enum class Turn : std::uint8_t { none, control, interrupt, bulk_in, bulk_out };
+  enum class Turn : std::uint8_t {
+    none,
+    control,
+    interrupt,
+    bulk_in,
+    bulk_out,
+    vendor_in,
+    vendor_out
+  };
   enum class Stage : std::uint8_t { setup, data, status };
   struct ControlTransfer {
     std::array<std::uint8_t, 8> setup{};
@@ -178,6 +206,7 @@ class UsbHost final : public Timed, public usb::HostEnd {
   void control_done(const ControlTransfer& transfer, const ControlAnswer& answer, Picoseconds at);
   void enumeration_answer(const ControlAnswer& answer, Picoseconds at);
   void descriptor_answer(const ControlAnswer& answer);
+  bool bos_answer(const ControlAnswer& answer);
   void class_answer(const ControlAnswer& answer);
   bool next_string();
   void give_up(const std::string& why);
@@ -191,16 +220,25 @@ class UsbHost final : public Timed, public usb::HostEnd {
   void launch(usb::Transaction transaction, Picoseconds at);
   void done(const usb::Transaction& transaction, const usb::Result& result);
   usb::Transaction control_transaction();
-  usb::Transaction bulk_out_transaction();
   void control_result(const usb::Transaction& transaction, const usb::Result& result);
   void control_progress(const usb::Transaction& transaction, const usb::Result& result);
   void finish_control(const ControlAnswer& answer, Picoseconds at);
   void check_control_times(Picoseconds at);
   void interrupt_result(const usb::Result& result);
-  void bulk_in_result(const usb::Result& result);
-  void bulk_out_result(const usb::Result& result);
+  void bulk_in_result(usb::BulkFunction& bulk, const usb::Result& result);
+  void bulk_out_result(usb::BulkFunction& bulk, const usb::Result& result);
   void stalled(std::uint8_t endpoint_address);
   void clear_port();
+  usb::BulkFunction& bulk(UsbFunction function) {
+    return bulk_[static_cast<std::size_t>(function)];
+  }
+  const usb::BulkFunction& bulk(UsbFunction function) const {
+    return bulk_[static_cast<std::size_t>(function)];
+  }
+  static UsbFunction function_of(Turn turn) {
+    const bool vendor = turn == Turn::vendor_in || turn == Turn::vendor_out;
+    return vendor ? UsbFunction::vendor : UsbFunction::serial;
+  }
 
   TimeWheel& wheel_;
   TimeWheel::Slot slot_;
@@ -230,20 +268,19 @@ class UsbHost final : public Timed, public usb::HostEnd {
   // What the device said
   usb::Violations violations_;
   usb::DeviceInfo device_info_;
-  usb::SerialPort port_;
+  usb::Configuration configuration_;
   std::vector<std::uint8_t> device_bytes_, configuration_bytes_;
+  std::uint16_t bos_size_ = 0;
+  std::optional<usb::MicrosoftCapability> microsoft_;
+  std::optional<usb::MicrosoftSet> microsoft_set_;
   std::map<int, std::string> strings_;
   std::vector<int> strings_to_read_;
   std::uint16_t language_ = 0;
   bool dtr_ = true;
 
   // Data
-  std::deque<std::uint8_t> to_send_, received_;
-  std::vector<std::uint8_t> transfer_;
-  std::optional<usb::Packet> packet_;  ///< bulk OUT, until acknowledged
-  bool zero_length_due_ = false;
-  bool in_data1_ = false, out_data1_ = false, notify_data1_ = false;
-  Picoseconds refused_since_ = -1;
+  std::array<usb::BulkFunction, 2> bulk_;  ///< by UsbFunction
+  bool notify_data1_ = false;
   Picoseconds interrupt_due_ = 0;
   std::uint32_t bulk_in_frame_ = 0;
   UsbHostStatistics statistics_;

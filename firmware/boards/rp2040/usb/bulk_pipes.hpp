@@ -1,7 +1,8 @@
-// Endpoint 2: the bytes, both ways, each through two buffers in turn.
+// Bulk endpoints: the bytes, one way each, through two buffers in turn.
 //
 // In:  BulkOut: packets of the host. BulkIn: bytes of a SendRing.
-// Out: the other way round. Who: UsbSerial, in the USB interrupt; some 350 to 720 cycles a packet
+// Out: BulkOut: to whoever takes packets (ReceiveRing, UsbSerial). BulkIn: packets to the host.
+// Who: UsbSerial, in the USB interrupt; some 350 to 720 cycles a packet
 //      of 64 bytes (counted by instruction), against 6000 that one takes on the bus.
 //
 // The controller uses the two buffers of an endpoint strictly in turn (RP2040 datasheet,
@@ -31,13 +32,25 @@ namespace lamplock::rp2040::usb {
 inline constexpr std::uint32_t out_buffer_offset = 0x180;
 inline constexpr std::uint32_t in_buffer_offset = 0x200;
 inline constexpr std::uint32_t notify_buffer_offset = 0x280;
+inline constexpr std::uint32_t stream_out_buffer_offset = 0x2C0;
+inline constexpr std::uint32_t stream_in_buffer_offset = 0x340;
 static_assert(out_buffer_offset == offsetof(UsbDpram, data));
 
-/// Words of buffer 0 or 1 of a double buffer.
-inline volatile std::uint32_t* buffer_words(UsbDpram& dpram, std::uint32_t offset,
-                                            std::uint32_t half) {
-  return &dpram.data[(offset - offsetof(UsbDpram, data)) / 4 + half * (packet_size / 4)];
+/// An endpoint and where its double buffer is.
+struct BulkPlace {
+  std::uint8_t endpoint = 0;
+  std::uint16_t buffer_offset = 0;
+};
+inline constexpr BulkPlace serial_out_place{data_endpoint, out_buffer_offset};
+inline constexpr BulkPlace serial_in_place{data_endpoint, in_buffer_offset};
+inline constexpr BulkPlace stream_out_place{stream_endpoint, stream_out_buffer_offset};
+inline constexpr BulkPlace stream_in_place{stream_endpoint, stream_in_buffer_offset};
+
+/// Words of a double buffer: 16 of buffer 0, 16 of buffer 1.
+inline volatile std::uint32_t* buffer_words(UsbDpram& dpram, BulkPlace place) {
+  return &dpram.data[(place.buffer_offset - offsetof(UsbDpram, data)) / 4];
 }
+inline constexpr std::uint32_t words_per_packet = packet_size / 4;
 
 inline constexpr std::uint32_t double_bulk_control =
     usb_field::endpoint_enable | usb_field::endpoint_double | usb_field::endpoint_each_buffer |
@@ -53,7 +66,11 @@ constexpr std::uint32_t select_flag(std::uint32_t half) {
 template <class Hardware>
 class BulkOut {
  public:
-  explicit BulkOut(Hardware& hardware) : hardware_(hardware) {}
+  BulkOut(Hardware& hardware, BulkPlace place)
+      : hardware_(hardware),
+        halves_(hardware.dpram().buffer_control[place.endpoint].out),
+        words_(buffer_words(hardware.dpram(), place)),
+        place_(place) {}
 
   /// Takes packets from now on; the first is DATA0.
   void start() {
@@ -61,38 +78,39 @@ class BulkOut {
     next_ = 0;
     data1_ = false;
     halted_ = false;
-    hardware_.dpram().endpoint_control[data_endpoint - 1].out =
-        double_bulk_control | out_buffer_offset;
+    control() = double_bulk_control | place_.buffer_offset;
     arm(0, usb_field::buffer_reset_select);
     arm(1, 0);
   }
 
   void stop() {
-    hardware_.dpram().endpoint_control[data_endpoint - 1].out = 0;
-    halves()[0] = 0;
-    halves()[1] = 0;
+    control() = 0;
+    halves_[0] = 0;
+    halves_[1] = 0;
     halted_ = true;
   }
 
-  /// Hands received packets to the ring and the buffers back at once.
-  template <class Ring>
-  void service(Ring& ring) {
+  /// A packet may be there for `service`.
+  bool filled() const { return ((halves_[0] | halves_[1]) & usb_field::buffer_full) != 0; }
+
+  /// Hands received packets to `taker` (push_packet) and the buffers back at once.
+  template <class Taker>
+  void service(Taker&& taker) {
     if (halted_) return;
     // At most both: more cannot have come meanwhile without a new interrupt.
     for (int packets = 0; packets < 2; ++packets) {
       // Read in this order: if the later one is done, so is the earlier one, unless we and the
       // controller disagree about the turn; then the one that is done is the next.
-      const bool other_done = is_done(halves()[next_ ^ 1]);
-      if (!is_done(halves()[next_])) {
+      const bool other_done = is_done(halves_[next_ ^ 1]);
+      if (!is_done(halves_[next_])) {
         if (!other_done) return;
         next_ ^= 1;
         ++resynchronised_;
       }
-      const std::uint32_t value = halves()[next_];
+      const std::uint32_t value = halves_[next_];
       const std::uint32_t size =
           std::min<std::uint32_t>(value & usb_field::buffer_length, packet_size);
-      if (size != 0)
-        ring.push_packet(buffer_words(hardware_.dpram(), out_buffer_offset, next_), size);
+      if (size != 0) taker.push_packet(words_ + next_ * words_per_packet, size);
       arm(next_, 0);
       next_ ^= 1;
       ++packets_;
@@ -101,14 +119,14 @@ class BulkOut {
 
   void halt() {
     halted_ = true;
-    halves()[1] = 0;
-    give_buffer(hardware_, halves()[0], 0, usb_field::buffer_stall);
+    halves_[1] = 0;
+    give_buffer(hardware_, halves_[0], 0, usb_field::buffer_stall);
   }
 
   /// Begins again with DATA0, in the buffer that is next in turn.
   void restart() {
-    halves()[0] = 0;
-    halves()[1] = 0;
+    halves_[0] = 0;
+    halves_[1] = 0;
     halted_ = false;
     data1_ = false;
     arm(next_, select_flag(next_));
@@ -123,15 +141,18 @@ class BulkOut {
     return (value & (usb_field::buffer_full | usb_field::buffer_available)) ==
            usb_field::buffer_full;
   }
-  BufferHalf* halves() { return hardware_.dpram().buffer_control[data_endpoint].out; }
+  Register& control() { return hardware_.dpram().endpoint_control[place_.endpoint - 1].out; }
 
   void arm(std::uint32_t half, std::uint32_t flags) {
     const std::uint32_t pid = data1_ ? usb_field::buffer_data1 : 0u;
     data1_ = !data1_;
-    give_buffer(hardware_, halves()[half], packet_size | pid | flags, usb_field::buffer_available);
+    give_buffer(hardware_, halves_[half], packet_size | pid | flags, usb_field::buffer_available);
   }
 
   Hardware& hardware_;
+  BufferHalf* const halves_;
+  volatile std::uint32_t* const words_;
+  const BulkPlace place_;
   std::uint32_t next_ = 0;  ///< buffer the next packet comes in
   std::uint32_t packets_ = 0;
   std::uint32_t resynchronised_ = 0;
@@ -143,7 +164,11 @@ class BulkOut {
 template <class Hardware>
 class BulkIn {
  public:
-  explicit BulkIn(Hardware& hardware) : hardware_(hardware) {}
+  BulkIn(Hardware& hardware, BulkPlace place)
+      : hardware_(hardware),
+        halves_(hardware.dpram().buffer_control[place.endpoint].in),
+        words_(buffer_words(hardware.dpram(), place)),
+        place_(place) {}
 
   /// Sends from now on; the first packet is DATA0.
   void start() {
@@ -151,14 +176,13 @@ class BulkIn {
     data1_ = false;
     halted_ = false;
     empty_packet_due_ = false;
-    hardware_.dpram().endpoint_control[data_endpoint - 1].in =
-        double_bulk_control | in_buffer_offset;
+    control() = double_bulk_control | place_.buffer_offset;
   }
 
   void stop() {
-    hardware_.dpram().endpoint_control[data_endpoint - 1].in = 0;
-    halves()[0] = 0;
-    halves()[1] = 0;
+    control() = 0;
+    halves_[0] = 0;
+    halves_[1] = 0;
     first_ = 0;
     armed_ = 0;
     halted_ = true;
@@ -174,7 +198,7 @@ class BulkIn {
   template <class Ring, class Permission>
   void service(Ring& ring, Permission&& permitted) {
     if (halted_) return;
-    while (armed_ != 0 && (halves()[first_] & usb_field::buffer_available) == 0) {
+    while (armed_ != 0 && (halves_[first_] & usb_field::buffer_available) == 0) {
       first_ ^= 1;
       --armed_;
       ++packets_;
@@ -189,7 +213,7 @@ class BulkIn {
         flags = usb_field::buffer_reset_select;
       }
       const std::uint32_t half = first_ ^ armed_;
-      if (size != 0) ring.pop_packet(buffer_words(hardware_.dpram(), in_buffer_offset, half), size);
+      if (size != 0) ring.pop_packet(words_ + half * words_per_packet, size);
       // A whole packet tells the host to wait for more: it must be told that this was all.
       empty_packet_due_ = size == packet_size;
       sizes_[half] = static_cast<std::uint8_t>(size);
@@ -200,14 +224,14 @@ class BulkIn {
 
   void halt() {
     halted_ = true;
-    halves()[1] = 0;
-    give_buffer(hardware_, halves()[0], 0, usb_field::buffer_stall);
+    halves_[1] = 0;
+    give_buffer(hardware_, halves_[0], 0, usb_field::buffer_stall);
   }
 
   /// Begins again with DATA0; what was armed and has not been fetched is sent now.
   void restart() {
-    halves()[0] = 0;
-    halves()[1] = 0;
+    halves_[0] = 0;
+    halves_[1] = 0;
     halted_ = false;
     data1_ = false;
     for (std::uint32_t i = 0; i < armed_; ++i) arm(first_ ^ i, i == 0 ? select_flag(first_) : 0u);
@@ -218,16 +242,19 @@ class BulkIn {
   std::uint32_t armed() const { return armed_; }
 
  private:
-  BufferHalf* halves() { return hardware_.dpram().buffer_control[data_endpoint].in; }
+  Register& control() { return hardware_.dpram().endpoint_control[place_.endpoint - 1].in; }
 
   void arm(std::uint32_t half, std::uint32_t flags) {
     const std::uint32_t pid = data1_ ? usb_field::buffer_data1 : 0u;
     data1_ = !data1_;
-    give_buffer(hardware_, halves()[half], sizes_[half] | usb_field::buffer_full | pid | flags,
+    give_buffer(hardware_, halves_[half], sizes_[half] | usb_field::buffer_full | pid | flags,
                 usb_field::buffer_available);
   }
 
   Hardware& hardware_;
+  BufferHalf* const halves_;
+  volatile std::uint32_t* const words_;
+  const BulkPlace place_;
   std::uint32_t first_ = 0;  ///< buffer that goes out next
   std::uint32_t armed_ = 0;  ///< 0 to 2
   std::uint32_t packets_ = 0;

@@ -89,12 +89,14 @@ class ReceiveRing {
 
   // Main loop.
 
-  /// Takes up to `out.size()` bytes; returns how many.
+  /// Takes up to `out.size()` bytes; returns how many. None after a discard, so that who has looked
+  /// whether the connection is a new one before this call never takes the first bytes of one.
   std::size_t pop(std::span<std::uint8_t> out) {
     if (discard_) {
       discard_ = false;
       order_accesses();
       tail_ = discard_to_;
+      return 0;
     }
     const std::uint32_t tail = tail_;
     const std::size_t count = std::min<std::size_t>(out.size(), head_ - tail);

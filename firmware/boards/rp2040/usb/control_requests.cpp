@@ -1,5 +1,7 @@
 #include "firmware/boards/rp2040/usb/control_requests.hpp"
 
+#include "firmware/boards/rp2040/usb/microsoft_os.hpp"
+
 namespace lamplock::rp2040::usb {
 namespace {
 
@@ -7,6 +9,7 @@ namespace {
 constexpr std::uint8_t type_mask = 0x60;
 constexpr std::uint8_t type_standard = 0x00;
 constexpr std::uint8_t type_class = 0x20;
+constexpr std::uint8_t type_vendor = 0x40;
 constexpr std::uint8_t recipient_mask = 0x1f;
 constexpr std::uint8_t to_device = 0;
 constexpr std::uint8_t to_interface = 1;
@@ -49,9 +52,33 @@ constexpr Pipes pipe_of(std::uint16_t index) {
       return pipe_in;
     case direction_in | notify_endpoint:
       return pipe_notify;
+    case stream_endpoint:
+      return pipe_stream_out;
+    case direction_in | stream_endpoint:
+      return pipe_stream_in;
     default:
       return 0;
   }
+}
+
+/// The endpoints of an interface.
+constexpr Pipes pipes_of_interface(std::uint16_t index) {
+  switch (index) {
+    case control_interface:
+      return pipe_notify;
+    case data_interface:
+      return pipe_in | pipe_out;
+    default:
+      return pipe_stream_in | pipe_stream_out;
+  }
+}
+
+/// Windows asks before it has given a configuration, or behind.
+Reaction vendor_request(const SetupPacket& setup) {
+  const bool asked = setup.type == (direction_in | type_vendor | to_device) &&
+                     setup.request == microsoft_request && setup.value == 0 &&
+                     setup.index == microsoft_set_index;
+  return asked ? send(microsoft_set) : stall;
 }
 
 }  // namespace
@@ -72,6 +99,7 @@ Reaction ControlRequests::setup(const SetupPacket& setup) {
   const std::uint8_t recipient = setup.type & recipient_mask;
   if ((setup.type & type_mask) == type_class)
     return recipient == to_interface ? class_request(setup) : stall;
+  if ((setup.type & type_mask) == type_vendor) return vendor_request(setup);
   if ((setup.type & type_mask) != type_standard) return stall;
   switch (recipient) {
     case to_device:
@@ -118,6 +146,8 @@ Reaction ControlRequests::descriptor(const SetupPacket& setup) const {
       return index == 0 && setup.index == 0 ? send(configuration_descriptor) : stall;
     case descriptor_type::string:
       return string(setup);
+    case descriptor_type::bos:
+      return index == 0 && setup.index == 0 ? send(bos_descriptor) : stall;
     default:  // device qualifier and other speed: full speed only (USB 2.0, 9.6.2)
       return stall;
   }
@@ -136,6 +166,8 @@ Reaction ControlRequests::string(const SetupPacket& setup) const {
       return send(serial_number_);
     case string_index::function:
       return send(function_descriptor);
+    case string_index::stream:
+      return send(stream_descriptor);
     default:
       return stall;
   }
@@ -165,7 +197,7 @@ Reaction ControlRequests::interface_request(const SetupPacket& setup) {
   }
   if (setup.request != set_interface || setup.value != 0 || setup.length != 0) return stall;
   // The setting becomes effective: toggles and halts of its endpoints start again (9.1.1.5).
-  const Pipes pipes = setup.index == data_interface ? pipe_in | pipe_out : pipe_notify;
+  const Pipes pipes = pipes_of_interface(setup.index);
   halted_ = static_cast<Pipes>(halted_ & ~pipes);
   return acknowledge_with(Effect::restart, pipes);
 }

@@ -59,6 +59,11 @@ using Pipes = std::uint8_t;
 inline constexpr Pipes pipe_out = 1;
 inline constexpr Pipes pipe_in = 2;
 inline constexpr Pipes pipe_notify = 4;
+inline constexpr Pipes pipe_stream_out = 8;
+inline constexpr Pipes pipe_stream_in = 16;
+/// By function: serial port, pulse stream.
+inline constexpr std::array<Pipes, 2> out_pipes{pipe_out, pipe_stream_out};
+inline constexpr std::array<Pipes, 2> in_pipes{pipe_in, pipe_stream_in};
 
 /// What follows a SETUP packet.
 struct Reaction {

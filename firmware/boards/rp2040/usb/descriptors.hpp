@@ -1,12 +1,15 @@
-// What the device says of itself: one USB serial port (CDC ACM), full speed.
+// What the device says of itself: a serial port (CDC ACM) and the pulse stream's pair of bulk
+// endpoints (vendor specific), full speed.
 //
 // In:  nothing. Out: descriptor bytes as the host wants them (USB 2.0, 9.5 and 9.6; CDC 1.2, 5.2;
 //      PSTN 1.2, 5.3; Interface Association Descriptor ECN). Constant data; the serial number
 //      alone is put together at start (control_requests.hpp).
 //
-// The device is composite by its classes (EF/02/01, one interface association), although it has one
-// function: Windows 10 and later, Linux and macOS bind their own drivers to 02/02 by the class
-// codes of the function, and a second function can be added without changing what they match on.
+// The device is composite by its classes (EF/02/01, an interface association for the serial port's
+// two interfaces): Windows 10 and later, Linux and macOS bind their own drivers to 02/02 by the
+// class codes of the function. The vendor interface stands behind it, so that the numbers of the
+// serial port are what they were; a program claims it, no driver does (microsoft_os.hpp). The
+// device says USB 2.1, for BOS descriptors are asked of such only.
 #pragma once
 
 #include <array>
@@ -32,11 +35,13 @@ inline constexpr std::uint8_t notify_packet_size = 16;
 inline constexpr std::uint8_t configuration_value = 1;
 inline constexpr std::uint8_t control_interface = 0;
 inline constexpr std::uint8_t data_interface = 1;
-inline constexpr std::uint8_t interface_count = 2;
+inline constexpr std::uint8_t stream_interface = 2;
+inline constexpr std::uint8_t interface_count = 3;
 
 inline constexpr std::uint8_t direction_in = 0x80;
 inline constexpr std::uint8_t notify_endpoint = 1;  ///< IN; never has anything to say
 inline constexpr std::uint8_t data_endpoint = 2;    ///< IN and OUT
+inline constexpr std::uint8_t stream_endpoint = 3;  ///< IN and OUT
 
 namespace descriptor_type {
 inline constexpr std::uint8_t device = 1;
@@ -45,6 +50,8 @@ inline constexpr std::uint8_t string = 3;
 inline constexpr std::uint8_t interface = 4;
 inline constexpr std::uint8_t endpoint = 5;
 inline constexpr std::uint8_t interface_association = 11;
+inline constexpr std::uint8_t bos = 15;                // USB 3.2, table 9-6
+inline constexpr std::uint8_t device_capability = 16;  // USB 3.2, table 9-6
 inline constexpr std::uint8_t class_interface = 0x24;
 }  // namespace descriptor_type
 
@@ -54,6 +61,7 @@ inline constexpr std::uint8_t manufacturer = 1;
 inline constexpr std::uint8_t product = 2;
 inline constexpr std::uint8_t serial_number = 3;
 inline constexpr std::uint8_t function = 4;
+inline constexpr std::uint8_t stream = 5;
 }  // namespace string_index
 
 constexpr std::uint8_t low_byte(std::uint16_t value) {
@@ -67,8 +75,8 @@ constexpr std::uint8_t high_byte(std::uint16_t value) {
 inline constexpr std::array<std::uint8_t, 18> device_descriptor = {
     18,
     descriptor_type::device,
-    0x00,
-    0x02,  // USB 2.0
+    0x01,
+    0x02,  // USB 2.1
     0xEF,  // miscellaneous, common class, interface association
     0x02,
     0x01,
@@ -86,7 +94,8 @@ inline constexpr std::array<std::uint8_t, 18> device_descriptor = {
 };
 static_assert(device_descriptor.size() == device_descriptor[0]);
 
-inline constexpr std::uint16_t configuration_size = 9 + 8 + 9 + 5 + 5 + 4 + 5 + 7 + 9 + 7 + 7;
+inline constexpr std::uint16_t configuration_size =
+    9 + 8 + 9 + 5 + 5 + 4 + 5 + 7 + 9 + 7 + 7 + 9 + 7 + 7;
 
 /// USB 2.0, tables 9-10, 9-12, 9-13; CDC 1.2, tables 15, 16; PSTN 1.2, tables 3, 4.
 inline constexpr std::array<std::uint8_t, configuration_size> configuration_descriptor = {
@@ -100,11 +109,11 @@ inline constexpr std::array<std::uint8_t, configuration_size> configuration_desc
     0,
     0x80,  // powered by the bus, no remote wake-up
     50,    // 100 mA, in 2 mA
-    // Association of both interfaces.
+    // Association of the serial port's interfaces.
     8,
     descriptor_type::interface_association,
     control_interface,
-    interface_count,
+    2,
     0x02,
     0x02,
     0x00,
@@ -174,6 +183,30 @@ inline constexpr std::array<std::uint8_t, configuration_size> configuration_desc
     packet_size,
     0,
     0,
+    // Pulse stream: vendor specific.
+    9,
+    descriptor_type::interface,
+    stream_interface,
+    0,
+    2,
+    0xFF,
+    0x00,
+    0x00,
+    string_index::stream,
+    7,
+    descriptor_type::endpoint,
+    stream_endpoint,
+    0x02,
+    packet_size,
+    0,
+    0,
+    7,
+    descriptor_type::endpoint,
+    direction_in | stream_endpoint,
+    0x02,
+    packet_size,
+    0,
+    0,
 };
 
 /// The descriptors in the configuration fill it exactly, each with its own length.
@@ -185,7 +218,7 @@ constexpr bool lengths_fit(std::size_t at) {
   return at == configuration_descriptor.size();
 }
 static_assert(lengths_fit(0));
-static_assert(configuration_size == 75);
+static_assert(configuration_size == 98);
 
 /// String descriptor 0: the languages.
 inline constexpr std::array<std::uint8_t, 4> language_descriptor = {
@@ -206,6 +239,7 @@ constexpr std::array<std::uint8_t, 2 * size_with_zero> string_descriptor(
 inline constexpr auto manufacturer_descriptor = string_descriptor("lamplock");
 inline constexpr auto product_descriptor = string_descriptor("lamplock laser controller");
 inline constexpr auto function_descriptor = string_descriptor("lamplock serial port");
+inline constexpr auto stream_descriptor = string_descriptor("lamplock pulse stream");
 static_assert(manufacturer_descriptor.size() == 2 + 2 * 8);
 
 }  // namespace lamplock::rp2040::usb

@@ -1,4 +1,4 @@
-// The serial port on USB.
+// The link on USB: bytes both ways, over the serial port or over the pulse stream's endpoints.
 //
 // In:  the USB interrupt (priority 2); `read`, `write`, `poll` from the main loop, at least every
 //      millisecond. Out: bytes.
@@ -9,14 +9,18 @@
 // All dealings with the controller happen in `interrupt`; the main loop touches the rings only and
 // pends the interrupt when there is something new to send. Bytes of the host are always taken at
 // once: a full ring drops and counts (byte_rings.hpp), the sender's window makes that rare.
-// A new configuration or bus reset empties both rings and counts `generation`. The rest is a matter
-// of the parts: control_requests.hpp, control_pipe.hpp, bulk_pipes.hpp, bus_reset_exit.hpp.
+// A new configuration or bus reset empties both rings and counts `generation`, and so does a change
+// from one function to the other. One of them is heard at a time (listener.hpp): there is one pair
+// of rings, and the other one's packets are dropped without a look, some 100 cycles each. The rest
+// is a matter of the parts: control_requests.hpp, control_pipe.hpp, bulk_pipes.hpp,
+// bus_reset_exit.hpp.
 //
 // Erratum E15: no bulk IN packet is handed over in the last 200 us of a frame, which is timed from
 // the start of frame by the microsecond timer. A packet that was handed over earlier stays: taking
 // it back needs EP_ABORT, which E2 forbids, and a host that is reading has fetched it by then.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -28,6 +32,7 @@
 #include "firmware/boards/rp2040/usb/byte_rings.hpp"
 #include "firmware/boards/rp2040/usb/control_pipe.hpp"
 #include "firmware/boards/rp2040/usb/control_requests.hpp"
+#include "firmware/boards/rp2040/usb/listener.hpp"
 
 namespace lamplock::rp2040 {
 
@@ -52,9 +57,10 @@ struct UsbCounters {
   std::uint32_t bus_errors = 0;        ///< frames in which the controller saw any
   std::uint32_t packets_received = 0;
   std::uint32_t packets_sent = 0;
-  std::uint32_t resynchronised = 0;  ///< should be 0: disagreed with the controller about the turn
-  std::uint32_t bytes_dropped = 0;   ///< ring full
-  std::uint32_t gaps = 0;            ///< places where bytes are missing
+  std::uint32_t resynchronised = 0;   ///< should be 0: disagreed with the controller about the turn
+  std::uint32_t bytes_dropped = 0;    ///< ring full
+  std::uint32_t gaps = 0;             ///< places where bytes are missing
+  std::uint32_t packets_unheard = 0;  ///< of the function that is not heard
 };
 
 /// The port. `Hardware` is UsbHardware (usb_hardware.hpp) or a test's.
@@ -64,7 +70,7 @@ class BasicUsbSerial {
   static constexpr std::uint32_t receive_capacity = 4096;
   static constexpr std::uint32_t send_capacity = 2048;
 
-  explicit BasicUsbSerial(Hardware& hardware) : hardware_(hardware) {}
+  [[gnu::cold]] explicit BasicUsbSerial(Hardware& hardware) : hardware_(hardware) {}
   BasicUsbSerial(const BasicUsbSerial&) = delete;
   BasicUsbSerial& operator=(const BasicUsbSerial&) = delete;
 
@@ -91,10 +97,11 @@ class BasicUsbSerial {
     if ((why & usb_field::int_buffer) != 0) on_buffers();
     if ((why & usb_field::int_setup) != 0) on_setup();
     // Whatever the reason: a packet may be done before BUFF_STATUS says so, or be waiting.
-    out_.service(received_);
-    if (in_.busy(to_send_))
-      in_.service(to_send_,
-                  [this] { return !late_in_frame(hardware_.microseconds() - frame_us_); });
+    for (const usb::Function function : {usb::Function::serial, usb::Function::stream})
+      if (out_[usb::index(function)].filled()) take_packets(function);
+    auto& in = in_[usb::index(listener_.heard())];
+    if (in.busy(to_send_))
+      in.service(to_send_, [this] { return !late_in_frame(hardware_.microseconds() - frame_us_); });
   }
 
   /// Main loop, at least every millisecond.
@@ -102,6 +109,11 @@ class BasicUsbSerial {
     reset_exit_.poll(counters_.bus_resets);
     if (to_send_.size() != 0) hardware_.pend();
   }
+
+  /// A job is unfinished: whoever is heard stays so, while it lives.
+  void set_tied(bool tied) { tied_ = tied; }
+  /// Which function is heard.
+  usb::Function heard() const { return listener_.heard(); }
 
   /// Takes received bytes; returns how many.
   std::size_t read(std::span<std::uint8_t> out) { return received_.pop(out); }
@@ -137,9 +149,11 @@ class BasicUsbSerial {
 
   UsbCounters counters() const {
     UsbCounters result = counters_;
-    result.packets_received = out_.packets();
-    result.packets_sent = in_.packets();
-    result.resynchronised = out_.resynchronised();
+    for (std::size_t i = 0; i < usb::function_count; ++i) {
+      result.packets_received += out_[i].packets();
+      result.packets_sent += in_[i].packets();
+      result.resynchronised += out_[i].resynchronised();
+    }
     result.bytes_dropped = received_.losses().bytes;
     result.gaps = received_.losses().gaps;
     return result;
@@ -185,6 +199,29 @@ class BasicUsbSerial {
     if ((done & 2) != 0) control_.on_out_done();
   }
 
+  /// Packets of one function on their way to the ring.
+  struct Taker {
+    BasicUsbSerial& port;
+    usb::Function from;
+    void push_packet(const volatile std::uint32_t* words, std::uint32_t size) const {
+      port.take(from, words, size);
+    }
+  };
+  void take_packets(usb::Function from) { out_[usb::index(from)].service(Taker{*this, from}); }
+
+  void take(usb::Function from, const volatile std::uint32_t* words, std::uint32_t size) {
+    const auto last = static_cast<std::uint8_t>(words[(size - 1) / 4] >> 8 * ((size - 1) % 4));
+    const usb::Verdict verdict =
+        listener_.packet(from, size, last, hardware_.microseconds(), tied_);
+    if (verdict == usb::Verdict::drop) {
+      ++counters_.packets_unheard;
+      return;
+    }
+    if (verdict != usb::Verdict::take) new_host();
+    if (verdict == usb::Verdict::take_over_broken) received_.mark_gap();
+    received_.push_packet(words, size);
+  }
+
   void on_setup() {
     ++counters_.requests;
     suspended_ = false;
@@ -198,8 +235,8 @@ class BasicUsbSerial {
       case usb::Effect::configure:
         new_connection();
         configured_ = true;
-        out_.start();
-        in_.start();
+        for (auto& out : out_) out.start();
+        for (auto& in : in_) in.start();
         start_notify();
         break;
       case usb::Effect::deconfigure:
@@ -220,14 +257,19 @@ class BasicUsbSerial {
 
   void new_connection() {
     configured_ = false;
+    listener_.reset(hardware_.microseconds());
+    new_host();
+  }
+  /// What was on its way from or to the host before is void.
+  void new_host() {
     generation_ = generation_ + 1;
     received_.discard();
     to_send_.discard();
   }
 
   void stop_pipes() {
-    out_.stop();
-    in_.stop();
+    for (auto& out : out_) out.stop();
+    for (auto& in : in_) in.stop();
     hardware_.dpram().endpoint_control[usb::notify_endpoint - 1].in = 0;
     notify_half() = 0;
   }
@@ -241,20 +283,29 @@ class BasicUsbSerial {
   }
   BufferHalf& notify_half() { return hardware_.dpram().buffer_control[usb::notify_endpoint].in[0]; }
 
+  /// What is done is done, before buffers are armed anew.
+  void settle() {
+    for (const usb::Function function : {usb::Function::serial, usb::Function::stream}) {
+      take_packets(function);
+      in_[usb::index(function)].service(to_send_, [] { return false; });
+    }
+  }
+
   void restart(usb::Pipes pipes) {
-    // What is done is done, before buffers are armed anew.
-    out_.service(received_);
-    in_.service(to_send_, [] { return false; });
-    if ((pipes & usb::pipe_out) != 0) out_.restart();
-    if ((pipes & usb::pipe_in) != 0) in_.restart();
+    settle();
+    for (std::size_t i = 0; i < usb::function_count; ++i) {
+      if ((pipes & usb::out_pipes[i]) != 0) out_[i].restart();
+      if ((pipes & usb::in_pipes[i]) != 0) in_[i].restart();
+    }
     if ((pipes & usb::pipe_notify) != 0) notify_half() = 0;
   }
 
   void halt(usb::Pipes pipes) {
-    out_.service(received_);
-    in_.service(to_send_, [] { return false; });
-    if ((pipes & usb::pipe_out) != 0) out_.halt();
-    if ((pipes & usb::pipe_in) != 0) in_.halt();
+    settle();
+    for (std::size_t i = 0; i < usb::function_count; ++i) {
+      if ((pipes & usb::out_pipes[i]) != 0) out_[i].halt();
+      if ((pipes & usb::in_pipes[i]) != 0) in_[i].halt();
+    }
     if ((pipes & usb::pipe_notify) != 0)
       usb::give_buffer(hardware_, notify_half(), 0, usb_field::buffer_stall);
   }
@@ -262,8 +313,11 @@ class BasicUsbSerial {
   Hardware& hardware_;
   usb::ControlRequests requests_;
   usb::ControlPipe<Hardware> control_{hardware_, requests_};
-  usb::BulkOut<Hardware> out_{hardware_};
-  usb::BulkIn<Hardware> in_{hardware_};
+  std::array<usb::BulkOut<Hardware>, usb::function_count> out_{
+      {{hardware_, usb::serial_out_place}, {hardware_, usb::stream_out_place}}};
+  std::array<usb::BulkIn<Hardware>, usb::function_count> in_{
+      {{hardware_, usb::serial_in_place}, {hardware_, usb::stream_in_place}}};
+  usb::Listener listener_;
   usb::BusResetExit<Hardware> reset_exit_{hardware_};
   ReceiveRing<receive_capacity> received_;
   SendRing<send_capacity> to_send_;
@@ -272,6 +326,7 @@ class BasicUsbSerial {
   volatile std::uint32_t generation_ = 0;
   volatile bool configured_ = false;
   volatile bool suspended_ = false;
+  volatile bool tied_ = false;
 };
 
 }  // namespace lamplock::rp2040

@@ -1,0 +1,11 @@
+// What bytes between the PC and a device go over. Who: UsbHost and whoever chooses.
+#pragma once
+
+#include <cstdint>
+
+namespace lamplock::sim::chip {
+
+/// The serial port's driver, or a vendor interface that a program has claimed.
+enum class UsbFunction : std::uint8_t { serial, vendor };
+
+}  // namespace lamplock::sim::chip

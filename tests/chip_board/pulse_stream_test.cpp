@@ -1,0 +1,268 @@
+// The pulse stream's own interface on USB: a job over it is the same as over the serial port,
+// whatever the serial port says meanwhile; the dead man, the cable and what Windows asks.
+#include <algorithm>
+
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using sim::chip::UsbFunction;
+using testing::HasSubstr;
+using testing::Not;
+
+/// A booted rig that talks over one of the functions.
+struct FunctionRig : ChipRig {
+  FunctionRig(const job::Profile& profile, UsbFunction function) : ChipRig(profile) {
+    boot();
+    board.talk_over(function);
+  }
+  sim::chip::UsbHost& host() { return board.usb_host(); }
+  /// Beside what the rig talks over.
+  void open_both() {
+    host().open_serial(true);
+    host().claim_vendor(true);
+  }
+  void say_beside(std::string_view text, UsbFunction function) {
+    host().write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, function);
+  }
+  std::string heard_beside(UsbFunction function) {
+    std::array<std::uint8_t, 4096> bytes;
+    const std::size_t count = host().read(bytes, function);
+    return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count)};
+  }
+};
+
+/// What a job has done: every shot's place and beat from the first one on, every step.
+struct Deeds {
+  std::vector<std::tuple<std::int64_t, StepPosition>> shots;
+  std::vector<Step> steps;
+  bool operator==(const Deeds&) const = default;
+};
+
+Deeds deeds_of(const ChipRig& rig) {
+  Deeds deeds;
+  for (const auto& shot : rig.shots())
+    deeds.shots.emplace_back(static_cast<std::int64_t>(shot.beat - rig.shots().front().beat),
+                             shot.steps);
+  deeds.steps = steps_of(rig.monitor, step_latency);
+  return deeds;
+}
+
+/// Things that programs say which are not meant for a machine at work: polls, resets, a service
+/// that looks for modems, a line of a program, half a line.
+std::string chatter(std::mt19937_64& random) {
+  static const std::array<std::string, 8> words{"?",         "!",       "\x18",      "~",
+                                                "AT+GCAP\r", "G1 X5\n", "\x7e\x78~", "$110="};
+  return words[random() % words.size()];
+}
+
+TEST(ChipPulseStream, AJobIsTheSameOverBothFunctions) {
+  const job::Profile profile = chip_profile(1000);
+  const job::Job job =
+      job::make_job(chip_points(static_cast<std::size_t>(scaled(120)), 7), profile, {});
+  std::vector<Deeds> deeds;
+  for (const UsbFunction function : {UsbFunction::serial, UsbFunction::vendor}) {
+    FunctionRig rig(profile, function);
+    RunningJob running(rig, job, 1);
+    ASSERT_EQ(running.finish(), link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job));
+    expect_no_violations(rig);
+    deeds.push_back(deeds_of(rig));
+  }
+  EXPECT_FALSE(deeds[0].steps.empty());
+  EXPECT_TRUE(deeds[0] == deeds[1]);
+}
+
+// And the other way round: what is said over the stream's interface, to a job over the serial port.
+TEST(ChipPulseStream, ChatterOverTheOtherFunctionDisturbsNoJob) {
+  const job::Profile profile = chip_profile(1000);
+  const job::Job job =
+      job::make_job(chip_points(static_cast<std::size_t>(scaled(120)), 8), profile, {});
+  for (const UsbFunction function : {UsbFunction::vendor, UsbFunction::serial}) {
+    const UsbFunction beside =
+        function == UsbFunction::serial ? UsbFunction::vendor : UsbFunction::serial;
+    std::vector<Deeds> deeds;
+    for (const bool noisy : {false, true}) {
+      FunctionRig rig(profile, function);
+      std::mt19937_64 random(9);
+      RunningJob running(rig, job, 1);
+      ASSERT_TRUE(running.run_until_fired(1));
+      rig.open_both();
+      rig.heard_beside(beside);
+      const Picoseconds end = rig.now() + running.limit();
+      while (running.sender.step() && rig.now() < end)
+        if (noisy && rig.host().unsent(beside) < 256) rig.say_beside(chatter(random), beside);
+      ASSERT_EQ(running.sender.result().end, link::JobEnd::done);
+      ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job));
+      EXPECT_EQ(running.sender.result().resent, 0u);
+      EXPECT_EQ(rig.heard_beside(beside), "");
+      expect_no_violations(rig);
+      deeds.push_back(deeds_of(rig));
+    }
+    EXPECT_TRUE(deeds[0] == deeds[1]);
+  }
+}
+
+TEST(ChipPulseStream, TheSerialPortIsHeardAgainASecondAfterTheStream) {
+  FunctionRig rig(chip_profile(), UsbFunction::vendor);
+  EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
+  rig.open_both();
+  rig.heard_beside(UsbFunction::serial);
+  rig.say_beside("$I\n", UsbFunction::serial);
+  rig.run(100 * ps_per_ms);
+  EXPECT_EQ(rig.heard_beside(UsbFunction::serial), "");
+  EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
+  rig.run(1100 * ps_per_ms);
+  rig.say_beside("$I\n", UsbFunction::serial);
+  rig.run(100 * ps_per_ms);
+  EXPECT_THAT(rig.heard_beside(UsbFunction::serial), HasSubstr("[VER:"));
+  EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:")) << "the stream is never refused at rest";
+}
+
+TEST(ChipPulseStream, PulledAndPluggedInAJobAtRandomMoments) {
+  const job::Profile profile = chip_profile();
+  std::mt19937_64 random(15);
+  const auto up_to = [&random](Picoseconds most) {
+    return std::uniform_int_distribution<Picoseconds>(0, most)(random);
+  };
+  FunctionRig rig(profile, UsbFunction::vendor);
+  rig.open_both();
+  int cuts = 0;
+  for (int round = 0; round < scaled(4); ++round) {
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    const job::Job job = job::make_job(chip_points(80, random()), profile, {});
+    const std::size_t fired = rig.shots().size();
+    RunningJob running(rig, job, static_cast<std::uint32_t>(round + 1));
+    ASSERT_TRUE(running.run_until_fired(1));
+    Picoseconds at = rig.now() + up_to(40 * ps_per_ms);
+    for (int i = 0; i < 3; ++i) {
+      running.cable.at(at, [&rig, &cuts] {
+        if (!rig.host().enumerated()) return;
+        ++cuts;
+        rig.host().unplug();
+      });
+      at += 5 * ps_per_ms + up_to(40 * ps_per_ms);
+      running.cable.at(at, [&rig] { rig.host().plug(); });
+      // Somebody looks what has been plugged in, before the job's host is back, and goes on so.
+      for (int word = 0; word < 20; ++word)
+        running.cable.at(at + (5 + word) * ps_per_ms,
+                         [&] { rig.say_beside(chatter(random), UsbFunction::serial); });
+      at += 60 * ps_per_ms + up_to(60 * ps_per_ms);
+    }
+    ASSERT_EQ(running.finish(), link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job, fired));
+    EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+  }
+  EXPECT_GT(cuts, scaled(4));
+  expect_no_violations(rig);
+}
+
+TEST(ChipPulseStream, ASilentHostIsADeadManAndTheSerialPortCanAskLater) {
+  job::Profile profile = chip_profile();
+  profile.settings.set_milli(Id::dead_man, 200'000);  // ms
+  FunctionRig rig(profile, UsbFunction::vendor);
+  rig.open_both();
+  const job::Job job = job::make_job(chip_points(300, 3), profile, {});
+  RunningJob running(rig, job, 1);
+  ASSERT_TRUE(running.run_until_fired(10));
+  // The program hangs. It has the interface, and nobody reads.
+  const Picoseconds silent = rig.now();
+  const Picoseconds limit = profile.settings.milli(Id::dead_man) * ps_per_us;
+  // The machine brakes; then it is held.
+  rig.run(limit + 100 * ps_per_ms);
+  const std::size_t fired = rig.shots().size();
+  rig.say_beside("?", UsbFunction::serial);
+  rig.run(100 * ps_per_ms);
+  EXPECT_EQ(rig.heard_beside(UsbFunction::serial), "");
+  rig.run(10 * ps_per_s + silent - rig.now());
+  rig.say_beside("?", UsbFunction::serial);
+  rig.run(100 * ps_per_ms);
+  EXPECT_THAT(rig.heard_beside(UsbFunction::serial), HasSubstr("<Hold"));
+  EXPECT_EQ(rig.shots().size(), fired);
+  EXPECT_LT(fired, job.targets.size());
+  // The program wakes up and has its job back.
+  EXPECT_EQ(running.finish(), link::JobEnd::done);
+  ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job));
+  expect_no_violations(rig);
+}
+
+TEST(ChipPulseStream, ABadCableCostsTimeOnly) {
+  const job::Profile profile = chip_profile(1000);
+  std::uint64_t repeated = 0;
+  for (int seed = 0; seed < scaled(3); ++seed) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+    FunctionRig rig(profile, UsbFunction::vendor);
+    const job::Job job = job::make_job(chip_points(100, random()), profile, {});
+    int faults = 0;
+    rig.host().set_saboteur([&](sim::chip::usb::Transaction& transaction) {
+      if (transaction.endpoint != rig.host().vendor().in &&
+          transaction.endpoint != rig.host().vendor().out)
+        return;
+      // Lost and broken packets, lost acknowledgements.
+      for (sim::chip::usb::Fault* fault :
+           {&transaction.token_fault, &transaction.data_fault, &transaction.handshake_fault}) {
+        if (random() % 30 != 0) continue;
+        *fault = random() % 2 == 0 ? sim::chip::usb::Fault::lost : sim::chip::usb::Fault::crc;
+        ++faults;
+      }
+    });
+    RunningJob running(rig, job, 1);
+    ASSERT_EQ(running.finish(), link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job));
+    EXPECT_EQ(running.sender.result().resent, 0u) << "USB itself repeats";
+    EXPECT_GT(faults, 20);
+    repeated += rig.host().statistics().repeated;
+    expect_no_violations(rig);
+  }
+  EXPECT_GT(repeated, 0u);
+}
+
+TEST(ChipPulseStream, GarbageNeverMovesNorFires) {
+  FunctionRig rig(chip_profile(), UsbFunction::vendor);
+  rig.open_both();
+  std::mt19937_64 random(4);
+  std::array<std::uint8_t, 512> bytes;
+  for (int i = 0; i < scaled(200); ++i) {
+    for (const UsbFunction function : {UsbFunction::serial, UsbFunction::vendor}) {
+      for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+      rig.host().write(bytes, function);
+    }
+    rig.run(ps_per_ms);
+    rig.heard_beside(UsbFunction::serial);
+    rig.heard_beside(UsbFunction::vendor);
+  }
+  EXPECT_TRUE(rig.monitor.nothing_happened());
+  EXPECT_FALSE(rig.energy.any_high_within(0, rig.now()));
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+  rig.run(50 * ps_per_ms);
+  rig.answer("$I");  // ends whatever the garbage has begun
+  EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
+  expect_no_violations(rig);
+}
+
+TEST(ChipPulseStream, WindowsFindsWinUsb) {
+  const job::Profile profile = chip_profile();
+  for (const bool second_reset : {false, true}) {
+    sim::ChipBoardOptions options = quick_host();
+    options.usb.windows = true;
+    options.usb.second_reset = second_reset;
+    sim::ChipBoard board(flash_image(), profile.settings, chip_world(profile), options);
+    ASSERT_TRUE(board.run_until_found(1000 * ps_per_ms));
+    sim::chip::UsbHost& host = board.usb_host();
+    ASSERT_TRUE(host.microsoft_set().has_value());
+    EXPECT_EQ(host.microsoft_set()->compatible_id, "WINUSB");
+    EXPECT_EQ(host.microsoft_set()->interface, host.vendor().interface);
+    ASSERT_EQ(host.microsoft_set()->guids.size(), 1u);
+    EXPECT_EQ(host.strings().at(host.vendor().string), "lamplock pulse stream");
+    // Older Windows asks when the device is configured.
+    host.control({0xc0, 0x4d, 0, 0, 7, 0, 178, 0});
+    board.run_until(board.now() + 5 * ps_per_ms);
+    EXPECT_EQ(host.last_control().data.size(), 178u);
+    EXPECT_THAT(host.violations(), testing::IsEmpty());
+    EXPECT_THAT(board.chip().usb().violations(), testing::IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test
