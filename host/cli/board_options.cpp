@@ -119,13 +119,23 @@ sim::DriveConfig SimulatedDrives::drives(const settings::Values& values) const {
 void BoardOptions::add_choice(CLI::App& app) {
   app.add_option("--board", board,
                  "virtual: the firmware core on a virtual clock, fast; chip: the flash image, "
-                 "instruction by instruction; else a serial port or HOST:PORT")
-      ->type_name("virtual|chip|PORT")
+                 "instruction by instruction; auto: the board that is plugged in; usb or "
+                 "usb:SERIAL: its pulse stream; else a serial port or HOST:PORT")
+      ->type_name("virtual|chip|auto|usb|PORT")
       ->capture_default_str()
       ->group(board_group);
   app.add_option("--image", image, "Flash image for the chip; without it that of this build")
       ->type_name("FILE")
       ->group(board_group);
+  app.add_option("--usb", usb, "What the chip is talked to over: serial port or pulse stream")
+      ->check(one_of({"serial", "stream"}))
+      ->type_name("serial|stream")
+      ->capture_default_str()
+      ->group(board_group);
+}
+
+sim::chip::UsbFunction BoardOptions::usb_function() const {
+  return usb == "stream" ? sim::chip::UsbFunction::vendor : sim::chip::UsbFunction::serial;
 }
 
 void BoardOptions::add_board(CLI::App& app) {
@@ -204,6 +214,9 @@ void BoardOptions::check() const {
                   "leave it out, or use --board chip");
     check_target(timing);
   }
+  if (usb != "serial" && board != chip_board)
+    throw Error(Exit::bad_input, "--usb " + usb, "is about the simulated chip",
+                "leave it out; a real board's pulse stream is --board usb");
   plot.check();
   if (plot.any() && board != virtual_board)
     throw Error(Exit::bad_input, "--plot", "only the virtual board tells what its ticks are",

@@ -11,6 +11,7 @@
 
 #include "host/cli/motion_plot_file.hpp"
 #include "shared/settings_table.hpp"
+#include "sim/chip/usb_host/usb_function.hpp"
 #include "sim/world/drives.hpp"
 #include "sim/world/lamp.hpp"
 
@@ -40,7 +41,7 @@ struct SimulatedDrives {
 
 /// Where a job runs and what is left of it.
 struct BoardOptions {
-  std::string board = "virtual", image{};
+  std::string board = "virtual", image{}, usb = "serial";
   std::size_t from = 0;
   std::uint32_t fired = 0, job_speed = 100;
   bool yes = false, dry = false, json = false;
@@ -50,13 +51,15 @@ struct BoardOptions {
   LampFaults faults{};
   SimulatedDrives drives{};
 
-  void add_choice(CLI::App& app);     ///< --board, --image
+  void add_choice(CLI::App& app);     ///< --board, --image, --usb
   void add_board(CLI::App& app);      ///< these, --yes, --json
   void add_job_speed(CLI::App& app);  ///< --job-speed
   /// --from, --fired, --job-speed, --dry, --hold-at, --report, --statistics, --vcd, --shots,
   /// --timing, --plot and what is simulated
   void add_job(CLI::App& app);
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
+  /// What a simulated chip is talked to over.
+  sim::chip::UsbFunction usb_function() const;
   /// Refuses what the board cannot do, before any work is done. Throws Error(bad_input).
   void check() const;
 };

@@ -36,7 +36,8 @@ void check_image(const std::string& name, const std::string& image) {
 }
 
 SimulatedBoard make_board(const std::string& name, const std::string& image,
-                          const settings::Values& stored, const sim::WorldConfig& world) {
+                          const settings::Values& stored, const sim::WorldConfig& world,
+                          sim::chip::UsbFunction function) {
   SimulatedBoard made;
   if (name == virtual_board) {
     made.board = std::make_unique<sim::VirtualBoard>(stored, world);
@@ -53,6 +54,7 @@ SimulatedBoard make_board(const std::string& name, const std::string& image,
   if (!board->run_until_found(longest_boot))
     throw Error(Exit::no_device, image_file(image), "its USB port was not found within 2 s",
                 "check that it is an image of lamplock");
+  board->talk_over(function);
   made.board = std::move(board);
   return made;
 }

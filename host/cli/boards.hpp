@@ -10,6 +10,7 @@
 #include "shared/settings_table.hpp"
 #include "sim/board.hpp"
 #include "sim/chip/image/image.hpp"
+#include "sim/chip/usb_host/usb_function.hpp"
 #include "sim/chip_board/board_timing.hpp"
 
 namespace lamplock::cli {
@@ -27,9 +28,11 @@ struct SimulatedBoard {
 
 /// Makes a board that keeps these settings and has been found by its host. `image`: file for the
 /// chip; empty: the one that came with the program (image_path.hpp). Throws Error(bad_input) for an
-/// image that cannot be used, Error(no_device) if the board does not come up.
+/// image that cannot be used, Error(no_device) if the board does not come up. `function`: what the
+/// chip is talked to over.
 SimulatedBoard make_board(const std::string& name, const std::string& image,
-                          const settings::Values& stored, const sim::WorldConfig& world);
+                          const settings::Values& stored, const sim::WorldConfig& world,
+                          sim::chip::UsbFunction function = sim::chip::UsbFunction::serial);
 
 /// Reads a flash image. Throws Error(bad_input).
 sim::chip::Image read_image(const std::string& file);

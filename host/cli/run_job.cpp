@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host/cli/board_files.hpp"
+#include "host/cli/board_port.hpp"
 #include "host/cli/boards.hpp"
 #include "host/cli/foresight.hpp"
 #include "host/cli/motion_plot_file.hpp"
@@ -17,14 +18,11 @@
 #include "host/cli/report_folder.hpp"
 #include "host/cli/steering.hpp"
 #include "host/file.hpp"
-#include "host/link/serial_transport.hpp"
 #include "host/link/simulated_transport.hpp"
-#include "host/link/tcp_transport.hpp"
 #include "host/report/statistics.hpp"
 #include "host/report/summary.hpp"
 #include "host/units.hpp"
 #include "shared/beat_reason.hpp"
-#include "sim/endpoint/tcp_address.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 
 namespace lamplock::cli {
@@ -210,7 +208,8 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(work.job.settings);
   world.drives = options.drives.drives(work.job.settings);
-  const SimulatedBoard made = make_board(options.board, options.image, machine_of(work.job), world);
+  const SimulatedBoard made =
+      make_board(options.board, options.image, machine_of(work.job), world, options.usb_function());
   sim::Board& board = *made.board;
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, board);
@@ -258,11 +257,7 @@ std::string end_name(JobEnd end) {
 }
 
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
-  if (options.is_simulated()) return nullptr;
-  const bool path = options.board.find('/') != std::string::npos;
-  if (!path && sim::parse_tcp_address(options.board))
-    return std::make_unique<link::TcpTransport>(options.board);
-  return std::make_unique<link::SerialTransport>(options.board);
+  return options.is_simulated() ? nullptr : open_board(options.board);
 }
 
 void take_off_fired(Work& work, const BoardOptions& options) {

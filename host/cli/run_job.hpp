@@ -34,8 +34,8 @@ struct Outcome {
   report::JobRun run;
 };
 
-/// Opens a real port: HOST:PORT or a serial port; nothing for simulated boards. Throws
-/// Error(no_device).
+/// Opens a real board (board_port.hpp); nothing for simulated ones. Throws Error: no_device,
+/// bad_input.
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options);
 
 /// With --fired: the first point wants fewer flashes than it did. Throws Error(bad_input).

@@ -156,6 +156,7 @@ TEST(Errors, only_the_virtual_board_has_faults_and_traces) {
                  "--vcd");
   expect_refused(folder, {"send", list, "--board", port, "--yes", "--shots", folder / "a.csv"},
                  "--shots");
+  expect_refused(folder, {"engrave", list, "--usb", "stream"}, "--usb stream");
 }
 
 }  // namespace

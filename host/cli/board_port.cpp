@@ -1,0 +1,56 @@
+#include "host/cli/board_port.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <string_view>
+
+#include "host/error.hpp"
+#include "host/link/serial_transport.hpp"
+#include "host/link/tcp_transport.hpp"
+#include "host/link/usb_transport.hpp"
+#include "host/usb/libusb_bus.hpp"
+#include "host/usb/sysfs.hpp"
+#include "sim/endpoint/tcp_address.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+/// The pulse stream needs a permission that a serial port may have already.
+std::unique_ptr<link::Transport> open_any() {
+  const auto bus = std::make_shared<usb::LibusbBus>();
+  const usb::DeviceInfo board = link::find_board(*bus, "");
+  try {
+    return std::make_unique<link::UsbTransport>(bus, board);
+  } catch (const Error& error) {
+    const auto ports = usb::Sysfs().serial_ports(board.place);
+    if (ports.empty()) throw;
+    auto port = std::make_unique<link::SerialTransport>(ports.front());
+    constexpr std::string_view prefix = "error: ";
+    fmt::print(stderr, "warning: {}; talking over {} meanwhile\n",
+               std::string_view(error.what()).substr(prefix.size()), ports.front());
+    return port;
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> usb_serial(const std::string& board) {
+  const std::string prefix = std::string(usb_board) + ":";
+  if (board == usb_board) return "";
+  if (board.starts_with(prefix)) return board.substr(prefix.size());
+  return std::nullopt;
+}
+
+std::unique_ptr<link::Transport> open_board(const std::string& board) {
+  if (board == auto_board) return open_any();
+  if (const auto serial = usb_serial(board)) {
+    const auto bus = std::make_shared<usb::LibusbBus>();
+    return std::make_unique<link::UsbTransport>(bus, link::find_board(*bus, *serial));
+  }
+  const bool path = board.find('/') != std::string::npos;
+  if (!path && sim::parse_tcp_address(board)) return std::make_unique<link::TcpTransport>(board);
+  return std::make_unique<link::SerialTransport>(board);
+}
+
+}  // namespace lamplock::cli
