@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "host/cli/board_files.hpp"
 #include "host/cli/commands.hpp"
@@ -44,15 +45,17 @@ Work read_work(const Options& options, Console& console) {
   return work;
 }
 
-/// The estimate in the form of a run, as far as one can be foreseen.
-report::JobRun run_of(const Work& work, const Options& options, estimate::Estimate told) {
+/// The estimate in the form of a run, as far as one can be foreseen. Of ten million points there is
+/// no room for two copies, nor for the job beside them.
+report::JobRun run_of(Work work, const Options& options, estimate::Estimate told) {
   report::JobRun run;
-  run.input = work.input;
+  run.input = std::move(work.input);
   run.mode = mode_name(work.job.header.mode);
   run.board = "estimate";
   run.first_point = work.job.points_before(options.from);
-  run.points.assign(work.points.begin() + static_cast<std::ptrdiff_t>(run.first_point),
-                    work.points.end());
+  run.points = std::move(work.points);
+  run.points.erase(run.points.begin(),
+                   run.points.begin() + static_cast<std::ptrdiff_t>(run.first_point));
   for (std::size_t i = options.from; i < work.job.targets.size(); ++i)
     if (!work.job.is_pause(i)) run.shots_ordered.push_back(work.job.targets[i].shots);
   run.shots_known = false;
@@ -61,7 +64,7 @@ report::JobRun run_of(const Work& work, const Options& options, estimate::Estima
   run.settings = work.job.settings;
   run.steps_per_mm = steps_per_mm(run.settings);
   run.refraction = work.job.refraction;
-  run.warnings = work.warnings;
+  run.warnings = std::move(work.warnings);
   run.beats = told.beats;
   run.beats_before = told.beats_before;
   run.time_s = told.time_s;
@@ -96,7 +99,7 @@ Exit estimate(const Options& options) {
   const double seconds = told.time_before_s + told.time_s;
   const auto ends =
       Clock::now() + std::chrono::round<Clock::duration>(std::chrono::duration<double>(seconds));
-  const report::JobRun run = run_of(work, options, std::move(told));
+  const report::JobRun run = run_of(std::move(work), options, std::move(told));
   const report::Report report = report::evaluate(run);
   console.phase("estimate", fmt::format("{} points", report.points));
   write_page_file(report, run, options.page, console);
