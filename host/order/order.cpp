@@ -47,10 +47,10 @@ Fit cut_by(const TourCost& cost) {
 }
 
 /// How often `best` may ask the model for a point: what a million points can have within 20 s on
-/// two cores; small clouds more, as often as helps.
+/// two cores beside the annealing; small clouds more, as often as helps.
 std::size_t asked_a_point(std::size_t points) {
-  constexpr std::size_t asked_in_all = 7'000'000, most = 200;
-  return std::clamp<std::size_t>(asked_in_all / points, 7, most);
+  constexpr std::size_t asked_in_all = 4'000'000, fewest = 4, most = 200;
+  return std::clamp<std::size_t>(asked_in_all / points, fewest, most);
 }
 
 /// The same for the annealing of the whole order, which asks slower and saves more.
