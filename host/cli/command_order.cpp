@@ -8,6 +8,7 @@
 #include "host/cli/ordering.hpp"
 #include "host/cli/parameter_options.hpp"
 #include "host/cli/point_file.hpp"
+#include "host/glass/unused.hpp"
 #include "host/model/input.hpp"
 #include "host/model/read_points.hpp"
 
@@ -21,6 +22,21 @@ struct Options {
   bool json = false;
 };
 
+/// The parameters of an order; there are no other layers here.
+std::vector<glass::Parameter> parameters_of(glass::OrderChoice& order) {
+  std::vector<glass::Parameter> parameters = glass::parameters(order);
+  for (glass::Parameter& parameter : parameters)
+    if (parameter.key == "layer") parameter.option = "--layer";
+  return parameters;
+}
+
+void tell_unused(glass::OrderChoice said, const std::string& name, Console& console) {
+  glass::OrderChoice untouched;
+  for (const std::string& warning :
+       glass::unused(parameters_of(said), parameters_of(untouched), glass::way_of_order(name)))
+    console.say("warning  {}", warning);
+}
+
 Exit order_points(const Options& options) {
   Console console(options.json);
   check_point_file(options.output);
@@ -31,6 +47,7 @@ Exit order_points(const Options& options) {
   console.phase("points",
                 fmt::format("{} in {}", cloud.size(), bounds_text(points::bounds(cloud))));
   const std::string name = options.order.name.value_or(default_order);
+  tell_unused(options.order, name, console);
   const order::Motion motion = motion_of(options.machine.profile().settings, {});
   order_points(cloud, name, order_options(options.order, {}, motion), console);
   write_point_file(options.output, cloud);
@@ -47,16 +64,13 @@ Exit order_points(const Options& options) {
 
 void add_order(CLI::App& program, Action& action) {
   CLI::App* app = program.add_subcommand("order", "Bring points into the order of firing");
-  app->footer("Example:\n  lamplock order points.xyz --layer 0.3 -o ordered.xyz");
+  app->footer("Example:\n  lamplock order points.xyz --order layers --layer 0.3 -o ordered.xyz");
   const auto options = std::make_shared<Options>();
   app->add_option("INPUT", options->input, "Point list")->required()->type_name("FILE");
   app->add_option("-o,--output", options->output, "Point list to write: .xyz, .ply or .dxf")
       ->required()
       ->type_name("FILE");
-  std::vector<glass::Parameter> parameters = glass::parameters(options->order);
-  for (glass::Parameter& parameter : parameters)
-    if (parameter.key == "layer") parameter.option = "--layer";  // there are no others here
-  add_parameters(*app, parameters, "Order");
+  add_parameters(*app, parameters_of(options->order), "Order");
   app->get_option("--order")->description(
       "best (default): fewest beats; layers: lowest first, short way in each; serpentine: back and "
       "forth; nearest: nearest of the layer; cone: cheapest by way and height; given: as they "

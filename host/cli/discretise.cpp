@@ -11,6 +11,7 @@
 #include "host/cli/placed_model.hpp"
 #include "host/error.hpp"
 #include "host/glass/lens.hpp"
+#include "host/glass/unused.hpp"
 #include "host/points/bounds_check.hpp"
 #include "host/points/divide.hpp"
 #include "host/points/shells.hpp"
@@ -44,6 +45,21 @@ void check_place(const PointCloud& cloud, const Volume& volume, const std::strin
   if (volume.block)
     points::check_bounds(cloud, widened(volume.block->inside()), file,
                          fmt::format("the block less {:g} mm of margin", volume.block->margin_mm));
+}
+
+/// How the file becomes points, as the table of parameters names it.
+std::string way_of(InputKind kind, const Object& object) {
+  switch (kind) {
+    case InputKind::mesh:
+      return object.method.value_or(glass::default_method);
+    case InputKind::curves:
+      return glass::way_of_drawings;
+    case InputKind::bitmap:
+      return glass::way_of_bitmaps;
+    case InputKind::points:
+      break;
+  }
+  return glass::way_of_lists;
 }
 
 void require_points(const PointCloud& cloud, InputKind kind, const std::string& file) {
@@ -123,6 +139,24 @@ void finish(const PlacedModel& model, const Object& object, bool keeps_spacing, 
   compensate_depth(object, volume, made);
 }
 
+/// All that is engraved of a model, checked. Throws Error(bad_input).
+ObjectPoints points_of(PlacedModel& model, const Object& object, double spacing,
+                       const Volume& volume) {
+  ObjectPoints made;
+  made.kind = model.kind;
+  const std::string way = way_of(model.kind, object);
+  made.layer_mm = glass::uses(way, "layer") ? object.layer_mm.value_or(spacing) : spacing;
+  made.warnings = std::move(model.warnings);
+  for (std::string& warning : glass::unused(object, way))
+    made.warnings.push_back(std::move(warning));
+  const bool keeps_spacing = make_points(model, object, spacing, made);
+  require_points(made.points, made.kind, object.file);
+  if (made.kind != InputKind::points) finish(model, object, keeps_spacing, spacing, volume, made);
+  require_points(made.points, made.kind, object.file);
+  check_place(made.points, volume, object.file);
+  return made;
+}
+
 std::string result_text(const ObjectPoints& made) {
   const Bounds box = points::bounds(made.points);
   std::string what = fmt::format("{} in {}", made.points.size(), bounds_text(box));
@@ -142,31 +176,21 @@ ObjectPoints object_points(const Object& object, const glass::GlassChoice& glass
   console.restart_clock();
   const double spacing = spacing_mm(object, glass);
   PlacedModel model = placed_model(object, spacing, volume);
-  ObjectPoints made;
-  made.kind = model.kind;
-  made.layer_mm = object.layer_mm.value_or(spacing);
-  made.warnings = std::move(model.warnings);
   if (model.kind != InputKind::points)
     console.phase("model",
                   fmt::format("{}: {}, {}", object.file, model.what, size_text(model.box())));
-  const bool keeps_spacing = make_points(model, object, spacing, made);
-  require_points(made.points, made.kind, object.file);
-  if (made.kind != InputKind::points) finish(model, object, keeps_spacing, spacing, volume, made);
-  require_points(made.points, made.kind, object.file);
-  check_place(made.points, volume, object.file);
+  ObjectPoints made = points_of(model, object, spacing, volume);
   console.phase("points", result_text(made));
   return made;
 }
 
 Bounds object_bounds(const Object& object, const glass::GlassChoice& glass, const Volume& volume) {
-  const PlacedModel model = placed_model(object, spacing_mm(object, glass), volume);
+  const double spacing = spacing_mm(object, glass);
+  PlacedModel model = placed_model(object, spacing, volume);
+  if (model.kind != InputKind::mesh)
+    return points::bounds(points_of(model, object, spacing, volume).points);
   const Bounds box = model.box();
-  if (const auto* cloud = std::get_if<PointCloud>(&model.model)) {
-    require_points(*cloud, model.kind, object.file);
-    check_place(*cloud, volume, object.file);
-  } else {
-    check_place({box.low, box.high}, volume, object.file);
-  }
+  check_place({box.low, box.high}, volume, object.file);
   return box;
 }
 

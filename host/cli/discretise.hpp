@@ -42,8 +42,8 @@ double spacing_mm(const glass::Object& object, const glass::GlassChoice& glass);
 ObjectPoints object_points(const glass::Object& object, const glass::GlassChoice& glass,
                            const glass::Volume& volume, Console& console);
 
-/// The box round an object in its place, checked, without making all its points. Throws
-/// Error(bad_input).
+/// The box round the points of an object, checked. Of a mesh it is the box of the mesh, which no
+/// point leaves: its points would take their time. Throws Error(bad_input).
 points::Bounds object_bounds(const glass::Object& object, const glass::GlassChoice& glass,
                              const glass::Volume& volume);
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/glass/unused.hpp"
 #include "host/model/transform.hpp"
 #include "host/points/blue_noise.hpp"
 #include "host/points/fill_faces.hpp"
@@ -93,7 +94,7 @@ MeshPoints by_solid(const Mesh& mesh, const Object& object, double spacing_mm) {
 }  // namespace
 
 MeshPoints mesh_points(const Mesh& mesh, const Object& object, double spacing_mm) {
-  const std::string method = object.method.value_or("blue-noise");
+  const std::string method = object.method.value_or(glass::default_method);
   if (object.tone && method != "blue-noise")
     throw Error(Exit::bad_input, object.file, "only blue noise knows of a tone",
                 "leave tone out, or use --method blue-noise");

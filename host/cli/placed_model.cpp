@@ -161,8 +161,6 @@ PlacedModel placed_points(const Object& object, const Volume& volume) {
   PlacedModel result;
   PointCloud cloud = model::read_point_list(object.file);
   result.what = fmt::format("{} points", cloud.size());
-  if (object.size_mm)
-    result.warnings.emplace_back("point lists keep their size; --transform scales them");
   result.model = placed(std::move(cloud), {}, object, volume);
   return result;
 }

@@ -12,6 +12,7 @@
 #include "host/cli/discretise.hpp"
 #include "host/cli/ordering.hpp"
 #include "host/glass/lens.hpp"
+#include "host/glass/unused.hpp"
 #include "host/points/weld.hpp"
 #include "host/units.hpp"
 
@@ -125,6 +126,11 @@ void judge_margin(Cloud& cloud, const glass::Volume& volume) {
                                        volume.block->margin_mm, glass::default_margin_mm));
 }
 
+/// Lists stay in their order unless somebody wants another.
+std::string order_name(const Cloud& cloud, const glass::OrderChoice& choice) {
+  return choice.name.value_or(cloud.only_lists ? "given" : default_order);
+}
+
 }  // namespace
 
 Bounds work_space_mm(const settings::Values& values) {
@@ -146,6 +152,8 @@ Cloud make_cloud(const glass::Description& description, const glass::Volume& vol
   Cloud cloud = merger.finish();
   judge_spacing(cloud, description.glass, console);
   judge_margin(cloud, volume);
+  for (std::string& warning : glass::unused(description, order_name(cloud, description.order)))
+    cloud.warnings.push_back(std::move(warning));
   for (const std::string& warning : cloud.warnings) console.say("warning  {}", warning);
   return cloud;
 }
@@ -163,9 +171,8 @@ Bounds input_bounds(const glass::Description& description, const glass::Volume& 
 void order_cloud(Cloud& cloud, const glass::Description& description,
                  const settings::Values& values, const glass::Volume& volume, Console& console) {
   const glass::OrderChoice& choice = description.order;
-  const std::string name = choice.name.value_or(cloud.only_lists ? "given" : default_order);
   const auto layer_mm = cloud.only_lists ? std::nullopt : std::optional(cloud.layer_mm);
-  order_points(cloud.points, name,
+  order_points(cloud.points, order_name(cloud, choice),
                order_options(choice, layer_mm, motion_of(values, volume.refraction)), console);
 }
 

@@ -6,6 +6,7 @@
 #include "host/glass/lens.hpp"
 #include "host/glass/material.hpp"
 #include "host/glass/transformation.hpp"
+#include "host/glass/unused.hpp"
 #include "host/units.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/records.hpp"
@@ -14,6 +15,7 @@ namespace lamplock::glass {
 namespace {
 
 using settings::Id;
+using Names = std::vector<std::string>;
 
 constexpr double most_int = std::numeric_limits<int>::max();
 constexpr double most_flashes = std::numeric_limits<std::uint8_t>::max();  ///< of a target
@@ -40,6 +42,41 @@ std::string transformation_refusal(const std::string& words) {
   }
 }
 
+/// Ways that make layers.
+Names layered() { return {"slice", way_of_drawings, way_of_bitmaps}; }
+/// All methods of meshes.
+Names methods() { return {default_method, "slice", "faces", "rays", "solid"}; }
+/// All but lists, which stay as they are.
+Names shaped() {
+  Names names = methods();
+  names.insert(names.end(), {way_of_drawings, way_of_bitmaps});
+  return names;
+}
+/// Ways that put points on surfaces or curves.
+Names skins() {
+  Names names = shaped();
+  std::erase(names, "solid");
+  return names;
+}
+Names toned() { return {default_method, way_of_bitmaps}; }
+Names orders(const Names& names) {
+  Names ways;
+  ways.reserve(names.size());
+  for (const std::string& name : names) ways.push_back(way_of_order(name));
+  return ways;
+}
+
+/// A parameter that only these use.
+Parameter of(Names ways, Parameter parameter) {
+  parameter.used_by = std::move(ways);
+  return parameter;
+}
+/// A parameter that does nothing as long as nothing is said of another one.
+Parameter with(const char* key, Parameter parameter) {
+  parameter.needs = key;
+  return parameter;
+}
+
 void append(std::vector<Parameter>& list, std::vector<Parameter> more) {
   for (Parameter& parameter : more) list.push_back(std::move(parameter));
 }
@@ -55,16 +92,17 @@ std::vector<Parameter> model_parameters(Object& o) {
        {},
        nullptr,
        true},
-      {"size", "--size", &o.size_mm,
-       "Longest side of the object; without it meshes and drawings are in mm and bitmaps 50 mm",
-       "MM", positive},
-      {"up",
-       "--up",
-       &o.up,
-       "Meshes: axis of the file that points up (often y in OBJ)",
-       "",
-       {},
-       {"y", "z"}},
+      of(shaped(),
+         {"size", "--size", &o.size_mm,
+          "Longest side of the object; without it meshes and drawings are in mm and bitmaps 50 mm",
+          "MM", positive}),
+      of(methods(), {"up",
+                     "--up",
+                     &o.up,
+                     "Meshes: axis of the file that points up (often y in OBJ)",
+                     "",
+                     {},
+                     {"y", "z"}}),
       {"transform",
        "--transform",
        &o.transform,
@@ -80,108 +118,128 @@ std::vector<Parameter> model_parameters(Object& o) {
 
 std::vector<Parameter> method_parameters(Object& o) {
   return {
-      {"method",
-       "--method",
-       &o.method,
-       "Meshes: blue-noise (even at random, the default), slice (contours of layers), faces "
-       "(filled triangles), rays (parallel rays), solid (the inside)",
-       "",
-       {},
-       {"blue-noise", "slice", "faces", "rays", "solid"}},
-      {"spacing", "--spacing", &o.spacing_mm,
-       "Distance of neighbouring points; without it that of the lens, or 0.1", "MM", positive},
-      {"layer", "--layer", &o.layer_mm,
-       "Distance of layers: slices, drawings, bitmaps; without it the spacing", "MM", positive},
-      {"weld", "--weld", &o.weld_mm,
-       "Points closer than this become one; without it 0.9 x spacing where a method does not "
-       "itself keep the spacing",
-       "MM", not_negative},
-      {"seed",
-       "--point-seed",
-       &o.seed,
-       "Another seed, other points of what is random",
-       "N",
-       {0, most_int, true}},
+      of(methods(),
+         {"method",
+          "--method",
+          &o.method,
+          "Meshes: blue-noise (even at random, the default), slice (contours of layers), faces "
+          "(filled triangles), rays (parallel rays), solid (the inside)",
+          "",
+          {},
+          methods()}),
+      of(shaped(),
+         {"spacing", "--spacing", &o.spacing_mm,
+          "Distance of neighbouring points; without it that of the lens, or 0.1", "MM", positive}),
+      of(layered(),
+         {"layer", "--layer", &o.layer_mm,
+          "Distance of layers: slices, drawings, bitmaps; without it the spacing", "MM", positive}),
+      of(shaped(),
+         {"weld", "--weld", &o.weld_mm,
+          "Points closer than this become one; without it 0.9 x spacing where a method does not "
+          "itself keep the spacing",
+          "MM", not_negative}),
+      of(shaped(), {"seed",
+                    "--point-seed",
+                    &o.seed,
+                    "Another seed, other points of what is random",
+                    "N",
+                    {0, most_int, true}}),
   };
 }
 
 std::vector<Parameter> mesh_parameters(Object& o) {
   return {
-      {"axis", "--axis", &o.axis, "Slices: axis that the planes face", "", {}, {"x", "y", "z"}},
-      {"turn", "--turn", &o.turn_deg, "Slices: the planes turned about x, then y, then z",
-       "DEG,DEG,DEG"},
-      {"first", "--first", &o.first_mm, "Slices: first plane, from the lowest place on", "MM",
-       not_negative},
-      {"last", "--last", &o.last_mm, "Slices: no plane closer than this to the highest place", "MM",
-       not_negative},
-      {"twist", "--twist", &o.twist_mm, "Slices, drawings: each layer starts so much further along",
-       "MM"},
-      {"end_points", "--end-points", &o.end_points,
-       "Open contours and curves get a point at each end; by default curves do"},
-      {"direction", "--direction", &o.direction, "Rays: their direction", "", {}, {"x", "y", "z"}},
-      {"smallest", "--smallest", &o.smallest_mm,
-       "Faces: triangles without a side of this length are left out; 0: the spacing", "MM",
-       not_negative},
-      {"light_depth", "--light-depth", &o.light_depth_mm,
-       "Solid: each such thickness of points above thins a place to 1/e; 0: dense everywhere", "MM",
-       not_negative},
-      {"light_lowest",
-       "--light-lowest",
-       &o.light_lowest,
-       "Solid: density is never less, 0..1",
-       "SHARE",
-       {0, 1, false}},
+      of({"slice"},
+         {"axis", "--axis", &o.axis, "Slices: axis that the planes face", "", {}, {"x", "y", "z"}}),
+      of({"slice", "rays"},
+         {"turn", "--turn", &o.turn_deg,
+          "Slices, rays: the planes or rays turned about x, then y, then z", "DEG,DEG,DEG"}),
+      of({"slice"}, {"first", "--first", &o.first_mm,
+                     "Slices: first plane, from the lowest place on", "MM", not_negative}),
+      of({"slice"}, {"last", "--last", &o.last_mm,
+                     "Slices: no plane closer than this to the highest place", "MM", not_negative}),
+      of({"slice", way_of_drawings},
+         {"twist", "--twist", &o.twist_mm,
+          "Slices, drawings: each layer starts so much further along", "MM"}),
+      of({"slice", way_of_drawings},
+         {"end_points", "--end-points", &o.end_points,
+          "Open contours and curves get a point at each end; by default curves do"}),
+      of({"rays"}, {"direction",
+                    "--direction",
+                    &o.direction,
+                    "Rays: their direction",
+                    "",
+                    {},
+                    {"x", "y", "z"}}),
+      of({"faces"}, {"smallest", "--smallest", &o.smallest_mm,
+                     "Faces: triangles without a side of this length are left out; 0: the spacing",
+                     "MM", not_negative}),
+      of({"solid"},
+         {"light_depth", "--light-depth", &o.light_depth_mm,
+          "Solid: each such thickness of points above thins a place to 1/e; 0: dense everywhere",
+          "MM", not_negative}),
+      with("light_depth", of({"solid"}, {"light_lowest",
+                                         "--light-lowest",
+                                         &o.light_lowest,
+                                         "Solid: density is never less, 0..1",
+                                         "SHARE",
+                                         {0, 1, false}})),
   };
 }
 
 std::vector<Parameter> picture_parameters(Object& o) {
   return {
-      {"threshold",
-       "--threshold",
-       &o.threshold,
-       "Bitmaps: grey values below this are points, 0..255",
-       "GREY",
-       {0, lightest_grey, true}},
-      {"invert", "--invert", &o.invert,
-       "Light instead of dark becomes points; meshes: the reverse"},
-      {"layers",
-       "--layers",
-       &o.layers,
-       "Bitmaps, drawings: number of layers",
-       "N",
-       {1, most_layers, true}},
-      {"plane",
-       "--plane",
-       &o.plane,
-       "Bitmaps: plane that the picture stands in",
-       "",
-       {},
-       {"xy", "xz", "yz"}},
-      {"tone", "--tone", &o.tone,
-       "Density by grey value of a bitmap, or by colour or texture of a mesh (blue noise)"},
-      {"gamma", "--gamma", &o.gamma, "Tone: density is brightness to this power", "N", positive},
-      {"tone_lowest", "--tone-lowest", &o.tone_lowest, "Tone: density of the darkest, 0..1",
-       "SHARE", share},
-      {"tone_highest", "--tone-highest", &o.tone_highest, "Tone: density of the brightest, 0..1",
-       "SHARE", share},
+      of({way_of_bitmaps}, {"threshold",
+                            "--threshold",
+                            &o.threshold,
+                            "Bitmaps: grey values below this are points, 0..255",
+                            "GREY",
+                            {0, lightest_grey, true}}),
+      of(toned(), {"invert", "--invert", &o.invert,
+                   "Light instead of dark becomes points; meshes: the reverse"}),
+      of({way_of_drawings, way_of_bitmaps}, {"layers",
+                                             "--layers",
+                                             &o.layers,
+                                             "Bitmaps, drawings: number of layers",
+                                             "N",
+                                             {1, most_layers, true}}),
+      of({way_of_bitmaps}, {"plane",
+                            "--plane",
+                            &o.plane,
+                            "Bitmaps: plane that the picture stands in",
+                            "",
+                            {},
+                            {"xy", "xz", "yz"}}),
+      of(toned(),
+         {"tone", "--tone", &o.tone,
+          "Density by grey value of a bitmap, or by colour or texture of a mesh (blue noise)"}),
+      with("tone", of(toned(), {"gamma", "--gamma", &o.gamma,
+                                "Tone: density is brightness to this power", "N", positive})),
+      with("tone", of(toned(), {"tone_lowest", "--tone-lowest", &o.tone_lowest,
+                                "Tone: density of the darkest, 0..1", "SHARE", share})),
+      with("tone", of(toned(), {"tone_highest", "--tone-highest", &o.tone_highest,
+                                "Tone: density of the brightest, 0..1", "SHARE", share})),
   };
 }
 
 std::vector<Parameter> depth_parameters(Object& o) {
   return {
-      {"shells",
-       "--shells",
-       &o.shells,
-       "Neighbours are spread over so many shells, one inside the other, against cracks; 1: none",
-       "N",
-       {1, most_shells, true}},
-      {"shell", "--shell", &o.shell_mm, "Distance of shells; without it the spacing", "MM",
-       positive},
-      {"face_density", "--face-density", &o.face_density,
-       "Share of points kept next to the entry face, because deep ones look weaker, 0..1", "SHARE",
-       share},
-      {"depth_density", "--depth-density", &o.depth_density,
-       "Share of points kept at the bottom of the block, 0..1", "SHARE", share},
+      of(skins(),
+         {"shells",
+          "--shells",
+          &o.shells,
+          "Neighbours are spread over so many shells, one inside the other, against cracks; "
+          "1: none",
+          "N",
+          {1, most_shells, true}}),
+      with("shells", of(skins(), {"shell", "--shell", &o.shell_mm,
+                                  "Distance of shells; without it the spacing", "MM", positive})),
+      of(shaped(),
+         {"face_density", "--face-density", &o.face_density,
+          "Share of points kept next to the entry face, because deep ones look weaker, 0..1",
+          "SHARE", share}),
+      of(shaped(), {"depth_density", "--depth-density", &o.depth_density,
+                    "Share of points kept at the bottom of the block, 0..1", "SHARE", share}),
   };
 }
 
@@ -239,10 +297,10 @@ std::vector<Parameter> parameters(GlassChoice& g) {
       {"block", "--block", &g.block_mm,
        "Size of the block; objects must lie inside it. Without it there is the work space alone",
        "MM,MM,MM", positive},
-      {"at", "--block-at", &g.block_at_mm, "Middle of the block; without it that of the work space",
-       "MM,MM,MM"},
-      {"margin", "--margin", &g.margin_mm, "Stays free inside the faces of the block, 3 to 5 mm",
-       "MM", not_negative},
+      with("block", {"at", "--block-at", &g.block_at_mm,
+                     "Middle of the block; without it that of the work space", "MM,MM,MM"}),
+      with("block", {"margin", "--margin", &g.margin_mm,
+                     "Stays free inside the faces of the block, 3 to 5 mm", "MM", not_negative}),
       {"lens",
        "--lens",
        &g.lens,
@@ -274,17 +332,20 @@ std::vector<Parameter> parameters(OrderChoice& o) {
        "",
        {},
        {"best", "layers", "serpentine", "nearest", "cone", "given"}},
-      {"half_angle",
-       "--half-angle",
-       &o.half_angle_deg,
-       "Half angle of the shadow under a point, in which none is fired later; 0: no shadow",
-       "DEG",
-       {0, steepest_deg, true}},
-      {"cone_up", "--cone-up", &o.cone_up, "Cone rule: cost of going up, a way sideways of so much",
-       "MM_MM"},
-      {"cone_down", "--cone-down", &o.cone_down, "Cone rule: gain of going down", "MM_MM"},
-      {"layer", "--order-layer", &o.layer_mm,
-       "Thickness of a layer of the order; without it that of the points", "MM", positive},
+      of(orders({"best", "layers", "serpentine", "nearest", "cone"}),
+         {"half_angle",
+          "--half-angle",
+          &o.half_angle_deg,
+          "Half angle of the shadow under a point, in which none is fired later; 0: no shadow",
+          "DEG",
+          {0, steepest_deg, true}}),
+      of(orders({"cone"}), {"cone_up", "--cone-up", &o.cone_up,
+                            "Cone rule: cost of going up, a way sideways of so much", "MM_MM"}),
+      of(orders({"cone"}),
+         {"cone_down", "--cone-down", &o.cone_down, "Cone rule: gain of going down", "MM_MM"}),
+      of(orders({"layers", "serpentine", "nearest"}),
+         {"layer", "--order-layer", &o.layer_mm,
+          "Thickness of a layer of the order; without it that of the points", "MM", positive}),
   };
 }
 
@@ -296,7 +357,12 @@ std::vector<Parameter> parameters(PauseChoice& p) {
        "A pause against heat after so many points; 0: none",
        "N",
        {0, most_int, true}},
-      {"beats", "--pause-beats", &p.beats, "Length of a pause", "BEATS", {1, most_beats, true}},
+      with("every", {"beats",
+                     "--pause-beats",
+                     &p.beats,
+                     "Length of a pause",
+                     "BEATS",
+                     {1, most_beats, true}}),
   };
 }
 

@@ -23,4 +23,11 @@ std::string refusal(const Parameter& parameter, const std::string& text) {
   return fmt::format("'{}' is not one of {}", text, fmt::join(names, ", "));
 }
 
+bool same_value(const Parameter& parameter, const Parameter& other) {
+  const auto same = [&other](auto* place) {
+    return *place == *std::get<decltype(place)>(other.place);
+  };
+  return std::visit(same, parameter.place);
+}
+
 }  // namespace lamplock::glass

@@ -51,9 +51,15 @@ struct Parameter {
   std::vector<std::string> names{};  ///< of texts: those that are allowed; none: any
   TextCheck check = nullptr;         ///< of texts
   bool is_file = false;              ///< a path, from the folder of the description
+  /// What it is for: ways from a file to points, or orders, by name; none: for all.
+  std::vector<std::string> used_by{};
+  std::string needs{};  ///< key of the one in its section without which it does nothing
 };
 
 /// Empty, or what is wrong with a text for this parameter.
 std::string refusal(const Parameter& parameter, const std::string& text);
+
+/// True if one parameter of two sections of a kind has the same value in both.
+bool same_value(const Parameter& parameter, const Parameter& other);
 
 }  // namespace lamplock::glass

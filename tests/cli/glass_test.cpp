@@ -363,6 +363,32 @@ TEST(Warnings, OfMeshesWithHoles) {
                  {"open"});
 }
 
+TEST(Warnings, OfOptionsThatTheMethodDoesNotKnow) {
+  const Folder folder;
+  const std::string mesh = folder.write("m.stl", octahedron_stl());
+  const std::string list = folder.write("p.xyz", "0 0 0\n1 0 0\n");
+  const auto warnings = [&](const std::vector<std::string>& options) {
+    const Json made = run_json(joined({"points", "-o", folder / "o.xyz"}, options));
+    EXPECT_EQ(made["warnings"].size(), 1u) << made["warnings"];
+    return made["warnings"].dump();
+  };
+  EXPECT_THAT(warnings({mesh, "--turn", "10,0,0"}),
+              AllOf(HasSubstr("--turn does nothing with blue-noise"), HasSubstr("slice, rays")));
+  EXPECT_THAT(warnings({mesh, "--light-depth", "2", "--method", "slice"}),
+              AllOf(HasSubstr("--light-depth"), HasSubstr("solid")));
+  EXPECT_THAT(warnings({mesh, "--layer", "0.5"}), HasSubstr("slice, drawings, bitmaps"));
+  EXPECT_THAT(warnings({mesh, "--gamma", "2"}), HasSubstr("--gamma does nothing without --tone"));
+  EXPECT_THAT(warnings({list, "--size", "5"}), HasSubstr("--size does nothing with point lists"));
+  EXPECT_THAT(warnings({list, "--margin", "5"}), HasSubstr("without --block"));
+  const std::string toml = folder.write("t.toml",
+                                        "[[object]]\nfile = \"m.stl\"\nthreshold = 90\n[order]\n"
+                                        "by = \"layers\"\nlayer = 0.2\n");
+  EXPECT_THAT(warnings({toml}), HasSubstr("m.stl: --threshold does nothing with blue-noise"));
+  const Finished ordered = run({"order", list, "--layer", "0.2", "-o", folder / "q.xyz"});
+  EXPECT_EQ(ordered.status, 0);
+  EXPECT_THAT(ordered.out, HasSubstr("--layer does nothing with order best"));
+}
+
 TEST(Warnings, StayOutOfGoodWork) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
