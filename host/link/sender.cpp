@@ -22,6 +22,10 @@ using std::chrono::microseconds;
 constexpr std::size_t most_points_per_frame = 64;
 /// Bytes handed to the transport ahead: more would only delay a hold.
 constexpr std::size_t most_backlog = 2 * wire::max_frame;
+/// Payload on its way and not acknowledged. A port keeps 4 KB between two looks of a machine that
+/// plans meanwhile, and drops what is more (firmware/boards/rp2040/usb/usb_serial.hpp); headers,
+/// escapes and questions take the rest.
+constexpr std::size_t most_on_the_way = 3072;
 constexpr microseconds reconnect_interval{200'000};
 /// How long the machine may take to come to rest after the last shot or a stop.
 constexpr microseconds rest_timeout{10'000'000};
@@ -422,6 +426,9 @@ void JobSender::stream() {
 
 /// The machine can take it, with all that it has not acknowledged before it.
 bool JobSender::has_room(const Frame& frame) const {
+  std::size_t on_the_way = frame.payload.size();
+  for (std::size_t i = 0; i < cursor_; ++i) on_the_way += frames_[i].payload.size();
+  if (on_the_way > most_on_the_way) return false;
   if (frame.end_index > std::size_t{status_.received} + status_.free_points) return false;
   return frame.end_places <= places_ + status_.free_runs || !job_.is_rows();
 }

@@ -87,6 +87,49 @@ TEST(Sender, KeepsTheQueueFull) {
   EXPECT_LT(result.elapsed, 2200ms);
 }
 
+/// A machine that looks at its port now and then only, because it plans meanwhile. Its port keeps
+/// 4 KB, as that of the board does, and drops what is more.
+class BusyMachine final : public FaultyTransport {
+ public:
+  using FaultyTransport::FaultyTransport;
+  std::size_t dropped = 0, most = 0;
+
+ private:
+  void machine_receive(std::span<const std::uint8_t> bytes) override {
+    constexpr std::size_t capacity = 4096;
+    const std::size_t taken = std::min(bytes.size(), capacity - kept_.size());
+    kept_.insert(kept_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(taken));
+    dropped += bytes.size() - taken;
+    most = std::max(most, kept_.size());
+  }
+  void machine_run() override {
+    if (now() >= looks_at_) {
+      looks_at_ = now() + 60ms;
+      link.receive(kept_, machine);
+      kept_.clear();
+    }
+    if (now().count() % 1000 == 0) machine.fire(points_per_ms);
+    link.poll(machine);
+  }
+
+  std::vector<std::uint8_t> kept_;
+  std::chrono::microseconds looks_at_{0};
+};
+
+TEST(Sender, SendsNoMoreThanABusyMachineKeeps) {
+  for (int seed = 0; seed < test::scaled(5); ++seed) {
+    BusyMachine board({}, static_cast<std::uint64_t>(seed));
+    const job::Job job = random_job(3000, static_cast<std::uint64_t>(seed));
+    const JobResult result = JobSender(board, job, fixed_session()).run();
+    EXPECT_EQ(result.end, JobEnd::done);
+    EXPECT_EQ(board.dropped, 0u);
+    EXPECT_GT(board.most, 2000u) << "more could have been on its way";
+    EXPECT_EQ(result.resent, 0u);
+    EXPECT_EQ(result.status.link, wire::LinkCounters{});
+    expect_each_once(board, job);
+  }
+}
+
 struct Named {
   const char* name;
   Faults faults;
