@@ -29,9 +29,9 @@ PerAxis<double> steps_per_mm(const settings::Values& values) {
 }
 
 void write_shots(const std::filesystem::path& file, const sim::Board& board,
-                 const settings::Values& values, const glass::Refraction& refraction) {
+                 const settings::Values& values) {
   write_whole(file, [&](const std::filesystem::path& path) {
-    report::write_shots_csv(board.world().laser().shots(), steps_per_mm(values), path, refraction);
+    report::write_shots_csv(board.world().laser().shots(), steps_per_mm(values), path);
   });
 }
 

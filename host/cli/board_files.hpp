@@ -7,7 +7,6 @@
 #include <fstream>
 
 #include "host/cli/staged_file.hpp"
-#include "host/glass/refraction.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 #include "sim/board.hpp"
@@ -34,9 +33,9 @@ class PinTrace {
 /// Resolution of every axis, steps/mm.
 PerAxis<double> steps_per_mm(const settings::Values& values);
 
-/// Writes the shots of a board with these settings, where they lie in the glass. Throws
+/// Writes the shots of a board with these settings, whatever they were fired for. Throws
 /// Error(bad_input).
 void write_shots(const std::filesystem::path& file, const sim::Board& board,
-                 const settings::Values& values, const glass::Refraction& refraction = {});
+                 const settings::Values& values);
 
 }  // namespace lamplock::cli

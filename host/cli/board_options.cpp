@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <stdexcept>
 
@@ -14,6 +13,7 @@
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
 #include "host/link/sender.hpp"
+#include "host/report/statistics.hpp"
 #include "host/units.hpp"
 #include "sim/world/drive_settings.hpp"
 #include "sim/world/lamp_settings.hpp"
@@ -28,27 +28,6 @@ constexpr unsigned most_shots = 255;  ///< at one point, of the pulse stream
 constexpr const char* board_group = "Board";
 constexpr const char* lamp_group = "Lamp of a simulated board";
 constexpr const char* drives_group = "Drives of a simulated board";
-
-/// An option and the file that it writes.
-struct Output {
-  const char* option;
-  const std::string& file;
-};
-
-/// Of two in one file the later one would be all that is left.
-void check_distinct(const std::vector<Output>& outputs) {
-  const auto place = [](const std::string& file) {
-    return std::filesystem::absolute(file).lexically_normal();
-  };
-  for (std::size_t i = 0; i < outputs.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k)
-      if (!outputs[i].file.empty() && !outputs[k].file.empty() && !is_special(outputs[i].file) &&
-          place(outputs[i].file) == place(outputs[k].file))
-        throw Error(
-            Exit::bad_input, outputs[i].file,
-            fmt::format("is to be written by {} and {}", outputs[k].option, outputs[i].option),
-            "give each a file of its own");
-}
 
 }  // namespace
 
@@ -153,7 +132,7 @@ void BoardOptions::add_job_speed(CLI::App& app) {
       ->group(board_group);
 }
 
-void BoardOptions::add_job(CLI::App& app) {
+void BoardOptions::add_part(CLI::App& app) {
   app.add_option("--from", from,
                  "Go on at this point or line: the first one not fired, pauses counted with the "
                  "points")
@@ -164,6 +143,10 @@ void BoardOptions::add_job(CLI::App& app) {
       ->check(CLI::Range(0u, most_shots))
       ->type_name("N")
       ->group(board_group);
+}
+
+void BoardOptions::add_job(CLI::App& app) {
+  add_part(app);
   add_job_speed(app);
   app.add_flag("--dry", dry, "Move, never fire")->group(board_group);
   app.add_option("--hold-at", hold_at,
@@ -198,16 +181,28 @@ void BoardOptions::add_job(CLI::App& app) {
   drives.add(app);
 }
 
-void BoardOptions::check() const {
-  check_distinct({{"--vcd", vcd},
-                  {"--shots", shots},
-                  {"--timing", timing},
-                  {"--plot", plot.file},
-                  {"--statistics", statistics}});
+std::vector<Output> BoardOptions::outputs() const {
+  std::vector<Output> all{{"--vcd", vcd},
+                          {"--shots", shots},
+                          {"--timing", timing},
+                          {"--plot", plot.file},
+                          {"--statistics", statistics}};
+  for (const std::filesystem::path& file : files_of_report(report))
+    all.push_back({"--report", file.string()});
+  return all;
+}
+
+void BoardOptions::check(const std::string& input, const std::string& save) const {
+  std::vector<Output> all = outputs();
+  all.push_back({"--save", save});
+  check_distinct(all, input);
   if (!vcd.empty()) check_target(vcd);
   if (!shots.empty()) check_target(shots);
   if (!report.empty()) check_report_folder(report);
-  if (!statistics.empty()) check_target(statistics);
+  if (!statistics.empty()) {
+    check_target(statistics);
+    report::check_statistics(statistics);
+  }
   if (!timing.empty()) {
     if (board != chip_board)
       throw Error(Exit::bad_input, "--timing", "only the chip has cycles to count",

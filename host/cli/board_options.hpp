@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/cli/motion_plot_file.hpp"
+#include "host/cli/outputs.hpp"
 #include "shared/settings_table.hpp"
 #include "sim/chip/usb_host/usb_function.hpp"
 #include "sim/world/drives.hpp"
@@ -53,15 +54,21 @@ struct BoardOptions {
 
   void add_choice(CLI::App& app);     ///< --board, --image, --usb
   void add_board(CLI::App& app);      ///< these, --yes, --json
+  void add_part(CLI::App& app);       ///< --from, --fired
   void add_job_speed(CLI::App& app);  ///< --job-speed
-  /// --from, --fired, --job-speed, --dry, --hold-at, --report, --statistics, --vcd, --shots,
+  /// These, --job-speed, --dry, --hold-at, --report, --statistics, --vcd, --shots,
   /// --timing, --plot and what is simulated
   void add_job(CLI::App& app);
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// What a simulated chip is talked to over.
   sim::chip::UsbFunction usb_function() const;
-  /// Refuses what the board cannot do, before any work is done. Throws Error(bad_input).
-  void check() const;
+  /// Refuses what the board cannot do, and files that would be written over each other or over
+  /// `input`, before any work is done; `save`: where else something is written. Throws
+  /// Error(bad_input).
+  void check(const std::string& input = "", const std::string& save = "") const;
+
+ private:
+  std::vector<Output> outputs() const;
 };
 
 }  // namespace lamplock::cli

@@ -6,6 +6,7 @@
 
 #include "host/cli/boards.hpp"
 #include "host/cli/endpoints.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/simulator_error.hpp"
 #include "host/error.hpp"
 #include "sim/chip/script/parser.hpp"
@@ -55,6 +56,7 @@ ChipRun::ChipRun(const ChipRunOptions& options)
       pads_(chip_) {
   if (!options.script.empty())
     runner_ = std::make_unique<chip::script::Runner>(chip_, ports_, read_script(options.script));
+  check_distinct({{"--vcd", options.vcd}, {"--profile", options.profile}}, options.image);
   for (const std::string& file : {options.vcd, options.profile})
     if (!file.empty()) check_target(file);
   if (!options.vcd.empty()) trace_.emplace(options.vcd, chip_);

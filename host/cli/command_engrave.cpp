@@ -17,7 +17,7 @@ struct Options {
 
 Exit engrave(const Options& options) {
   Console console(options.board.json);
-  options.board.check();
+  options.board.check(options.engraving.input, options.engraving.save_file());
   options.engraving.check_save();
   auto port = open_port(options.board);
   Work work =

@@ -6,11 +6,12 @@
 #include <memory>
 #include <utility>
 
-#include "host/cli/board_files.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/job_points.hpp"
-#include "host/cli/mode_name.hpp"
+#include "host/cli/job_run.hpp"
+#include "host/cli/origin.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/staged_file.hpp"
 #include "host/cli/validators.hpp"
@@ -30,8 +31,8 @@ using Clock = std::chrono::system_clock;
 
 struct Options {
   EngravingOptions engraving;
-  std::size_t from = 0;
-  std::uint32_t job_speed = link::full_job_speed;
+  BoardOptions job{};  ///< of these: which part of the job, and its speed
+  OriginOption origin{};
   std::string page{};
   bool json = false;
 };
@@ -39,7 +40,11 @@ struct Options {
 /// A job as `send` would take it, or made as `engrave` would make it.
 Work read_work(const Options& options, Console& console) {
   const std::string& input = options.engraving.input;
-  if (lower_extension(input) != ".llj") return make_work(options.engraving, false, console);
+  if (lower_extension(input) != ".llj")
+    return make_work(options.engraving, false, console, options.origin.ask(nullptr));
+  const std::string why = "is for making a job, this one is made", remedy = "leave it out";
+  options.engraving.refuse_options(why, remedy);
+  if (options.origin.name != "machine") throw Error(Exit::bad_input, "--origin", why, remedy);
   Work work{input, {}, job::read_job_file(input)};
   if (!work.job.is_rows()) work.points = points_of(work.job);
   return work;
@@ -48,23 +53,10 @@ Work read_work(const Options& options, Console& console) {
 /// The estimate in the form of a run, as far as one can be foreseen. Of ten million points there is
 /// no room for two copies, nor for the job beside them.
 report::JobRun run_of(Work work, const Options& options, estimate::Estimate told) {
-  report::JobRun run;
-  run.input = std::move(work.input);
-  run.mode = mode_name(work.job.header.mode);
-  run.board = "estimate";
-  run.first_point = work.job.points_before(options.from);
-  run.points = std::move(work.points);
-  run.points.erase(run.points.begin(),
-                   run.points.begin() + static_cast<std::ptrdiff_t>(run.first_point));
-  for (std::size_t i = options.from; i < work.job.targets.size(); ++i)
-    if (!work.job.is_pause(i)) run.shots_ordered.push_back(work.job.targets[i].shots);
-  run.shots_known = false;
+  report::JobRun run = begin_run(std::move(work), "estimate", options.job.from);
   run.shots_fired = told.shots;
+  run.points_fired = run.points.size();
   run.foreseen_beats = std::move(told.beat_of_shot);
-  run.settings = work.job.settings;
-  run.steps_per_mm = steps_per_mm(run.settings);
-  run.refraction = work.job.refraction;
-  run.warnings = std::move(work.warnings);
   run.beats = told.beats;
   run.beats_before = told.beats_before;
   run.time_s = told.time_s;
@@ -74,10 +66,11 @@ report::JobRun run_of(Work work, const Options& options, estimate::Estimate told
 }
 
 estimate::Estimate estimate_work(const Work& work, const Options& options) {
-  Progress progress("estimating", work.job.size(), options.from);
+  Progress progress("estimating", work.job.size(), options.job.from);
   estimate::EstimateOptions wanted;
-  wanted.first = options.from;
-  wanted.job_speed = options.job_speed;
+  wanted.first = options.job.from;
+  wanted.fired = options.job.fired;
+  wanted.job_speed = options.job.job_speed;
   wanted.progress = [&progress](std::size_t done) { progress.update(done); };
   return estimate::estimate_job(work.job, wanted);
 }
@@ -92,9 +85,11 @@ void write_page_file(const report::Report& report, const report::JobRun& run,
 
 Exit estimate(const Options& options) {
   Console console(options.json);
+  check_distinct({{"--page", options.page}}, options.engraving.input);
   if (!options.page.empty()) check_target(options.page);
   Work work = read_work(options, console);
   work.job.header.dry = false;
+  take_off_fired(work, options.job);
   estimate::Estimate told = estimate_work(work, options);
   const double seconds = told.time_before_s + told.time_s;
   const auto ends =
@@ -128,13 +123,9 @@ void add_estimate(CLI::App& program, Action& action) {
       "  lamplock estimate model.llj --from 5120 --job-speed 80");
   const auto options = std::make_shared<Options>();
   options->engraving.add(*app, true);
-  app->add_option("--from", options->from, "Begin at this point of the job")
-      ->check(number_from(0, true))
-      ->type_name("N");
-  app->add_option("--job-speed", options->job_speed, "Speed of the job")
-      ->check(CLI::Range(1u, link::highest_job_speed))
-      ->type_name("PERCENT")
-      ->capture_default_str();
+  options->job.add_part(*app);
+  options->job.add_job_speed(*app);
+  options->origin.add(*app);
   app->add_option("--page", options->page, "Page (HTML) that shows the job")
       ->check(file_name())
       ->type_name("FILE");

@@ -51,7 +51,7 @@ points::PointCloud corners(const points::Bounds& box) {
 Exit frame(Options options) {
   options.board.dry = true;
   Console console(options.board.json);
-  options.board.check();
+  options.board.check(options.engraving.input);
   auto port = open_port(options.board);
   const glass::Description description = options.engraving.description();
   const job::Profile profile = frame_profile(options, description);
@@ -71,7 +71,7 @@ Exit frame(Options options) {
                     {"bounds", bounds_json(box)},
                     {"board", options.board.board},
                     {"done", outcome.result.end == link::JobEnd::done}});
-  return tell_end(outcome.result, options.board, work.job.item());
+  return tell_end(outcome, options.board, work.job.item());
 }
 
 }  // namespace

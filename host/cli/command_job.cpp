@@ -4,6 +4,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/job_points.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/prepare.hpp"
 #include "host/cli/staged_file.hpp"
 #include "host/job/job_file.hpp"
@@ -44,6 +45,18 @@ void describe(const job::Job& job, const std::string& file, Console& console) {
                     {"settings", overrides}});
 }
 
+/// What is shown is made already.
+void check_show(const Options& options) {
+  const std::string why = "is for making a job, not for showing one", remedy = "leave it out";
+  options.engraving.refuse_options(why, remedy);
+  const auto refuse_if = [&](bool given, const char* option) {
+    if (given) throw Error(Exit::bad_input, option, why, remedy);
+  };
+  refuse_if(!options.output.empty(), "-o");
+  refuse_if(!options.engraving.save_file().empty(), "--save");
+  refuse_if(options.dry, "--dry");
+}
+
 Exit make_or_show(const Options& options) {
   Console console(options.json);
   const bool show = !options.show.empty();
@@ -51,6 +64,7 @@ Exit make_or_show(const Options& options) {
     throw Error(Exit::bad_input, "lamplock job", "needs INPUT or --show FILE, one of them",
                 "see lamplock job --help");
   if (show) {
+    check_show(options);
     describe(job::read_job_file(options.show), options.show, console);
     return Exit::done;
   }
@@ -58,6 +72,8 @@ Exit make_or_show(const Options& options) {
     throw Error(Exit::bad_input, "lamplock job", "where to write is missing", "give -o FILE.llj");
   check_target(options.output);
   options.engraving.check_save();
+  check_distinct({{"-o", options.output}, {"--save", options.engraving.save_file()}},
+                 options.engraving.input);
   const Work work = make_work(options.engraving, options.dry, console);
   write_whole(options.output, [&work](const auto& path) { job::write_job_file(path, work.job); });
   console.phase("written", options.output);

@@ -4,6 +4,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/engraving.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/point_file.hpp"
 #include "host/cli/prepare.hpp"
 
@@ -20,6 +21,7 @@ Exit make_points(const Options& options) {
   Console console(options.json);
   check_point_file(options.output);
   options.engraving.check_save();
+  check_distinct({{"-o", options.output}, {"--save", options.engraving.save_file()}});
   const glass::Description description = options.engraving.description();
   const job::Profile profile = profile_of(description.machine);
   const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));

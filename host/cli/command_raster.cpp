@@ -7,6 +7,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/job_points.hpp"
 #include "host/cli/options.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/prepare.hpp"
 #include "host/cli/run_rows.hpp"
 #include "host/cli/staged_file.hpp"
@@ -75,8 +76,7 @@ void check_outputs(const Options& options) {
   if (options.output.empty() && options.gcode.empty())
     throw Error(Exit::bad_input, "lamplock raster", "where to write is missing",
                 "give -o FILE.llj or --gcode FILE.ngc");
-  if (options.output == options.gcode)
-    throw Error(Exit::bad_input, "--gcode", "is the same file as -o", "give them two names");
+  check_distinct({{"-o", options.output}, {"--gcode", options.gcode}}, options.input);
   for (const std::string& file : {options.output, options.gcode})
     if (!file.empty()) check_target(file);
 }

@@ -29,7 +29,7 @@ Exit send_file(const Options& options) {
   if (is_program(options.file)) return send_program(options.file, options.board, options.program);
   check_job_options(options.program);
   Console console(options.board.json);
-  options.board.check();
+  options.board.check(options.file);
   auto port = open_port(options.board);
   Work work{options.file, {}, job::read_job_file(options.file), {}};
   work.job.header.dry = work.job.header.dry || options.board.dry;

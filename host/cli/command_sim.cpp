@@ -15,6 +15,7 @@
 #include "host/cli/endpoints.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/staged_file.hpp"
 #include "sim/world/limit_settings.hpp"
 
@@ -103,6 +104,7 @@ void run_at_wall_pace(sim::Board& board, Ports& ports, const Options& options, C
 Exit simulate(const Options& options) {
   Console console(options.json);
   check_image(options.board, options.image);
+  check_distinct({{"--vcd", options.vcd}, {"--shots", options.shots}});
   for (const std::string& file : {options.vcd, options.shots})
     if (!file.empty()) check_target(file);
   const settings::Values values = options.machine.profile().settings;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "host/cli/outputs.hpp"
 #include "host/cli/parameter_options.hpp"
 #include "host/cli/prepare.hpp"
 #include "host/cli/staged_file.hpp"
@@ -75,19 +76,20 @@ glass::Description EngravingOptions::description() const {
     description.objects.front().file = input;
     return description;
   }
-  for (const CLI::Option* option : options_)
-    if (option->count() > 0)
-      throw Error(Exit::bad_input, option->get_name(), "has its place in the description",
-                  "leave it out and change " + input);
+  refuse_options("has its place in the description", "leave it out and change " + input);
   return glass::read_description(input);
+}
+
+void EngravingOptions::refuse_options(const std::string& why, const std::string& remedy) const {
+  for (const CLI::Option* option : options_)
+    if (option->count() > 0) throw Error(Exit::bad_input, option->get_name(), why, remedy);
 }
 
 void EngravingOptions::check_save() const {
   if (save_.empty()) return;
   if (!glass::is_description(save_))
     throw Error(Exit::bad_input, save_, "is no name of a description", "name it .toml");
-  if (std::error_code none; std::filesystem::equivalent(save_, input, none))
-    throw Error(Exit::bad_input, save_, "is what is read", "save it under another name");
+  check_distinct({{"--save", save_}}, input);
   check_target(save_);
 }
 

@@ -33,6 +33,12 @@ class EngravingOptions {
   /// Error(bad_input), also if both say something.
   glass::Description description() const;
 
+  /// Refuses every option that decides what is engraved, where something else has decided it: the
+  /// first one given is at fault. Throws Error(bad_input).
+  void refuse_options(const std::string& why, const std::string& remedy) const;
+
+  /// File of --save; empty: none.
+  const std::string& save_file() const { return save_; }
   /// Refuses --save where nothing can be written, before any work is done. Throws Error(bad_input).
   void check_save() const;
   /// With --save: writes the description.

@@ -60,6 +60,8 @@ report::Report parse(const std::string& text) {
   json.at("lamp_hz").get_to(report.lamp_hz);
   json.at("points").get_to(report.points);
   json.at("shots").get_to(report.shots);
+  // Reports of older programs have it not; there "points" may be more than were fired.
+  report.points_fired = json.value("points_fired", report.points);
   json.at("beats").get_to(report.beats);
   json.at("beats_before").get_to(report.beats_before);
   json.at("beats_per_point").get_to(report.beats_per_point);
@@ -85,6 +87,14 @@ report::Report parse(const std::string& text) {
 }
 
 }  // namespace
+
+std::vector<fs::path> files_of_report(const fs::path& folder) {
+  std::vector<fs::path> files;
+  if (folder.empty()) return files;
+  files.reserve(report_files.size());
+  for (const char* name : report_files) files.push_back(folder / name);
+  return files;
+}
 
 void check_report_folder(const fs::path& folder) {
   // The nearest folder that is there decides about those that will be made in it.

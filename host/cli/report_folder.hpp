@@ -4,10 +4,14 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "host/report/report.hpp"
 
 namespace lamplock::cli {
+
+/// The files of a report in a folder; none of no folder ("").
+std::vector<std::filesystem::path> files_of_report(const std::filesystem::path& folder);
 
 /// Throws Error(bad_input) if no report can be written there, before there is one.
 void check_report_folder(const std::filesystem::path& folder);

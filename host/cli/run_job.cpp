@@ -13,14 +13,12 @@
 #include "host/cli/board_port.hpp"
 #include "host/cli/boards.hpp"
 #include "host/cli/foresight.hpp"
+#include "host/cli/job_run.hpp"
 #include "host/cli/motion_plot_file.hpp"
 #include "host/cli/progress.hpp"
-#include "host/cli/report_folder.hpp"
 #include "host/cli/steering.hpp"
 #include "host/file.hpp"
 #include "host/link/simulated_transport.hpp"
-#include "host/report/statistics.hpp"
-#include "host/report/summary.hpp"
 #include "host/units.hpp"
 #include "shared/beat_reason.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
@@ -28,7 +26,6 @@
 namespace lamplock::cli {
 namespace {
 
-using link::JobEnd;
 using settings::Id;
 
 double lamp_hz(const settings::Values& values) { return in_units(values, Id::lamp_frequency); }
@@ -100,21 +97,33 @@ class HoldOnce {
   std::chrono::microseconds until_{0};
 };
 
-link::JobResult send(link::Transport& transport, const Work& work, const BoardOptions& options,
-                     Clocking clocking, const Foresight& foresight) {
+link::SenderOptions sender_options(const BoardOptions& options, Clocking clocking) {
   link::SenderOptions sending;
   sending.first_index = options.from;
   sending.first_fired = options.fired;
   sending.job_speed = options.job_speed;
   if (clocking == Clocking::lock_step) sending.session = link::simulated_session;
+  return sending;
+}
+
+/// The machine has fired, or passed a point of a dry run: there is something to report.
+bool has_begun(const link::JobSender& sender, const BoardOptions& options) {
+  const wire::Status& status = sender.status();
+  return status.session == sender.session() &&
+         (status.shots != 0 || sender.points_fired() > options.from);
+}
+
+/// Runs a job; what goes wrong once it has begun is in the outcome.
+Outcome send(link::Transport& transport, const Work& work, const BoardOptions& options,
+             Clocking clocking, const Foresight& foresight) {
+  link::SenderOptions sending = sender_options(options, clocking);
   Progress progress(work.job.header.dry ? "dry run" : "engraving", work.job.size(), options.from);
   if (clocking == Clocking::wall)
     sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
   link::JobSender sender(transport, work.job, sending);
   Steering steering(sender, progress, clocking);
   HoldOnce hold(sender, steering, progress, transport, options.hold_at);
-  // Looked after at every step: simulated time runs fast, and a hold should be seen at once.
-  while (sender.step()) {
+  const auto look_after = [&] {
     try {
       // At another speed than foreseen the pace so far has to do.
       const bool as_foreseen = sender.job_speed() == options.job_speed;
@@ -124,32 +133,32 @@ link::JobResult send(link::Transport& transport, const Work& work, const BoardOp
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }
+  };
+  Outcome outcome;
+  try {
+    // Looked after at every step: simulated time runs fast, and a hold should be seen at once.
+    while (sender.step()) look_after();
+    hold.job_is_over();
+  } catch (...) {
+    if (!has_begun(sender, options)) throw;
+    outcome.error = std::current_exception();
   }
-  hold.job_is_over();
-  return sender.result();
+  outcome.result = sender.result();
+  return outcome;
+}
+
+/// Points of which the machine has fired all flashes; a dry run fires none.
+std::uint64_t points_fired(const job::Job& job, std::size_t from, const link::JobResult& result) {
+  const std::size_t next = std::clamp<std::size_t>(result.status.first_unfired, from, job.size());
+  return job.header.dry ? 0 : job.points_before(next) - job.points_before(from);
 }
 
 /// What is known on any board.
 report::JobRun run_of(const Work& work, const BoardOptions& options,
                       const link::JobResult& result) {
-  report::JobRun run;
-  run.input = work.input;
-  run.mode = mode_name(work.job.header.mode);
-  run.board = options.board;
-  // With --from the report is about the rest of the job.
-  const std::size_t before = work.job.points_before(options.from);
-  run.points.assign(work.points.begin() + static_cast<std::ptrdiff_t>(before), work.points.end());
-  run.shots_ordered.reserve(run.points.size());
-  for (std::size_t i = options.from; i < work.job.targets.size(); ++i)
-    if (!work.job.is_pause(i))
-      run.shots_ordered.push_back(work.job.header.dry ? 0 : work.job.targets[i].shots);
-  run.refraction = work.job.refraction;
-  run.first_point = before;
-  run.warnings = work.warnings;
-  run.shots_known = false;
+  report::JobRun run = begin_run(work, options.board, options.from);
   run.shots_fired = result.status.shots;
-  run.settings = work.job.settings;
-  run.steps_per_mm = steps_per_mm(run.settings);
+  run.points_fired = points_fired(work.job, options.from, result);
   run.beats = result.status.beats;
   run.beats_before = result.status.beats_before;
   run.time_s = static_cast<double>(run.beats) / lamp_hz(run.settings);
@@ -218,15 +227,16 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
       virtual_one != nullptr && options.plot.any())
     plot.emplace(options.plot, *virtual_one, work.job.header.dry);
   link::SimulatedTransport transport(board);
-  Outcome outcome;
-  outcome.result = send(transport, work, options, Clocking::lock_step, {});
+  Outcome outcome = send(transport, work, options, Clocking::lock_step, {});
   if (!work.job.is_rows()) {
     outcome.run = run_of(work, options, outcome.result);
     add_shots(board, outcome.run);
   }
   if (trace) trace->finish();
   if (!options.shots.empty())
-    write_shots(options.shots, board, work.job.settings, work.job.refraction);
+    write_whole(options.shots, [&outcome](const std::filesystem::path& path) {
+      report::write_shots_csv(outcome.run, path);
+    });
   if (plot) plot->write(work.job.settings, plot_title(work));
   console.phase("run", fmt::format("{:.1f} s of machine time on the {} board",
                                    sim::seconds(board.now()), board.name()));
@@ -234,27 +244,7 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
   return outcome;
 }
 
-std::string go_on_text(const link::JobResult& result) {
-  return "go on with " + link::go_on_options(result.status.first_unfired, result.flashes_fired);
-}
-
 }  // namespace
-
-std::string end_name(JobEnd end) {
-  switch (end) {
-    case JobEnd::done:
-      return "done";
-    case JobEnd::stopped:
-      return "stopped";
-    case JobEnd::alarm:
-      return "alarm";
-    case JobEnd::lost:
-      return "lost";
-    case JobEnd::restarted:
-      return "restarted";
-  }
-  return "unknown";
-}
 
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
   return options.is_simulated() ? nullptr : open_board(options.board);
@@ -290,73 +280,10 @@ Outcome run_job(const Work& work, const BoardOptions& options,
   ask_permission(work, options);
   console.restart_clock();
   if (!port) return run_simulated(work, options, console);
-  Outcome outcome;
-  outcome.result = send(*port, work, options, Clocking::wall, foresight);
+  Outcome outcome = send(*port, work, options, Clocking::wall, foresight);
   if (!work.job.is_rows()) outcome.run = run_of(work, options, outcome.result);
   console.phase("run", "on " + options.board);
   return outcome;
-}
-
-Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
-  const report::Report report = report::evaluate(outcome.run);
-  if (outcome.result.end != JobEnd::done)  // known even if the report cannot be written
-    console.say("first point not fired: {}", outcome.result.status.first_unfired);
-  console.line("");
-  console.text(report::summary(report));
-  if (!options.report.empty()) {
-    console.restart_clock();
-    write_report_whole(report, outcome.run, options.report);
-    console.line("");
-    console.phase("report", options.report);
-  }
-  if (console.json()) {
-    Json json = Json::parse(report::to_json(report));
-    json["end"] = end_name(outcome.result.end);
-    json["first_unfired"] = outcome.result.status.first_unfired;
-    json["warnings"] = outcome.run.warnings;
-    console.document(json);
-  }
-  if (!options.statistics.empty())
-    report::append_statistics(options.statistics, report, end_name(outcome.result.end),
-                              std::chrono::system_clock::now());
-  const Exit exit = tell_end(outcome.result, options, "point");
-  if (exit != Exit::done) return exit;
-  const auto missed = report.missed.value_or(0), doubled = report.doubled.value_or(0);
-  if (missed == 0 && doubled == 0) return Exit::done;
-  throw Error(Exit::job_failed, "job",
-              fmt::format("{} points not fired, {} shots too many", missed, doubled),
-              "do not go on with this glass; please report it with its input");
-}
-
-Exit tell_end(const link::JobResult& result, const BoardOptions& options, const char* item) {
-  const std::uint32_t next = result.status.first_unfired;
-  switch (result.end) {
-    case JobEnd::done:
-      return Exit::done;
-    case JobEnd::stopped:
-      fmt::print(stderr, "stopped: first {} not fired is {}; {}\n", item, next, go_on_text(result));
-      return Exit::interrupted;
-    case JobEnd::alarm: {
-      const bool estop = result.status.state == wire::MachineState::estop;
-      const std::string what =
-          estop ? "e-stop" : fmt::format("alarm {}", static_cast<int>(result.status.alarm));
-      throw Error(Exit::job_failed, options.board, fmt::format("{} before {} {}", what, item, next),
-                  "clear it and " + go_on_text(result));
-    }
-    case JobEnd::lost:
-      throw Error(Exit::job_failed, options.board,
-                  fmt::format("connection lost, so that the machine could not be stopped; the last "
-                              "{} heard of is {}",
-                              item, next),
-                  "see that it stands, check the cable and " + go_on_text(result));
-    case JobEnd::restarted:
-      throw Error(Exit::job_failed, options.board,
-                  fmt::format("the machine has restarted, its position is lost; the last {} "
-                              "heard of is {}",
-                              item, next),
-                  "home it and " + go_on_text(result));
-  }
-  return Exit::job_failed;
 }
 
 }  // namespace lamplock::cli

@@ -5,6 +5,7 @@
 // well can go on is always told.
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +33,8 @@ struct Work {
 struct Outcome {
   link::JobResult result;
   report::JobRun run;
+  /// Why it ended before its end, if an error was the reason: part of the job was done before.
+  std::exception_ptr error{};
 };
 
 /// Opens a real board (board_port.hpp); nothing for simulated ones. Throws Error: no_device,
@@ -42,7 +45,7 @@ std::unique_ptr<link::Transport> open_port(const BoardOptions& options);
 void take_off_fired(Work& work, const BoardOptions& options);
 
 /// Asks the user if need be, then runs the job to its end. `port` as open_port() gave it. Throws
-/// Error.
+/// Error where nothing was done; later errors are part of the outcome.
 Outcome run_job(const Work& work, const BoardOptions& options,
                 std::unique_ptr<link::Transport> port, Console& console);
 
@@ -50,9 +53,10 @@ Outcome run_job(const Work& work, const BoardOptions& options,
 Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console);
 
 /// One line on stderr if the job did not end well; gives the exit status. `item`: Job::item().
-Exit tell_end(const link::JobResult& result, const BoardOptions& options, const char* item);
+/// Throws Error for what is more than a stop of the user.
+Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* item);
 
-/// How a job ended, for programs.
-std::string end_name(link::JobEnd end);
+/// How a job ended, for programs; "failed": by an error.
+std::string end_name(const Outcome& outcome);
 
 }  // namespace lamplock::cli

@@ -22,12 +22,13 @@ void check_row_options(const BoardOptions& options) {
     if (given) throw Error(Exit::bad_input, name, "is for points, not for rows", "leave it out");
 }
 
-Json document(const Work& work, const BoardOptions& options, const link::JobResult& result,
+Json document(const Work& work, const BoardOptions& options, const Outcome& outcome,
               double planned_s) {
+  const link::JobResult& result = outcome.result;
   return {{"job", work.input},
           {"board", options.board},
           {"mode", mode_name(work.job.header.mode)},
-          {"end", end_name(result.end)},
+          {"end", end_name(outcome)},
           {"lines", work.job.size()},
           {"first_unfired", result.status.first_unfired},
           {"seconds", std::chrono::duration<double>(result.elapsed).count()},
@@ -57,12 +58,12 @@ Exit send_rows(Work& work, BoardOptions options, std::unique_ptr<link::Transport
   console.phase("job", fmt::format("{}: {}, about {:.1f} s{}", work.input, rows_text(work.job),
                                    planned_s, work.job.header.dry ? ", dry" : ""));
   options.from = job::go_on_at(work.job.rows, options.from);
-  const link::JobResult result = run_job(work, options, std::move(port), console).result;
-  console.say("{:<8}  {} of {} lines in {:.1f} s", end_name(result.end),
-              result.status.first_unfired, work.job.size(),
-              std::chrono::duration<double>(result.elapsed).count());
-  console.document(document(work, options, result, planned_s));
-  return tell_end(result, options, work.job.item());
+  const Outcome outcome = run_job(work, options, std::move(port), console);
+  const link::JobResult& result = outcome.result;
+  console.say("{:<8}  {} of {} lines in {:.1f} s", end_name(outcome), result.status.first_unfired,
+              work.job.size(), std::chrono::duration<double>(result.elapsed).count());
+  console.document(document(work, options, outcome, planned_s));
+  return tell_end(outcome, options, work.job.item());
 }
 
 }  // namespace lamplock::cli

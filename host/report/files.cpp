@@ -7,6 +7,7 @@
 
 #include "host/bytes.hpp"
 #include "host/file.hpp"
+#include "host/report/matching.hpp"
 #include "host/report/page.hpp"
 #include "host/report/picture.hpp"
 #include "host/report/report.hpp"
@@ -48,18 +49,35 @@ points::PointCloud engraved(const JobRun& run) {
   return cloud;
 }
 
+constexpr const char* shot_columns = "index,channel,beat,time_us,x_mm,y_mm,z_mm";
+
+/// The columns of a shot, without the end of its line.
+void append_shot(const sim::Shot& shot, const points::Point& p, std::string& text) {
+  // Shortest decimals that read back as the same number; time to the picosecond.
+  fmt::format_to(std::back_inserter(text), "{},{},{},{}.{:06},{},{},{}", shot.index, shot.channel,
+                 shot.beat, shot.at / sim::ps_per_us, shot.at % sim::ps_per_us, p.x, p.y, p.z);
+}
+
 }  // namespace
 
 void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
-                     const fs::path& path, const glass::Refraction& refraction) {
-  std::string text;
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "index,channel,beat,time_us,x_mm,y_mm,z_mm\n");
+                     const fs::path& path) {
+  std::string text = fmt::format("{}\n", shot_columns);
   for (const sim::Shot& shot : shots) {
-    const points::Point p = position_mm(shot, steps_per_mm, refraction);
-    // Shortest decimals that read back as the same number; time to the picosecond.
-    fmt::format_to(out, "{},{},{},{}.{:06},{},{},{}\n", shot.index, shot.channel, shot.beat,
-                   shot.at / sim::ps_per_us, shot.at % sim::ps_per_us, p.x, p.y, p.z);
+    append_shot(shot, position_mm(shot, steps_per_mm, {}), text);
+    text.push_back('\n');
+  }
+  write_file(path, text);
+}
+
+void write_shots_csv(const JobRun& run, const fs::path& path) {
+  std::string text = fmt::format("{},point\n", shot_columns);
+  const std::vector<std::uint32_t> point_of_shot = match_shots(run).point_of_shot;
+  const std::vector<std::uint64_t> numbers = point_numbers(run);
+  for (std::size_t i = 0; i < run.shots.size(); ++i) {
+    append_shot(run.shots[i], position_mm(run.shots[i], run.steps_per_mm, run.refraction), text);
+    const std::uint32_t point = point_of_shot[i];
+    text += point == no_point ? ",\n" : fmt::format(",{}\n", numbers[point]);
   }
   write_file(path, text);
 }
@@ -71,7 +89,7 @@ void write_report(const Report& report, const JobRun& run, const fs::path& folde
   write_file(folder / "report.json", to_json(report));
   write_page(report, run, folder / "report.html");
   if (run.shots_known) {
-    write_shots_csv(run.shots, run.steps_per_mm, folder / "shots.csv", run.refraction);
+    write_shots_csv(run, folder / "shots.csv");
     write_ply(run, folder / "shots.ply");
   }
   write_cloud_picture(folder / "cloud.png", engraved(run));

@@ -117,13 +117,19 @@ Json histogram_json(const Histogram& histogram) {
           {"least", histogram.least}, {"median", histogram.median}, {"values", histogram.values}};
 }
 
-/// Beats at places evenly spread over the points, for a clock.
+/// Beats at places evenly spread over the points, for a clock: when all up to there were fired.
+/// That of the point alone would go back behind one that was fired late.
 Json clock_json(const PointBeats& beats) {
   Json places = Json::array();
   if (!beats.known || beats.beat.empty()) return places;
   const std::size_t last = beats.beat.size() - 1;
-  for (std::size_t i = 0; i <= clock_places; ++i)
-    places.push_back(beats.beat[last * i / clock_places]);
+  std::uint32_t latest = 0;
+  std::size_t point = 0;
+  for (std::size_t i = 0; i <= clock_places; ++i) {
+    for (const std::size_t end = last * i / clock_places; point <= end; ++point)
+      latest = std::max(latest, beats.beat[point]);
+    places.push_back(latest);
+  }
   return places;
 }
 
@@ -161,7 +167,8 @@ Json page_json(const Report& report, const JobRun& run, const PointBeats& beats,
   const Utilisation use = utilisation_over_time(beats, report.beats);
   return {{"report", Json::parse(to_json(report))},
           {"estimate", !run.foreseen_beats.empty()},
-          {"first", run.first_point},
+          {"first", run.first_number},
+          {"pauses", run.pauses},
           {"warnings", warnings_of(report, run)},
           {"settings_table", settings_table()},
           {"cloud",

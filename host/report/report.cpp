@@ -40,8 +40,16 @@ std::optional<double> largest_error(const JobRun& run, const Matching& matching,
   return largest;
 }
 
+/// Points that want a shot: none of a dry run.
+std::uint64_t points_to_fire(const JobRun& run) {
+  if (run.shots_ordered.empty()) return run.points.size();
+  return run.points.size() - static_cast<std::uint64_t>(
+                                 std::count(run.shots_ordered.begin(), run.shots_ordered.end(), 0));
+}
+
 void judge_shots(const JobRun& run, Report& report) {
   const Matching matching = match_shots(run);
+  report.points_fired = points_to_fire(run) - matching.missed;
   report.missed = matching.missed;
   report.doubled = matching.doubled - std::min(matching.doubled, run.checks.repeats);
   report.largest_jitter_error_steps =
@@ -49,6 +57,16 @@ void judge_shots(const JobRun& run, Report& report) {
   if (!run.lattice_steps.empty())
     report.largest_error_steps =
         largest_error(run, matching, [&run](std::size_t i) { return run.lattice_steps[i]; });
+}
+
+/// What a point and a second cost, by what was fired: a job may have been stopped.
+void add_ratios(Report& report) {
+  const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };
+  const auto fired = static_cast<double>(report.points_fired);
+  const auto beats = static_cast<double>(report.beats);
+  report.beats_per_point = ratio(beats, fired);
+  report.utilisation = ratio(static_cast<double>(report.shots), beats);
+  report.points_per_s = ratio(fired, report.time_s);
 }
 
 template <class T>
@@ -81,23 +99,29 @@ Report evaluate(const JobRun& run) {
   report.board = run.board;
   report.lamp_hz = in_units(run.settings, settings::Id::lamp_frequency);
   report.points = run.points.size();
+  report.points_fired = run.points_fired;
   report.shots = run.shots_known ? run.shots.size() : run.shots_fired;
   report.beats = run.beats;
   report.beats_before = run.beats_before;
   report.time_s = run.time_s;
-  const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };
-  const auto points = static_cast<double>(report.points);
-  const auto beats = static_cast<double>(report.beats);
-  report.beats_per_point = ratio(beats, points);
-  report.utilisation = ratio(static_cast<double>(report.shots), beats);
-  report.points_per_s = ratio(points, report.time_s);
   report.beats_by_reason = run.beats_by_reason;
   report.beats_outside = run.beats_outside;
   report.checks = run.checks;
   report.link = run.link;
   report.settings = run.settings;
   if (run.shots_known) judge_shots(run, report);
+  add_ratios(report);
   return report;
+}
+
+std::vector<std::uint64_t> point_numbers(const JobRun& run) {
+  std::vector<std::uint64_t> numbers(run.points.size());
+  std::size_t pauses = 0;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    while (pauses < run.pauses.size() && run.pauses[pauses] <= i) ++pauses;
+    numbers[i] = run.first_number + i + pauses;
+  }
+  return numbers;
 }
 
 std::string to_json(const Report& report) {
@@ -108,6 +132,7 @@ std::string to_json(const Report& report) {
       {"board", report.board},
       {"lamp_hz", report.lamp_hz},
       {"points", report.points},
+      {"points_fired", report.points_fired},
       {"shots", report.shots},
       {"beats", report.beats},
       {"beats_before", report.beats_before},

@@ -53,9 +53,10 @@ struct JobRun {
   points::PointCloud points;                 ///< in firing order, coordinates of the glass
   std::vector<std::uint16_t> shots_ordered;  ///< per point; empty: one each
 
-  bool shots_known = true;        ///< false on a real board: nobody recorded the shots
-  std::uint64_t shots_fired = 0;  ///< as the firmware counts; used only if shots are not known
-  std::vector<sim::Shot> shots;   ///< in order of time
+  bool shots_known = true;  ///< false on a real board: nobody recorded the shots
+  /// As the firmware counts; used only if shots are not known.
+  std::uint64_t shots_fired = 0, points_fired = 0;
+  std::vector<sim::Shot> shots;  ///< in order of time
   /// Machine position at the lattice tick of each shot's beat, same length as shots; empty:
   /// unknown.
   std::vector<StepPosition> lattice_steps;
@@ -63,7 +64,10 @@ struct JobRun {
   /// Instead of shots, of a run that is foreseen: the beat of each, from the first one.
   std::vector<std::uint32_t> foreseen_beats;
 
-  std::size_t first_point = 0;        ///< index of points.front() in the whole job
+  std::size_t first_number = 0;  ///< of the point or pause that the run began with, in the job
+  /// For each pause of the run the index of the point behind it, in order. A pause has a number in
+  /// the job as a point has.
+  std::vector<std::uint32_t> pauses;
   std::vector<std::string> warnings;  ///< about the points, one line each
 
   PerAxis<double> steps_per_mm{200, 200, 200, 200};
@@ -85,14 +89,15 @@ struct JobRun {
 struct Report {
   std::string version, input, mode, board;
   double lamp_hz = 0;
-  std::uint64_t points = 0;
-  std::uint64_t shots = 0;
+  std::uint64_t points = 0;        ///< ordered
+  std::uint64_t points_fired = 0;  ///< of these: as often as ordered
+  std::uint64_t shots = 0;         ///< fired
   std::uint64_t beats = 0;
   std::uint64_t beats_before = 0;
-  double beats_per_point = 0;
-  double utilisation = 0;  ///< shots / beats
+  double beats_per_point = 0;  ///< fired
+  double utilisation = 0;      ///< shots / beats
   double time_s = 0;
-  double points_per_s = 0;
+  double points_per_s = 0;  ///< fired
   /// Largest over axes and shots of |steps at the lattice tick - wanted mm x steps per mm|.
   std::optional<double> largest_error_steps;
   /// The same with the position at the real shot: lamp jitter included.
@@ -108,13 +113,20 @@ struct Report {
 /// Judges a run. Throws lamplock::Error if the run contradicts itself (lengths of the lists).
 Report evaluate(const JobRun& run);
 
+/// Of each point of a run its number in the job: where the job goes on with it (--from). Points
+/// and pauses are counted together, from 0.
+std::vector<std::uint64_t> point_numbers(const JobRun& run);
+
 /// The report as JSON text, keys as documented; settings by name in their unit.
 std::string to_json(const Report& report);
 
-/// Writes shots as shots.csv has them: one line each, positions in the glass in mm. Throws
-/// lamplock::Error if the file cannot be written.
+/// Writes shots whose points nobody knows: one line each, positions in mm. Throws lamplock::Error
+/// if the file cannot be written.
 void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
-                     const std::filesystem::path& path, const glass::Refraction& refraction = {});
+                     const std::filesystem::path& path);
+/// Writes the shots of a job, as shots.csv has them: positions in the glass, and behind them the
+/// number in the job of the point that each belongs to. Throws as the other.
+void write_shots_csv(const JobRun& run, const std::filesystem::path& path);
 
 /// Writes report.json, report.html (page.hpp), shots.csv, shots.ply and cloud.png into `folder`,
 /// which is made if needed. Without known shots there is no shots.csv and no shots.ply, and the

@@ -2,9 +2,13 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
+#include <sstream>
+#include <vector>
 
 #include "host/file.hpp"
 
@@ -32,6 +36,7 @@ struct Column {
   std::string (*value)(const Report&);
 };
 
+/// Date and end stand before these.
 constexpr std::array columns{
     Column{"input", [](const Report& r) { return field(r.input); }},
     Column{"mode", [](const Report& r) { return r.mode; }},
@@ -48,7 +53,65 @@ constexpr std::array columns{
     Column{"sensor_made", [](const Report& r) { return fmt::to_string(r.checks.made); }},
     Column{"sensor_not_made", [](const Report& r) { return fmt::to_string(r.checks.not_made); }},
     Column{"sensor_repeats", [](const Report& r) { return fmt::to_string(r.checks.repeats); }},
+    Column{"points_fired", [](const Report& r) { return fmt::to_string(r.points_fired); }},
 };
+
+/// Of the first files that there were.
+constexpr std::size_t least_columns = 2 + 15;
+/// A line of names is never longer.
+constexpr std::size_t longest_names = 1 << 16;
+
+std::vector<std::string> names() {
+  std::vector<std::string> all{"date", "end"};
+  for (const Column& column : columns) all.emplace_back(column.name);
+  return all;
+}
+
+std::vector<std::string> values(const Report& report, const std::string& end,
+                                const std::string& date) {
+  std::vector<std::string> all{date, field(end)};
+  for (const Column& column : columns) all.push_back(column.value(report));
+  return all;
+}
+
+std::string line_of(const std::vector<std::string>& fields) {
+  return fmt::format("{}\n", fmt::join(fields, ","));
+}
+
+/// What is there of a file: nothing, or the columns of its names and how it ends.
+struct Begun {
+  std::size_t columns = 0;  ///< 0: there is no line of names yet
+  bool line_open = false;   ///< its last line has no end
+};
+
+[[noreturn]] void refuse_other(const std::filesystem::path& file) {
+  refuse(file, "is no file of statistics: it does not begin with their names",
+         "choose another file with --statistics");
+}
+
+/// Reads the line of names. Throws Error.
+Begun begun_file(const std::filesystem::path& file) {
+  std::error_code ignored;
+  // A device or a pipe is not there to be read.
+  if (!std::filesystem::is_regular_file(file, ignored)) return {};
+  if (std::filesystem::file_size(file, ignored) == 0) return {};
+  std::ifstream in(file, std::ios::binary);
+  std::string line(longest_names, '\0');
+  in.read(line.data(), static_cast<std::streamsize>(line.size()));
+  line.resize(static_cast<std::size_t>(in.gcount()));
+  line.resize(std::min(line.size(), line.find('\n')));
+  if (line.ends_with('\r')) line.pop_back();  // some other program has written it anew
+  Begun begun;
+  const std::vector<std::string> known = names();
+  std::istringstream fields(line);
+  for (std::string name; std::getline(fields, name, ','); ++begun.columns)
+    if (begun.columns < known.size() && name != known[begun.columns]) refuse_other(file);
+  if (begun.columns < least_columns) refuse_other(file);
+  in.clear();
+  in.seekg(-1, std::ios::end);
+  begun.line_open = in.get() != '\n';
+  return begun;
+}
 
 }  // namespace
 
@@ -57,27 +120,26 @@ std::string date_text(std::chrono::system_clock::time_point when) {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(when)));
 }
 
-std::string statistics_names() {
-  std::string line = "date,end";
-  for (const Column& column : columns) line += fmt::format(",{}", column.name);
-  return line + "\n";
-}
+std::string statistics_names() { return line_of(names()); }
 
 std::string statistics_line(const Report& report, const std::string& end, const std::string& date) {
-  std::string line = fmt::format("{},{}", date, field(end));
-  for (const Column& column : columns) line += fmt::format(",{}", column.value(report));
-  return line + "\n";
+  return line_of(values(report, end, date));
 }
+
+void check_statistics(const std::filesystem::path& file) { begun_file(file); }
 
 void append_statistics(const std::filesystem::path& file, const Report& report,
                        const std::string& end, std::chrono::system_clock::time_point when) {
-  std::error_code ignored;
-  const auto size = std::filesystem::file_size(file, ignored);
-  const bool begun = !ignored && size > 0;
-  const std::string line = statistics_line(report, end, date_text(when));
+  const Begun begun = begun_file(file);
+  std::vector<std::string> fields = values(report, end, date_text(when));
+  std::string text = begun.line_open ? "\n" : "";
+  if (begun.columns == 0)
+    text += statistics_names();
+  else
+    fields.resize(begun.columns);
+  text += line_of(fields);
   // In one piece: several machines may share a file.
   std::ofstream out(file, std::ios::app | std::ios::binary);
-  const std::string text = begun ? line : statistics_names() + line;
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   out.flush();
   if (!out) refuse(file, "cannot be written", "choose another file with --statistics");

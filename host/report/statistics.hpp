@@ -4,7 +4,8 @@
 //      and a line of names before the first one. Who: the commands that run jobs.
 //
 // Columns are only ever added at the end: a file that was begun by an older program goes on with
-// its own line of names.
+// its own line of names and the columns that it has. Of a newer program's file what is not known
+// here stays empty. Any other file is left alone.
 #pragma once
 
 #include <chrono>
@@ -22,8 +23,11 @@ std::string date_text(std::chrono::system_clock::time_point when);
 std::string statistics_names();
 std::string statistics_line(const Report& report, const std::string& end, const std::string& date);
 
+/// Throws lamplock::Error (bad_input) if the file is there and was not begun as one of these.
+void check_statistics(const std::filesystem::path& file);
+
 /// Adds a job to the file, which is made if there is none. Throws lamplock::Error if it cannot be
-/// written.
+/// written, or as check_statistics().
 void append_statistics(const std::filesystem::path& file, const Report& report,
                        const std::string& end, std::chrono::system_clock::time_point when);
 

@@ -46,6 +46,7 @@ std::string mode_of(const Report& r) { return r.mode; }
 
 constexpr std::array result_lines{
     Line{"points", [](const Report& r) { return grouped(r.points); }},
+    Line{"points fired", [](const Report& r) { return grouped(r.points_fired); }, false},
     Line{"shots", [](const Report& r) { return grouped(r.shots); }},
     Line{"beats", [](const Report& r) { return grouped(r.beats); }},
     Line{"beats per point",

@@ -294,5 +294,51 @@ TEST(Commands, frame_goes_round_and_never_fires) {
   EXPECT_EQ(frame["bounds"]["high_mm"], Json({4, 5, 6}));
 }
 
+TEST(Commands, frame_goes_round_all_layers_of_a_drawing) {
+  const Folder folder;
+  const std::string svg =
+      folder.write("d.svg",
+                   "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20mm\" height=\"10mm\" "
+                   "viewBox=\"0 0 20 10\"><path d=\"M0 0 H20 V10\"/></svg>");
+  for (const auto& how :
+       std::vector<std::vector<std::string>>{{},
+                                             {"--layers", "5", "--layer", "0.8"},
+                                             {"--layers", "3", "--transform", "rotate z 90"},
+                                             {"--layers", "4", "--layer", "2", "--size", "8"}}) {
+    std::vector<std::string> points{"points", svg, "--spacing", "0.5", "-o", folder / "o.xyz"};
+    std::vector<std::string> frame{"frame", svg, "--spacing", "0.5"};
+    for (auto* arguments : {&points, &frame})
+      arguments->insert(arguments->end(), how.begin(), how.end());
+    EXPECT_EQ(run_json(frame)["bounds"], run_json(points)["bounds"]) << how.size();
+  }
+}
+
+TEST(Commands, outputs_that_are_one_file) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(20, 3)));
+  const std::string job = folder / "j.llj", one = folder / "one.csv", toml = folder / "t.toml";
+  ASSERT_EQ(run({"job", list, "-o", job}).status, 0);
+  const auto before = folder.files();
+  const std::string points = read(list);
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"engrave", list, "--save", toml, "--statistics", toml},
+           {"engrave", list, "--save", toml, "--shots", folder.path().string() + "/./t.toml"},
+           {"engrave", list, "--shots", one, "--vcd", one},
+           {"engrave", list, "--shots", folder / "r/shots.csv", "--report", folder / "r"},
+           {"engrave", list, "--shots", list},
+           {"send", job, "--shots", job},
+           {"send", job, "--shots", one, "--statistics", one},
+           {"job", list, "-o", toml, "--save", toml},
+           {"points", list, "-o", folder / "q.xyz", "--save", folder / "q.xyz"},
+           {"estimate", list, "--page", list},
+           {"sim", "--seconds", "0.1", "--vcd", one, "--shots", one}}) {
+    const Finished refused = run(arguments);
+    EXPECT_EQ(refused.status, 2) << refused.out;
+    EXPECT_THAT(refused.err, testing::MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+\n"));
+  }
+  EXPECT_EQ(folder.files(), before);
+  EXPECT_EQ(read(list), points);
+}
+
 }  // namespace
 }  // namespace lamplock::cli::test

@@ -39,7 +39,9 @@ TEST(EstimateCommand, tells_what_the_run_tells) {
       {"--lamp", "200", "--accel", "2"},
       {"--flashes", "3", "--mode", "start-stop"},
       {"--lamp-mode", "master", "--job-speed", "60"},
-      {"--from", "300"}};
+      {"--from", "300"},
+      {"--flashes", "3", "--from", "300", "--fired", "2"},
+      {"--origin", "zero"}};
   for (const auto& more : options) {
     std::vector<std::string> arguments{"estimate", points, "--order", "given"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -84,6 +86,56 @@ TEST(EstimateCommand, refuses_in_one_line) {
   }
 }
 
+TEST(EstimateCommand, takes_an_origin_as_engrave_does) {
+  // A work space beside the origin: objects lie in its middle, or round the origin.
+  const Folder folder;
+  const std::string mesh = folder.write("m.stl", octahedron_stl());
+  const std::string profile = folder.write("m.toml", "min_corner = [-3, -3, -10]\n");
+  const std::vector<std::string> how{mesh,  "--size",    "4",     "--spacing",
+                                     "0.4", "--machine", profile, "--origin"};
+  for (const char* origin : {"machine", "zero"}) {
+    const auto with = [&](const char* command) {
+      std::vector<std::string> arguments{command};
+      arguments.insert(arguments.end(), how.begin(), how.end());
+      arguments.emplace_back(origin);
+      return run_json(arguments);
+    };
+    expect_equal(with("estimate"), with("engrave"));
+  }
+}
+
+TEST(EstimateCommand, of_a_job_file_takes_nothing_that_makes_one) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", xyz(walk(20, 4)));
+  const std::string job = folder / "p.llj";
+  ASSERT_EQ(run({"job", points, "-o", job}).status, 0);
+  for (const auto& option : std::vector<std::vector<std::string>>{{"--size", "3"},
+                                                                  {"--order", "best"},
+                                                                  {"--lamp", "50"},
+                                                                  {"--flashes", "2"},
+                                                                  {"--no-end-points"},
+                                                                  {"--origin", "zero"}}) {
+    for (std::vector<std::string> arguments :
+         std::vector<std::vector<std::string>>{{"estimate", job}, {"job", "--show", job}}) {
+      if (arguments[0] == "job" && option[0] == "--origin") continue;  // it has no such option
+      arguments.insert(arguments.end(), option.begin(), option.end());
+      const Finished refused = run(arguments);
+      EXPECT_EQ(refused.status, 2) << option[0];
+      EXPECT_EQ(lines(refused.err).size(), 1u) << refused.err;
+      EXPECT_THAT(refused.err,
+                  HasSubstr(option[0] == "--no-end-points" ? "end-points" : option[0]));
+      EXPECT_EQ(refused.out, "");
+    }
+  }
+  for (const auto& option : std::vector<std::vector<std::string>>{
+           {"-o", folder / "q.llj"}, {"--save", folder / "q.toml"}, {"--dry"}}) {
+    std::vector<std::string> arguments{"job", "--show", job};
+    arguments.insert(arguments.end(), option.begin(), option.end());
+    EXPECT_EQ(run(arguments).status, 2) << option[0];
+  }
+  EXPECT_EQ(folder.files(), (std::vector<std::string>{"p.llj", "p.xyz"}));
+}
+
 TEST(Statistics, a_line_for_every_job) {
   const Folder folder;
   const std::string points = folder.write("p.xyz", xyz(walk(40, 7)));
@@ -93,6 +145,21 @@ TEST(Statistics, a_line_for_every_job) {
   ASSERT_EQ(told.size(), 3u);
   EXPECT_THAT(told[0], testing::StartsWith("date,end,input,"));
   for (const int i : {1, 2}) EXPECT_THAT(told[static_cast<std::size_t>(i)], HasSubstr(",done,"));
+}
+
+TEST(Statistics, spares_the_files_of_others) {
+  const Folder folder;
+  const std::string points = folder.write("p.xyz", xyz(walk(40, 7)));
+  const std::string notes = folder.write("notes.csv", "when,what\n");
+  for (const std::string& file : {notes, points}) {
+    const std::string before = read(file);
+    const Finished refused =
+        run({"engrave", points, "--statistics", file, "--report", folder / "r"});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.err, HasSubstr(file));
+    EXPECT_EQ(read(file), before);
+  }
+  EXPECT_EQ(folder.files(), (std::vector<std::string>{"notes.csv", "p.xyz"}));
 }
 
 TEST(Statistics, nowhere_to_write_is_told_before_the_job) {

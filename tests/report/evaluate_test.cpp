@@ -206,5 +206,57 @@ TEST(Evaluate, RefusesARunThatContradictsItself) {
   EXPECT_THROW(evaluate(run), Error);
 }
 
+TEST(Evaluate, OfAStoppedJobCountsWhatWasFired) {
+  for (int seed = 0; seed < lamplock::test::scaled(20); ++seed) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+    const auto flashes = static_cast<std::uint16_t>(1 + random() % 3);
+    const std::size_t fired = random() % 200;
+    JobRun run = job(200, static_cast<std::uint64_t>(seed));
+    run.shots_ordered.assign(200, flashes);
+    for (std::size_t i = 0; i < fired; ++i)
+      for (int n = 0; n < flashes; ++n) add_shot_at_point(run, i);
+    // The point it was stopped at has all flashes but one.
+    for (int n = 1; n < flashes; ++n) add_shot_at_point(run, fired);
+    run.beats = 2 * run.shots.size();
+    run.time_s = static_cast<double>(run.beats) / 100;
+    const Report report = evaluate(run);
+    EXPECT_EQ(report.points, 200u);
+    EXPECT_EQ(report.points_fired, fired) << seed;
+    EXPECT_EQ(report.missed, 200 - fired) << seed;
+    EXPECT_EQ(report.shots, run.shots.size());
+    if (fired == 0) continue;
+    EXPECT_DOUBLE_EQ(report.beats_per_point * static_cast<double>(fired),
+                     static_cast<double>(run.beats));
+    EXPECT_DOUBLE_EQ(report.points_per_s * run.time_s, static_cast<double>(fired));
+  }
+}
+
+TEST(Evaluate, WhereNobodySawTheShotsTheMachineIsBelieved) {
+  JobRun run = job(50, 1);
+  run.shots_known = false;
+  run.shots_fired = 30;
+  run.points_fired = 30;
+  run.beats = 60;
+  const Report report = evaluate(run);
+  EXPECT_EQ(report.points, 50u);
+  EXPECT_EQ(report.points_fired, 30u);
+  EXPECT_DOUBLE_EQ(report.beats_per_point, 2);
+}
+
+TEST(Evaluate, ADryRunFiresNoPoint) {
+  JobRun run = job(50, 1);
+  run.shots_ordered.assign(50, 0);
+  EXPECT_EQ(evaluate(run).points_fired, 0u);
+  EXPECT_EQ(evaluate(run).missed, 0u);
+}
+
+TEST(PointNumbers, CountPausesWithThePoints) {
+  JobRun run = job(6, 1);
+  run.first_number = 10;
+  // Two in a row before the first point, one before the fourth, one behind the last.
+  run.pauses = {0, 0, 3, 6};
+  EXPECT_EQ(point_numbers(run), (std::vector<std::uint64_t>{12, 13, 14, 16, 17, 18}));
+}
+
 }  // namespace
 }  // namespace lamplock::report

@@ -49,6 +49,7 @@ TEST_F(ReportFiles, JsonHasExactlyTheKeysPromised) {
                                        "board",
                                        "lamp_hz",
                                        "points",
+                                       "points_fired",
                                        "shots",
                                        "beats",
                                        "beats_before",
@@ -113,13 +114,13 @@ TEST_F(ReportFiles, CsvReadsBackExactly) {
   std::ifstream in(folder_ / "shots.csv");
   std::string line;
   std::getline(in, line);
-  EXPECT_EQ(line, "index,channel,beat,time_us,x_mm,y_mm,z_mm");
+  EXPECT_EQ(line, "index,channel,beat,time_us,x_mm,y_mm,z_mm,point");
   for (const sim::Shot& shot : run.shots) {
     ASSERT_TRUE(std::getline(in, line));
     std::stringstream cells(line);
     std::vector<std::string> cell;
     for (std::string text; std::getline(cells, text, ',');) cell.push_back(text);
-    ASSERT_EQ(cell.size(), 7u);
+    ASSERT_EQ(cell.size(), 8u);
     EXPECT_EQ(std::stoul(cell[0]), shot.index);
     EXPECT_EQ(std::stoi(cell[1]), shot.channel);
     EXPECT_EQ(std::stoll(cell[2]), shot.beat);
@@ -132,6 +133,24 @@ TEST_F(ReportFiles, CsvReadsBackExactly) {
       EXPECT_EQ(std::stod(cell[4 + axis]), shot.steps[axis] / run.steps_per_mm[axis]);
   }
   EXPECT_FALSE(std::getline(in, line));
+}
+
+TEST_F(ReportFiles, CsvNamesThePointOfEachShot) {
+  JobRun run = test::job(30, 5);
+  run.first_number = 40;
+  run.pauses = {10};
+  std::vector<std::size_t> order{0, 1, 2, 4, 5, 3};  // one of them late
+  for (std::size_t i = 6; i < 30; ++i) order.push_back(i);
+  for (const std::size_t point : order) test::add_shot_at_point(run, point);
+  write_report(evaluate(run), run, folder_);
+  std::istringstream in(read(folder_ / "shots.csv"));
+  std::string line;
+  std::getline(in, line);
+  for (const std::size_t point : order) {
+    ASSERT_TRUE(std::getline(in, line));
+    // Behind the pause numbers are one higher.
+    EXPECT_EQ(std::stoul(line.substr(line.rfind(',') + 1)), 40 + point + (point >= 10 ? 1 : 0));
+  }
 }
 
 TEST_F(ReportFiles, PlyHoldsEveryShot) {

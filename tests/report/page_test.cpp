@@ -4,8 +4,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <random>
+#include <vector>
 
 #include "host/report/page_series.hpp"
 #include "tests/report/job_run.hpp"
@@ -99,6 +102,38 @@ TEST(Page, TellsWhatWasMissed) {
   ASSERT_EQ(bytes.size(), 400u);
   for (std::size_t p = 0; p < 50; ++p) EXPECT_EQ(bytes[8 * p + 7], p == 17 || p == 40 ? 1 : 0) << p;
   EXPECT_THAT(data_of(text)["warnings"].dump(), testing::HasSubstr("2 points were not fired"));
+}
+
+TEST(Page, ClockNeverRunsBackwards) {
+  for (int i = 0; i < scaled(20); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    JobRun run = job(100 + 40 * i, static_cast<std::uint64_t>(i));
+    std::vector<std::size_t> late;
+    for (std::size_t p = 0; p < run.points.size(); ++p) {
+      if (random() % 10 == 0)
+        late.push_back(p);
+      else
+        add_shot_at_point(run, p);
+    }
+    for (const std::size_t p : late) add_shot_at_point(run, p);
+    run.beats = run.shots.size();
+    const auto clock = data_of(page_of(run))["clock"].get<std::vector<std::uint32_t>>();
+    EXPECT_TRUE(std::is_sorted(clock.begin(), clock.end())) << i;
+    // Late ones included: all are fired at the end.
+    EXPECT_EQ(clock.back(), *std::max_element(clock.begin(), clock.end()));
+    if (!late.empty() && late.back() + 1 < run.points.size()) {
+      EXPECT_EQ(clock.back(), run.shots.size() - 1) << i;
+    }
+  }
+}
+
+TEST(Page, NumbersPointsAsTheJobDoes) {
+  JobRun run = perfect_run(30, 2);
+  run.first_number = 7;
+  run.pauses = {0, 10, 10};
+  const Json data = data_of(page_of(run));
+  EXPECT_EQ(data["first"], 7);
+  EXPECT_EQ(data["pauses"], Json({0, 10, 10}));
 }
 
 TEST(Page, KnowsNothingOfShotsThatNobodySaw) {

@@ -60,9 +60,57 @@ TEST(Statistics, NamesOnceAndALineForEachJob) {
   EXPECT_EQ(value(2, "end"), "stopped");
   EXPECT_EQ(value(1, "input"), run.input);
   EXPECT_EQ(value(1, "points"), "20");
+  EXPECT_EQ(value(1, "points_fired"), "20");
   EXPECT_EQ(value(1, "beats"), "20");
   EXPECT_EQ(value(1, "missed"), "0");
   EXPECT_EQ(value(2, "missed"), "");  // nobody knows
+}
+
+const auto some_day = std::chrono::system_clock::from_time_t(1'774'690'200);
+
+/// The names without the last `fewer` of them.
+std::string names_without(int fewer) {
+  std::string names = statistics_names();
+  names.pop_back();
+  for (; fewer > 0; --fewer) names.erase(names.rfind(','));
+  return names;
+}
+
+TEST(Statistics, LeavesFilesOfOthersAlone) {
+  const lamplock::test::TemporaryFolder folder;
+  const auto file = folder.file("jobs.csv");
+  const std::string names = statistics_names();
+  for (const std::string& other :
+       {std::string("x,y,z\n1,2,3\n"), std::string("{\"points\": 3}"), std::string("\n") + names,
+        std::string("date\n"), names_without(5) + "\n", "x" + names, std::string(200'000, 'a'),
+        std::string("\0\1\2", 3)}) {
+    write_file(file, other);
+    EXPECT_THAT(error_of([&] { check_statistics(file); }), testing::HasSubstr("jobs.csv"));
+    const Report report = evaluate(perfect_run(3, 1));
+    error_of([&] { append_statistics(file, report, "done", some_day); });
+    EXPECT_EQ(read_file(file), other);
+  }
+  check_statistics(folder.file("none.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("none.csv")));
+}
+
+TEST(Statistics, KeepsToTheNamesOfItsFile) {
+  const lamplock::test::TemporaryFolder folder;
+  const auto file = folder.file("jobs.csv");
+  const Report report = evaluate(perfect_run(3, 1));
+  // Of an older program, of a newer one, written anew by another program, without its last end.
+  for (const std::string& begun : {names_without(1) + "\n", names_without(0) + ",new,newer\n",
+                                   names_without(0) + "\r\n", names_without(0)}) {
+    write_file(file, begun);
+    append_statistics(file, report, "done", some_day);
+    append_statistics(file, report, "stopped", some_day);
+    const std::string text = read_file(file);
+    EXPECT_TRUE(text.starts_with(begun));
+    const auto lines = read_csv(text);
+    ASSERT_EQ(lines.size(), 3u) << text;
+    for (const auto& line : lines) EXPECT_EQ(line.size(), lines[0].size()) << text;
+    EXPECT_EQ(lines[2][1], "stopped");
+  }
 }
 
 TEST(Statistics, OfAFileThatCannotBeWritten) {

@@ -28,6 +28,7 @@ TEST(Summary, OneReport) {
   const std::string text = summary(example("free", 12'345));
   EXPECT_THAT(text, ContainsRegex("cloud.xyz: free, virtual board, lamp 100 Hz"));
   EXPECT_THAT(text, ContainsRegex("points +2 000\n"));
+  EXPECT_THAT(text, ContainsRegex("points fired +2 000\n"));
   EXPECT_THAT(text, ContainsRegex("beats +12 345\n"));
   EXPECT_THAT(text, ContainsRegex("utilisation +16\\.2 %\n"));
   EXPECT_THAT(text, ContainsRegex("machine time +2 min 03 s\n"));

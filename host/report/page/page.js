@@ -40,7 +40,8 @@ function add_tile(key, label, text, note, kind) {
 }
 
 function fill_tiles() {
-  add_tile('points', 'Points', grouped(report.points), report.shots === report.points ? 'one shot each' : `${grouped(report.shots)} shots`);
+  const shots = report.shots === report.points ? 'one shot each' : `${grouped(report.shots)} shots`;
+  add_tile('points', 'Points', grouped(report.points), report.points_fired === report.points ? shots : `${grouped(report.points_fired)} of them fired`);
   add_tile('time_s', 'Machine time', time_text(report.time_s), `${fixed(report.points_per_s, 1)} points/s`);
   add_tile('utilisation', 'Utilisation', `${fixed(100 * report.utilisation, 1)} %`, 'of the lamp\u2019s flashes');
   add_tile('beats_per_point', 'Beats per point', fixed(report.beats_per_point, 3), `${grouped(report.beats)} beats`);
@@ -63,6 +64,7 @@ function fill_numbers() {
   const size = data.cloud.size_mm.map((side) => short(side)).join(' \u00d7 ');
   row('Size of the cloud', `${size} mm`);
   row('Points', grouped(report.points), 'points');
+  if (!data.estimate) row('Points fired', grouped(report.points_fired), 'points_fired');
   row('Shots', grouped(report.shots), 'shots');
   row('Beats', grouped(report.beats), 'beats');
   row('Beats before the first shot', grouped(report.beats_before), 'beats_before');
@@ -151,7 +153,7 @@ function fill_legend(mode, theme, counts) {
   } else if (mode === 'beats') {
     beat_names.forEach((name, i) => legend_dot(beat_colours[theme][i], `${name}: ${grouped(counts.beats[i])}`));
   } else {
-    legend_dot(fate_colours[theme][0], `fired: ${grouped(report.points - report.missed)}`);
+    legend_dot(fate_colours[theme][0], `fired: ${grouped(report.points_fired)}`);
     legend_dot(fate_colours[theme][1], `missed: ${grouped(report.missed)}`);
   }
   if (data.cloud.stride > 1) add($('legend'), 'span', `shown: one point in ${data.cloud.stride}`);
@@ -163,7 +165,7 @@ function count_steps() {
   (data.beats.counts ?? []).forEach((count, n) => {
     beats[beat_limits.findIndex((limit) => n <= limit)] += count;
   });
-  if (report.points > 0) ++beats[0];  // the first one
+  if (report.points_fired > 0) ++beats[0];  // the first one
   return {beats};
 }
 
@@ -292,12 +294,23 @@ class Hands {
   }
 }
 
+// The number with which a job goes on at a point: pauses are counted with the points.
+function number_in_job(point) {
+  let low = 0, high = data.pauses.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (data.pauses[middle] <= point) low = middle + 1;
+    else high = middle;
+  }
+  return data.first + point + low;
+}
+
 // What there is to say about a point that is shown.
 function point_text(view, i) {
   const places = new Uint16Array(view.bytes.buffer, view.bytes.byteOffset + bytes_per_point * i, 3);
   const at = [...places].map((share, axis) => fixed(data.cloud.low_mm[axis] + (share / 65535) * data.cloud.size_mm[axis], 3));
   const stride = data.cloud.stride;
-  const index = `${stride > 1 ? 'about ' : ''}${grouped(data.first + i * stride)}`;
+  const index = `${stride > 1 ? 'about ' : ''}${grouped(number_in_job(i * stride))}`;
   const lines = [`point ${index}`, `${at.join('  ')} mm`];
   const beats = view.bytes[bytes_per_point * i + 6], missed = view.bytes[bytes_per_point * i + 7];
   if (data.cloud.beats_known && beats > 0) lines.push(`${beats}${beats === 254 ? ' or more' : ''} ${beats === 1 ? 'beat' : 'beats'} from the point before`);

@@ -1,0 +1,35 @@
+#include "host/cli/job_run.hpp"
+
+#include <utility>
+
+#include "host/cli/board_files.hpp"
+#include "host/cli/mode_name.hpp"
+
+namespace lamplock::cli {
+
+report::JobRun begin_run(Work work, const std::string& board, std::size_t from) {
+  const job::Job& job = work.job;
+  report::JobRun run;
+  run.input = std::move(work.input);
+  run.mode = mode_name(job.header.mode);
+  run.board = board;
+  run.first_number = from;
+  const auto before = static_cast<std::ptrdiff_t>(job.points_before(from));
+  run.points = std::move(work.points);
+  run.points.erase(run.points.begin(), run.points.begin() + before);
+  run.shots_ordered.reserve(run.points.size());
+  for (std::size_t i = from; i < job.targets.size(); ++i) {
+    if (job.is_pause(i))
+      run.pauses.push_back(static_cast<std::uint32_t>(run.shots_ordered.size()));
+    else
+      run.shots_ordered.push_back(job.header.dry ? 0 : job.targets[i].shots);
+  }
+  run.shots_known = false;
+  run.refraction = job.refraction;
+  run.warnings = std::move(work.warnings);
+  run.settings = job.settings;
+  run.steps_per_mm = steps_per_mm(run.settings);
+  return run;
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,117 @@
+// How a job ended, told and reported (declared in run_job.hpp).
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "host/cli/report_folder.hpp"
+#include "host/cli/run_job.hpp"
+#include "host/report/statistics.hpp"
+#include "host/report/summary.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using link::JobEnd;
+
+/// What the machine has refused in mid-job is no longer bad input alone: the glass is begun.
+Exit tell_failure(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const Error& told) {
+    if (told.exit() != Exit::bad_input) throw;
+    fmt::print(stderr, "{}\n", told.what());
+  }
+  return Exit::job_failed;
+}
+
+std::string go_on_text(const link::JobResult& result) {
+  return "go on with " + link::go_on_options(result.status.first_unfired, result.flashes_fired);
+}
+
+}  // namespace
+
+std::string end_name(const Outcome& outcome) {
+  if (outcome.error) return "failed";
+  switch (outcome.result.end) {
+    case JobEnd::done:
+      return "done";
+    case JobEnd::stopped:
+      return "stopped";
+    case JobEnd::alarm:
+      return "alarm";
+    case JobEnd::lost:
+      return "lost";
+    case JobEnd::restarted:
+      return "restarted";
+  }
+  return "unknown";
+}
+
+Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
+  const report::Report report = report::evaluate(outcome.run);
+  if (end_name(outcome) != "done")  // known even if the report cannot be written
+    console.say("first point not fired: {}", outcome.result.status.first_unfired);
+  console.line("");
+  console.text(report::summary(report));
+  if (!options.report.empty()) {
+    console.restart_clock();
+    write_report_whole(report, outcome.run, options.report);
+    console.line("");
+    console.phase("report", options.report);
+  }
+  if (console.json()) {
+    Json json = Json::parse(report::to_json(report));
+    json["end"] = end_name(outcome);
+    json["first_unfired"] = outcome.result.status.first_unfired;
+    json["warnings"] = outcome.run.warnings;
+    console.document(json);
+  }
+  if (!options.statistics.empty())
+    report::append_statistics(options.statistics, report, end_name(outcome),
+                              std::chrono::system_clock::now());
+  const Exit exit = tell_end(outcome, options, "point");
+  if (exit != Exit::done) return exit;
+  const auto missed = report.missed.value_or(0), doubled = report.doubled.value_or(0);
+  if (missed == 0 && doubled == 0) return Exit::done;
+  throw Error(Exit::job_failed, "job",
+              fmt::format("{} points not fired, {} shots too many", missed, doubled),
+              "do not go on with this glass; please report it with its input");
+}
+
+Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* item) {
+  if (outcome.error) return tell_failure(outcome.error);
+  const link::JobResult& result = outcome.result;
+  const std::uint32_t next = result.status.first_unfired;
+  switch (result.end) {
+    case JobEnd::done:
+      return Exit::done;
+    case JobEnd::stopped:
+      fmt::print(stderr, "stopped: first {} not fired is {}; {}\n", item, next, go_on_text(result));
+      return Exit::interrupted;
+    case JobEnd::alarm: {
+      const bool estop = result.status.state == wire::MachineState::estop;
+      const std::string what =
+          estop ? "e-stop" : fmt::format("alarm {}", static_cast<int>(result.status.alarm));
+      throw Error(Exit::job_failed, options.board, fmt::format("{} before {} {}", what, item, next),
+                  "clear it and " + go_on_text(result));
+    }
+    case JobEnd::lost:
+      throw Error(Exit::job_failed, options.board,
+                  fmt::format("connection lost, so that the machine could not be stopped; the last "
+                              "{} heard of is {}",
+                              item, next),
+                  "see that it stands, check the cable and " + go_on_text(result));
+    case JobEnd::restarted:
+      throw Error(Exit::job_failed, options.board,
+                  fmt::format("the machine has restarted, its position is lost; the last {} "
+                              "heard of is {}",
+                              item, next),
+                  "home it and " + go_on_text(result));
+  }
+  return Exit::job_failed;
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,105 @@
+// Jobs that end early: what was fired is reported, by the numbers with which they go on.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/inputs.hpp"
+#include "tests/cli/program.hpp"
+#include "tests/cli/shots.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+/// Points a step apart, then one so far that the slow machine is refused its way to it; that is
+/// found out once the machine is on its way.
+struct Refused {
+  static constexpr int near = 100;
+  Refused() {
+    std::string points;
+    for (int i = 0; i < near; ++i) points += fmt::format("{} 0 0\n", 0.005 * (i % 2));
+    list = folder.write("p.xyz", points + "40 0 0\n");
+  }
+  Finished engrave(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"engrave", list, "--speed", "0.0002", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+  /// The number behind --from in what was told.
+  static int go_on_at(const Finished& refused) {
+    const auto at = refused.err.find("--from ");
+    EXPECT_NE(at, std::string::npos) << refused.err;
+    return at == std::string::npos ? -1 : std::stoi(refused.err.substr(at + 7));
+  }
+  Folder folder;
+  std::string list;
+};
+
+TEST(StoppedJobs, ARefusalInMidJobIsReported) {
+  const Refused job;
+  const Finished refused = job.engrave({"--report", job.folder / "report", "--statistics",
+                                        job.folder / "jobs.csv", "--shots", job.folder / "s.csv"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("error: point 100: cannot be reached"));
+  const int fired = Refused::go_on_at(refused);
+  EXPECT_GT(fired, 0);
+  EXPECT_LT(fired, Refused::near);
+  const Json told = Json::parse(refused.out, nullptr, false);
+  EXPECT_EQ(told["end"], "failed");
+  EXPECT_EQ(told["points"], Refused::near + 1);
+  EXPECT_EQ(told["points_fired"], fired);
+  EXPECT_EQ(told["shots"], fired);
+  EXPECT_EQ(told["first_unfired"], fired);
+  EXPECT_EQ(told["missed"], Refused::near + 1 - fired);
+  EXPECT_DOUBLE_EQ(told["beats_per_point"], told["beats"].get<double>() / fired);
+  EXPECT_EQ(Json::parse(read(job.folder / "report/report.json"))["points_fired"], fired);
+  EXPECT_EQ(read_shots(job.folder / "report/shots.csv").size(), static_cast<std::size_t>(fired));
+  EXPECT_EQ(read_shots(job.folder / "s.csv").size(), static_cast<std::size_t>(fired));
+  const auto jobs = lines(read(job.folder / "jobs.csv"));
+  ASSERT_EQ(jobs.size(), 2u);
+  EXPECT_THAT(jobs[0], testing::EndsWith(",points_fired"));
+  EXPECT_THAT(jobs[1], HasSubstr(",failed,"));
+  EXPECT_THAT(jobs[1], testing::EndsWith(fmt::format(",{}", fired)));
+}
+
+TEST(StoppedJobs, ARefusalBeforeTheFirstShotLeavesNothing) {
+  const Refused job;
+  const auto before = job.folder.files();
+  const std::string last = std::to_string(Refused::near);
+  const Finished refused = job.engrave(
+      {"--from", last, "--report", job.folder / "report", "--statistics", job.folder / "jobs.csv"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_EQ(refused.out, "");
+  EXPECT_EQ(job.folder.files(), before);
+}
+
+TEST(StoppedJobs, NumbersCountPausesEverywhere) {
+  const Refused job;
+  const Finished refused =
+      job.engrave({"--pause-every", "5", "--pause-beats", "3", "--report", job.folder / "report"});
+  EXPECT_EQ(refused.status, 1);
+  const int next = Refused::go_on_at(refused);
+  const Json told = Json::parse(refused.out, nullptr, false);
+  const int fired = told["points_fired"];
+  EXPECT_EQ(told["first_unfired"], next);
+  // Five points, a pause, five points, a pause...
+  EXPECT_EQ(next, fired + fired / 5 - (fired % 5 == 0 && next % 6 == 5 ? 1 : 0));
+  const auto shots = lines(read(job.folder / "report/shots.csv"));
+  ASSERT_EQ(shots.size(), static_cast<std::size_t>(fired) + 1);
+  EXPECT_THAT(shots[0], testing::EndsWith(",point"));
+  for (int i = 0; i < fired; ++i)
+    EXPECT_THAT(shots[static_cast<std::size_t>(i) + 1],
+                testing::EndsWith(fmt::format(",{}", i + i / 5)));
+  // The rest of the job begins with that number, on its page too.
+  const Finished rest = run({"engrave", job.list, "--pause-every", "5", "--pause-beats", "3",
+                             "--from", std::to_string(next), "--report", job.folder / "rest"});
+  ASSERT_EQ(rest.status, 0) << rest.err;
+  EXPECT_EQ(lines(read(job.folder / "rest/shots.csv")).size(),
+            static_cast<std::size_t>(Refused::near + 1 - fired) + 1);
+  EXPECT_THAT(read(job.folder / "rest/report.html"), HasSubstr(fmt::format("\"first\":{},", next)));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test
