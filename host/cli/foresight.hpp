@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "host/job/job.hpp"
+#include "host/link/board_settings.hpp"
+#include "host/link/transport.hpp"
 
 namespace lamplock::cli {
 
@@ -20,8 +22,8 @@ class Foresight {
  public:
   /// Knows nothing.
   Foresight() = default;
-  /// Estimates the job from target `first` on; a job that cannot be estimated is one of which
-  /// nothing is known.
+  /// Estimates the job, with its own settings, from target `first` on; a job that cannot be
+  /// estimated is one of which nothing is known.
   Foresight(const job::Job& job, std::size_t first, std::uint32_t job_speed);
 
   /// Seconds from target `done` (not done yet) to the end; nothing where that is not known.
@@ -32,5 +34,14 @@ class Foresight {
   double beat_s_ = 0;
   std::vector<std::uint32_t> beat_;  ///< of each target, from the first shot
 };
+
+/// Settings that a machine runs a job with: speed and lamp as it has told, then what the job
+/// states; all else is as the job was made for.
+settings::Values settings_in_job(const job::Job& job, const link::BoardSettings& machine);
+
+/// Asks the machine at a port for its settings and foresees the job on it. A machine that does not
+/// tell is taken for the one that the job was made for.
+Foresight foresee(const job::Job& job, link::Transport& port, std::size_t first,
+                  std::uint32_t job_speed);
 
 }  // namespace lamplock::cli

@@ -275,7 +275,7 @@ Outcome run_job(const Work& work, const BoardOptions& options,
                     ? fmt::format("give a number from {} to {}", options.from + 1, last)
                     : "leave it out");
   const Foresight foresight = port && !work.job.header.dry
-                                  ? Foresight(work.job, options.from, options.job_speed)
+                                  ? foresee(work.job, *port, options.from, options.job_speed)
                                   : Foresight();
   ask_permission(work, options);
   console.restart_clock();

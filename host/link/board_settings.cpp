@@ -83,8 +83,8 @@ bool take_setting(std::string_view line, BoardSettings& settings) {
   return true;
 }
 
-BoardSettings read_settings(LinePort& port) {
-  const Answer answer = ask(port, "$$");
+BoardSettings read_settings(LinePort& port, const Patience& patience) {
+  const Answer answer = ask(port, "$$", patience);
   if (answer.error != 0)
     throw Error(Exit::job_failed, "machine", "refuses $$: " + error_text(answer.error),
                 "wait until it is idle and try again");

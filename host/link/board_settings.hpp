@@ -36,7 +36,7 @@ struct BoardSettings {
 bool take_setting(std::string_view line, BoardSettings& settings);
 
 /// Asks for all settings. Throws Error: no_device (no answer), job_failed (refused: not at rest).
-BoardSettings read_settings(LinePort& port);
+BoardSettings read_settings(LinePort& port, const Patience& patience = {});
 
 /// A setting and the value that it is to have, as it is sent.
 struct Change {

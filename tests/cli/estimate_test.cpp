@@ -4,7 +4,9 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "host/cli/foresight.hpp"
 #include "host/cli/progress.hpp"
+#include "host/job/profile.hpp"
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
 
@@ -169,6 +171,31 @@ TEST(Statistics, nowhere_to_write_is_told_before_the_job) {
       run({"engrave", points, "--statistics", folder / "no/jobs.csv", "--report", folder / "r"});
   EXPECT_EQ(finished.status, 2);
   EXPECT_EQ(folder.files(), std::vector<std::string>{"p.xyz"});
+}
+
+TEST(Foresight, is_of_the_machine_that_runs_the_job) {
+  job::Profile at_home = job::default_profile();
+  const job::Job job = job::make_job(walk(300, 9), at_home, {});
+  // A machine that is slower, and told so; the profile at home says nothing of it.
+  link::BoardSettings machine;
+  for (const std::string& line : {std::string("$120=500.000"), std::string("$121=500.000"),
+                                  std::string("$122=500.000"), std::string("$901=40.000")})
+    ASSERT_TRUE(link::take_setting(line, machine)) << line;
+  job::Job on_machine = job;
+  on_machine.settings = settings_in_job(job, machine);
+  EXPECT_EQ(on_machine.settings.milli(settings::Id::acceleration_x), 500'000);
+  EXPECT_EQ(on_machine.settings.milli(settings::Id::max_rate_x),
+            job.settings.milli(settings::Id::max_rate_x));
+  const double slow_s = *Foresight(on_machine, 0, 100).left_s(0);
+  job::set_acceleration(at_home, 0.5);
+  job::set_lamp_hz(at_home, 40);
+  const job::Job stated = job::make_job(walk(300, 9), at_home, {});
+  EXPECT_NEAR(slow_s, *Foresight(stated, 0, 100).left_s(0), 1e-9);
+  EXPECT_GT(slow_s, 1.5 * *Foresight(job, 0, 100).left_s(0));
+  // What the job states holds on any machine.
+  EXPECT_EQ(settings_in_job(stated, machine).milli(settings::Id::lamp_frequency), 40'000);
+  machine.values.set_milli(settings::Id::lamp_frequency, 200'000);
+  EXPECT_EQ(settings_in_job(stated, machine).milli(settings::Id::lamp_frequency), 40'000);
 }
 
 TEST(ProgressText, tells_the_end_of_what_takes_long) {
