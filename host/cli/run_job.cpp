@@ -14,6 +14,7 @@
 #include "host/cli/boards.hpp"
 #include "host/cli/foresight.hpp"
 #include "host/cli/job_run.hpp"
+#include "host/cli/lamp_watch.hpp"
 #include "host/cli/motion_plot_file.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/steering.hpp"
@@ -113,6 +114,11 @@ bool has_begun(const link::JobSender& sender, const BoardOptions& options) {
          (status.shots != 0 || sender.points_fired() > options.from);
 }
 
+bool keeps_to_lamp(const job::Job& job) {
+  const auto mode = static_cast<settings::LampMode>(job.settings.whole(Id::lamp_mode));
+  return !job.is_rows() && mode != settings::LampMode::free_beat;
+}
+
 /// Runs a job; what goes wrong once it has begun is in the outcome.
 Outcome send(link::Transport& transport, const Work& work, const BoardOptions& options,
              Clocking clocking, const Foresight& foresight) {
@@ -123,6 +129,8 @@ Outcome send(link::Transport& transport, const Work& work, const BoardOptions& o
   link::JobSender sender(transport, work.job, sending);
   Steering steering(sender, progress, clocking);
   HoldOnce hold(sender, steering, progress, transport, options.hold_at);
+  std::optional<LampWatch> lamp;
+  if (clocking == Clocking::lock_step && keeps_to_lamp(work.job)) lamp.emplace(work.job.settings);
   const auto look_after = [&] {
     try {
       // At another speed than foreseen the pace so far has to do.
@@ -130,6 +138,7 @@ Outcome send(link::Transport& transport, const Work& work, const BoardOptions& o
       progress.set_left(as_foreseen ? foresight.left_s(sender.points_fired()) : std::nullopt);
       steering.look();
       hold.look();
+      if (lamp) lamp->look(sender, transport.now());
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }

@@ -101,5 +101,27 @@ TEST(StoppedJobs, NumbersCountPausesEverywhere) {
   EXPECT_THAT(read(job.folder / "rest/report.html"), HasSubstr(fmt::format("\"first\":{},", next)));
 }
 
+TEST(StoppedJobs, ALampThatNobodyCanFollow) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(20, 3)));
+  for (const auto& fault : std::vector<std::vector<std::string>>{
+           {"--wander", "50"}, {"--dropouts", "100"}, {"--dropouts", "100", "--lamp", "20"}}) {
+    std::vector<std::string> arguments{"engrave", list, "--statistics", folder / "jobs.csv"};
+    arguments.insert(arguments.end(), fault.begin(), fault.end());
+    const Finished gave_up = run(arguments);
+    EXPECT_EQ(gave_up.status, 1) << fault[0];
+    EXPECT_THAT(gave_up.err, HasSubstr("error: simulated lamp: "));
+    EXPECT_THAT(gave_up.err, HasSubstr("--wander"));
+  }
+  // A lamp that is lost now and then, and long pauses, are waited for.
+  for (const auto& patience : std::vector<std::vector<std::string>>{
+           {"--wander", "12"}, {"--pause-every", "10", "--pause-beats", "15000"}}) {
+    std::vector<std::string> arguments{"engrave", list};
+    arguments.insert(arguments.end(), patience.begin(), patience.end());
+    const Finished done = run(arguments);
+    EXPECT_EQ(done.status, 0) << done.err;
+  }
+}
+
 }  // namespace
 }  // namespace lamplock::cli::test

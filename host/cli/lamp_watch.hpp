@@ -1,0 +1,42 @@
+// A simulated lamp that the machine cannot follow: the job would never end, and nobody is there to
+// mend the lamp.
+//
+// In:  the sender and machine time, at every step. Out: nothing, or an Error.
+// Who: run_job, for simulated boards. At a real machine the user looks at the lamp.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include "host/link/sender.hpp"
+#include "shared/settings_table.hpp"
+
+namespace lamplock::cli {
+
+/// Watches one job of points that keeps to the beat of a lamp. Time counts from the last flash that
+/// was of use.
+class LampWatch {
+ public:
+  explicit LampWatch(const settings::Values& values);
+
+  /// To be called after every step of the sender. Throws Error(job_failed) when most beats of a
+  /// long time were lost by the lamp and nothing was fired.
+  void look(const link::JobSender& sender, std::chrono::microseconds now);
+
+ private:
+  /// What had been counted at a time.
+  struct Count {
+    std::uint64_t lost = 0, all = 0;
+  };
+  static Count count(const wire::Status& status);
+
+  std::chrono::microseconds patience_;
+  std::chrono::microseconds since_{};
+  std::size_t points_ = 0;
+  std::uint32_t shots_ = 0;
+  bool begun_ = false;
+  Count before_;
+};
+
+}  // namespace lamplock::cli
