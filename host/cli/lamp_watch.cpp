@@ -54,8 +54,9 @@ void LampWatch::look(const link::JobSender& sender, std::chrono::microseconds no
   if (now - since_ < patience_) return;
   const Count after = count(status);
   const std::uint64_t lost = after.lost - before_.lost, all = after.all - before_.all;
-  // Without any flash there may be no beats to be counted either.
-  const bool by_lamp = all == 0 ? !status.lamp_locked : 2 * lost >= all;
+  // Without any flash there may be no beats to be counted either: a machine that triggers its lamp
+  // counts what comes back.
+  const bool by_lamp = 2 * lost >= all;
   if (!by_lamp) {
     begun_ = false;  // a long way or pause: time counts from here
     return;

@@ -104,8 +104,11 @@ TEST(StoppedJobs, NumbersCountPausesEverywhere) {
 TEST(StoppedJobs, ALampThatNobodyCanFollow) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(20, 3)));
-  for (const auto& fault : std::vector<std::vector<std::string>>{
-           {"--wander", "50"}, {"--dropouts", "100"}, {"--dropouts", "100", "--lamp", "20"}}) {
+  for (const auto& fault :
+       std::vector<std::vector<std::string>>{{"--wander", "50"},
+                                             {"--dropouts", "100"},
+                                             {"--dropouts", "100", "--lamp", "20"},
+                                             {"--dropouts", "100", "--lamp-mode", "master"}}) {
     std::vector<std::string> arguments{"engrave", list, "--statistics", folder / "jobs.csv"};
     arguments.insert(arguments.end(), fault.begin(), fault.end());
     const Finished gave_up = run(arguments);
@@ -113,11 +116,13 @@ TEST(StoppedJobs, ALampThatNobodyCanFollow) {
     EXPECT_THAT(gave_up.err, HasSubstr("error: simulated lamp: "));
     EXPECT_THAT(gave_up.err, HasSubstr("--wander"));
   }
-  // A lamp that is lost now and then, and long pauses, are waited for.
-  for (const auto& patience : std::vector<std::vector<std::string>>{
-           {"--wander", "12"}, {"--pause-every", "10", "--pause-beats", "15000"}}) {
-    std::vector<std::string> arguments{"engrave", list};
-    arguments.insert(arguments.end(), patience.begin(), patience.end());
+  // A lamp that is lost now and then, long pauses and long ways are waited for.
+  const std::string far = folder.write("far.xyz", "0 0 0\n1.4 0 0\n");
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"engrave", list, "--wander", "12"},
+           {"engrave", list, "--pause-every", "10", "--pause-beats", "15000"},
+           {"engrave", far, "--speed", "0.00002"},
+           {"engrave", far, "--speed", "0.00002", "--dry"}}) {
     const Finished done = run(arguments);
     EXPECT_EQ(done.status, 0) << done.err;
   }
