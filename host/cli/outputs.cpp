@@ -24,6 +24,7 @@ fs::path place_of(const std::string& file) {
 
 void check_distinct(const std::vector<Output>& outputs, const std::string& input) {
   std::vector<Output> seen;
+  seen.reserve(outputs.size());
   for (const auto& [option, file] : outputs) {
     if (file.empty() || is_special(file)) continue;
     if (!input.empty() && place_of(file) == place_of(input))
