@@ -65,6 +65,15 @@ void take_field(std::string_view field, BoardStatus& status) {
   } else if (name == "Bf") {
     take_part(field, ',');
     if (const auto bytes = number_of<std::size_t>(field)) status.free_bytes = bytes;
+  } else if (name == "FS") {
+    const std::vector<double> rates = numbers(field);
+    if (rates.size() != 2) return;
+    status.feed = rates[0];
+    status.speed = rates[1];
+  } else if (name == "Ov") {
+    status.overrides.clear();
+    while (!field.empty())
+      status.overrides.push_back(number_of<int>(take_part(field, ',')).value_or(0));
   }
 }
 

@@ -21,6 +21,8 @@ struct BoardStatus {
   bool of_work = false;          ///< the position is WPos
   std::vector<double> work_offset;
   std::optional<std::size_t> free_bytes;  ///< Bf
+  double feed = 0, speed = 0;             ///< FS: mm/min, spindle speed or power
+  std::vector<int> overrides;             ///< Ov: feed, rapid, spindle, per cent
 
   bool is(std::string_view name) const { return state == name; }
   /// Nothing moves, and nothing will without somebody's doing.

@@ -1,5 +1,6 @@
 #include "host/link/line_port.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -11,15 +12,32 @@ void LinePort::send_line(std::string_view line) {
 }
 
 void LinePort::flush() {
-  if (write(urgent_)) write(lines_);
+  if (!flush_urgent() || lines_.empty()) return;
+  const std::size_t taken = transport_.write(lines_);
+  if (taken == 0) return;
+  inside_line_ = lines_[taken - 1] != '\n';
+  lines_.erase(lines_.begin(), lines_.begin() + static_cast<std::ptrdiff_t>(taken));
+}
+
+void LinePort::drop_lines() {
+  lines_.clear();
+  inside_line_ = false;
+}
+
+std::size_t LinePort::drop_unbegun_lines() {
+  const auto end_of_begun =
+      inside_line_ ? std::find(lines_.begin(), lines_.end(), '\n') + 1 : lines_.begin();
+  const auto dropped = std::count(end_of_begun, lines_.end(), '\n');
+  lines_.erase(end_of_begun, lines_.end());
+  return static_cast<std::size_t>(dropped);
 }
 
 /// False if something is left.
-bool LinePort::write(std::vector<std::uint8_t>& bytes) {
-  if (bytes.empty()) return true;
-  const std::size_t taken = transport_.write(bytes);
-  bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(taken));
-  return bytes.empty();
+bool LinePort::flush_urgent() {
+  if (urgent_.empty()) return true;
+  const std::size_t taken = transport_.write(urgent_);
+  urgent_.erase(urgent_.begin(), urgent_.begin() + static_cast<std::ptrdiff_t>(taken));
+  return urgent_.empty();
 }
 
 std::optional<std::string> LinePort::receive() {

@@ -40,6 +40,8 @@ inline constexpr std::uint8_t rapid_quarter = 0x97;
 inline constexpr std::uint8_t power_full = 0x99;
 inline constexpr std::uint8_t power_plus_10 = 0x9A;
 inline constexpr std::uint8_t power_minus_10 = 0x9B;
+inline constexpr std::uint8_t power_plus_1 = 0x9C;
+inline constexpr std::uint8_t power_minus_1 = 0x9D;
 }  // namespace realtime
 
 /// Text in both directions over one transport, which must outlive it.
@@ -54,9 +56,14 @@ class LinePort {
   /// Writes as much as the transport takes now.
   void flush();
   /// Forgets lines that the transport has not taken; half a line may have gone.
-  void drop_lines() { lines_.clear(); }
+  void drop_lines();
+  /// Forgets lines of which nothing has gone yet; how many. The rest of one that has begun still
+  /// goes: cut short it might be taken for another line.
+  std::size_t drop_unbegun_lines();
   /// Bytes queued and not yet taken by the transport.
   std::size_t backlog() const { return lines_.size() + urgent_.size(); }
+  /// A line has begun to go and has not gone as a whole.
+  bool inside_line() const { return inside_line_; }
 
   /// The next line that has come in, if any.
   std::optional<std::string> receive();
@@ -73,12 +80,13 @@ class LinePort {
 
  private:
   void read();
-  bool write(std::vector<std::uint8_t>& bytes);
+  bool flush_urgent();
 
   Transport& transport_;
   wire::StreamParser<wire::End::host> parser_;
   std::deque<std::string> received_;
   std::vector<std::uint8_t> lines_, urgent_;
+  bool inside_line_ = false;  ///< the first of lines_ has begun to go
 };
 
 }  // namespace lamplock::link
