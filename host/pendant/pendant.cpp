@@ -1,0 +1,48 @@
+#include "host/pendant/pendant.hpp"
+
+#include <array>
+#include <utility>
+
+namespace lamplock::pendant {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Time display_interval = 100ms;
+/// More than a pendant sends in a round; one that sends without end must not hold the loop.
+constexpr int most_reports = 16;
+
+}  // namespace
+
+Events Pendant::poll() {
+  Events events;
+  std::array<std::uint8_t, longest_report> report{};
+  for (int i = 0; i < most_reports; ++i) {
+    const std::size_t size = device_->read(report, 0ms);
+    if (size == 0) break;
+    const Events more = decoder_->take(std::span(report).first(size));
+    events.insert(events.end(), more.begin(), more.end());
+  }
+  return events;
+}
+
+void Pendant::show(const Display& display, Time now) {
+  if (to_show_.empty() && shown_ != display && (!shown_ || now - shown_at_ >= display_interval)) {
+    shown_ = display;
+    shown_at_ = now;
+    for (const FeatureReport& report : decoder_->display(display)) to_show_.push_back(report);
+  }
+  if (to_show_.empty()) return;
+  // What a display does not take is not worth a second try: the next one comes soon.
+  device_->send_feature(to_show_.front());
+  to_show_.pop_front();
+}
+
+std::vector<HidInfo> find_pendants(const std::string& option) {
+  std::vector<HidInfo> found = list_pendants();
+  if (option != "auto")
+    std::erase_if(found, [&option](const HidInfo& info) { return option != info.id->option; });
+  return found;
+}
+
+}  // namespace lamplock::pendant
