@@ -60,6 +60,7 @@ void read_axes(Profile& profile, Id x_row, std::string_view key, const toml::nod
 
 void read_key(Profile& profile, std::string_view key, const toml::node& node,
               const std::string& where) {
+  if (key == "pendant") return;  // no setting: host/pendant/key_map.hpp reads it
   if (key == "name") {
     const auto text = node.value<std::string>();
     if (!text || !node.is_string()) refuse(where, "'name' must be a text", "write it in quotes");

@@ -27,7 +27,8 @@ struct Profile {
 Profile default_profile();
 
 /// Reads a profile; what it does not state stays at its default. Keys: `name`, the names of the
-/// settings table, and arrays over the axes without the axis suffix (`travel = [100, 100, 60]`).
+/// settings table, and arrays over the axes without the axis suffix (`travel = [100, 100, 60]`). The
+/// table `pendant` belongs to others (host/pendant/key_map.hpp) and is passed over.
 /// Throws Error(bad_input) with file, line, key and range.
 Profile read_profile(const std::filesystem::path& file);
 

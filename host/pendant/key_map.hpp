@@ -1,0 +1,45 @@
+// What the keys of pendants and of the keyboard do: the table [pendant] of a machine profile.
+//
+// In:  a TOML file (docs/pendants.md, examples/pendant.toml), or nothing. Out: actions by key,
+//      macros, steps, feed.
+// Who: `lamplock jog`. What a file does not state is as default_key_map() says.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/pendant/action.hpp"
+#include "host/pendant/event.hpp"
+#include "host/pendant/macro.hpp"
+
+namespace lamplock::pendant {
+
+/// An action, or the number of a macro.
+struct Binding {
+  Action action = Action::none;
+  std::optional<std::size_t> macro{};
+
+  bool operator==(const Binding&) const = default;
+};
+
+struct KeyMap {
+  std::map<Key, Binding> keys;              ///< of pendants
+  std::map<std::string, Binding> keyboard;  ///< by keyboard_names(), or a character
+  std::vector<Macro> macros;
+  std::vector<double> steps_mm{0.001, 0.01, 0.1, 1};  ///< ascending
+  double feed_mm_min = 3000;                          ///< of jogs
+  std::optional<double> safe_z_mm;                    ///< machine coordinate
+  int hb04_keys = 0;                                  ///< 16 or 18; 0: not told
+};
+
+/// Keys do what is printed on them; nothing is bound to spindle and macro keys.
+KeyMap default_key_map();
+
+/// Reads the table [pendant]; a file without it gives the defaults. Throws Error(bad_input) with
+/// file, line, key.
+KeyMap read_key_map(const std::filesystem::path& file);
+
+}  // namespace lamplock::pendant

@@ -1,0 +1,29 @@
+#include "host/pendant/key_repeat.hpp"
+
+#include <algorithm>
+
+namespace lamplock::pendant {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Time longest_interval = 150ms;
+constexpr Time shortest_trust = 100ms, longest_trust = 300ms;
+
+}  // namespace
+
+KeyRepeat::Press KeyRepeat::press(const std::string& key, Time now) {
+  const bool same = key == key_ && !key_.empty();
+  const Time gap = now - at_;
+  key_ = key;
+  at_ = now;
+  if (!same || gap > longest_interval) {
+    interval_ = Time(0);
+    return {};
+  }
+  // Terminals far away send several at a time: the interval shrinks slowly.
+  interval_ = std::max(gap, interval_ * 3 / 4);
+  return {true, now + std::clamp<Time>(interval_ * 5 / 2, shortest_trust, longest_trust)};
+}
+
+}  // namespace lamplock::pendant

@@ -1,0 +1,64 @@
+#include "host/pendant/macro.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "firmware/program/words.hpp"
+#include "host/error.hpp"
+#include "host/link/program_lines.hpp"
+
+namespace lamplock::pendant {
+namespace {
+
+/// Of a line to grbl 1.1 that is taken everywhere; its end is not counted.
+constexpr std::size_t longest_line = 78;
+
+/// M codes that neither light nor fire nor switch anything but air (docs/gcode.md).
+constexpr std::array dark_codes{0, 1, 2, 5, 7, 8, 9, 30, 60};
+
+bool is_dark(const program::Word& word) {
+  if (word.letter == 'S') return false;
+  return word.letter != 'M' ||
+         (word.decimals == 0 &&
+          std::find(dark_codes.begin(), dark_codes.end(), word.mantissa) != dark_codes.end());
+}
+
+}  // namespace
+
+std::string laser_word(std::string_view line) {
+  program::WordReader reader(line);
+  program::Word word{};
+  for (;;) {
+    if (reader.next(word)) return "?";
+    if (word.letter == 0) return "";
+    if (!is_dark(word)) return fmt::format("{}{}", word.letter, word.mantissa);
+  }
+}
+
+std::string macro_line(std::string_view line, bool laser, const std::string& where) {
+  std::string text = link::line_to_send(line, where);
+  std::string upper = text;
+  std::transform(upper.begin(), upper.end(), upper.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  if (text.size() > longest_line)
+    throw Error(Exit::bad_input, where, "a line is too long for a board",
+                fmt::format("make it {} characters or shorter", longest_line));
+  if (upper.starts_with('$')) {
+    const bool known =
+        upper.starts_with("$J=") || upper == "$X" || (upper.starts_with("$H") && upper.size() <= 3);
+    if (!known)
+      throw Error(Exit::bad_input, where, fmt::format("'{}' is nothing for a key", text),
+                  "of $ lines a macro may have $H, $X and $J=");
+    return text;
+  }
+  if (const std::string word = laser_word(text); !laser && !word.empty())
+    throw Error(Exit::bad_input, where,
+                fmt::format("'{}': {} may light a laser or switch an output", text, word),
+                "leave it out, or write laser = true beside the lines");
+  return text;
+}
+
+}  // namespace lamplock::pendant

@@ -1,0 +1,482 @@
+// A hand at a pendant or a keyboard, and what a virtual board's machine does: how far, how fast,
+// and above all when it stops.
+#include "host/pendant/jogger.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <random>
+#include <regex>
+
+#include "host/error.hpp"
+#include "tests/pendant/hand.hpp"
+
+namespace lamplock::pendant {
+namespace {
+
+using test::scaled;
+using testing::Contains;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::MatchesRegex;
+
+constexpr std::uint8_t cancel = 0x85;
+
+/// Way to rest from a speed, with the time that is allowed for a loss to be acted on.
+double longest_way(double mm_s, double reaction_s) {
+  return mm_s * mm_s / (2 * accel_mm_s2) + mm_s * reaction_s + 0.01;
+}
+
+KeyMap map_with(double feed_mm_min) {
+  KeyMap map = default_key_map();
+  map.feed_mm_min = feed_mm_min;
+  return map;
+}
+
+TEST(Steps, every_click_counts) {
+  Hand hand;
+  hand.select(Selector::x);
+  for (const int clicks : {1, 1, 3, -2, 1}) {
+    hand.turn(clicks);
+    hand.run_ms(40);
+  }
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_NEAR(hand.x(), 0.4, 1e-9);
+  hand.select(Selector::z);
+  hand.jogger.choose_step(1);
+  hand.turn(-2);
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_NEAR(hand.at(2), -2, 1e-9);
+  EXPECT_NEAR(hand.x(), 0.4, 1e-9);
+  EXPECT_THAT(hand.cable.realtime, IsEmpty()) << "nobody cancels a step";
+  hand.expect_sound();
+}
+
+/// A wheel that is turned faster than the machine can follow loses clicks, not the machine its
+/// hand.
+TEST(Steps, no_more_are_ahead_than_a_quarter_of_a_second) {
+  Hand hand(map_with(600));
+  hand.jogger.choose_step(1);
+  hand.select(Selector::x);
+  hand.keep_turning(5, 1000);
+  const double at = hand.x();
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_LE(hand.x() - at, 10 * 0.25 + 1 + 0.05);
+  EXPECT_NEAR(hand.x(), std::round(hand.x()), 1e-9) << "whole steps";
+  EXPECT_GT(hand.x(), 8);
+}
+
+TEST(Steps, none_without_an_axis_or_a_step) {
+  Hand hand;
+  hand.turn(3);
+  hand.select(Selector::b);
+  hand.turn(3);
+  hand.select(Selector::a);  // the machine has three
+  hand.turn(3);
+  hand.select(Selector::x);
+  hand.jogger.take(rate_event({}));
+  hand.turn(3);
+  hand.jogger.set_mode(Mode::continuous);
+  hand.turn(3);
+  hand.run_ms(300);
+  EXPECT_THAT(hand.cable.lines, IsEmpty());
+}
+
+TEST(Continuous, the_wheel_moves_at_the_feed_and_silence_stops) {
+  for (const double mm_s : {5.0, 50.0, 100.0}) {
+    Hand hand(map_with(mm_s * 60));
+    hand.jogger.set_mode(Mode::continuous);
+    hand.select(Selector::y);
+    hand.keep_turning(1, 180);
+    const double from = hand.at(1);
+    hand.keep_turning(1, 90);
+    EXPECT_NEAR((hand.at(1) - from) / 0.09, mm_s, mm_s * 0.03 + 0.1);
+    const double at = hand.at(1);
+    hand.run_ms(400);
+    EXPECT_LE(hand.at(1) - at, longest_way(mm_s, 0.25 + 0.02)) << mm_s;
+    EXPECT_TRUE(hand.jogger.rests());
+    hand.expect_sound();
+  }
+}
+
+TEST(Continuous, the_switch_of_speeds_says_how_fast) {
+  Hand hand(map_with(6000));
+  hand.jogger.set_mode(Mode::continuous);
+  hand.jogger.take(rate_event({1, 30}));
+  hand.select(Selector::x);
+  hand.keep_turning(-1, 300);
+  const double from = hand.x();
+  hand.keep_turning(-1, 300);
+  EXPECT_NEAR((hand.x() - from) / 0.3, -30, 1);
+}
+
+TEST(Continuous, an_axis_moves_no_faster_than_it_can) {
+  job::Profile profile = Hand::plain_profile();
+  job::state_setting(profile, settings::Id::max_rate_x, 600, "test");
+  Hand hand(map_with(60'000), profile);
+  hand.jogger.set_mode(Mode::continuous);
+  hand.select(Selector::x);
+  hand.keep_turning(1, 600);
+  const double at = hand.x();
+  hand.jogger.let_go();
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_LE(hand.x() - at, longest_way(10, 0.05));
+}
+
+TEST(Continuous, a_turn_back_begins_where_the_machine_has_come_to_rest) {
+  Hand hand(map_with(6000));
+  hand.jogger.set_mode(Mode::continuous);
+  hand.select(Selector::x);
+  hand.keep_turning(1, 300);
+  hand.keep_turning(-1, 600);
+  EXPECT_LT(hand.x(), 5);
+  ASSERT_TRUE(hand.come_to_rest());
+  hand.expect_sound();
+}
+
+TEST(Continuous, a_ring_with_a_spring_is_held_until_it_is_let_go) {
+  Hand hand(map_with(4200));
+  hand.select(Selector::x);
+  hand.jogger.take(count_event(Event::Kind::spring, 7));
+  hand.run_ms(300);
+  const double from = hand.x();
+  hand.run_ms(100);
+  EXPECT_NEAR((hand.x() - from) / 0.1, 70, 2);
+  hand.jogger.take(count_event(Event::Kind::spring, 2));
+  hand.run_ms(200);
+  const double slow_from = hand.x();
+  hand.run_ms(100);
+  EXPECT_NEAR((hand.x() - slow_from) / 0.1, 20, 2);
+  const double at = hand.x();
+  hand.jogger.take(count_event(Event::Kind::spring, 0));
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_LE(hand.x() - at, longest_way(20, 0.05));
+}
+
+TEST(Continuous, stops_inside_the_work_space) {
+  Hand hand(map_with(12'000));
+  hand.jogger.set_mode(Mode::continuous);
+  hand.select(Selector::x);
+  hand.keep_turning(1, 1500);
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_LE(hand.x(), 50);
+  EXPECT_GT(hand.x(), 47) << "what has been taken is inside, and goes on to its end";
+  EXPECT_THAT(hand.jogger.take_notes(), Contains(HasSubstr("error:15")));
+  hand.keep_turning(-1, 300);
+  EXPECT_LT(hand.x(), 46);
+}
+
+/// The moment and the speed are any; what somebody does before, too.
+TEST(Loss, stops_the_machine_within_its_way_of_braking_and_50_ms) {
+  std::mt19937_64 random(3);
+  const auto pick = [&random](int from, int to) {
+    return std::uniform_int_distribution<>(from, to)(random);
+  };
+  for (int round = 0; round < scaled(60); ++round) {
+    const double mm_s = pick(1, 30) * pick(1, 10);
+    Hand hand(map_with(mm_s * 60));
+    hand.jogger.set_mode(Mode::continuous);
+    const int axis = pick(0, 2);
+    hand.select(static_cast<Selector>(axis + 1));
+    hand.keep_turning(pick(0, 1) == 0 ? 1 : -1, pick(0, 250));
+    const double at = hand.at(axis);
+    switch (pick(0, 3)) {
+      case 0:
+        hand.jogger.let_go();
+        break;
+      case 1:
+        hand.select(Selector::off);
+        break;
+      case 2:
+        hand.jogger.take(plain_event(Event::Kind::asleep));
+        break;
+      default:
+        hand.key(Key::stop);
+    }
+    ASSERT_TRUE(hand.come_to_rest());
+    EXPECT_LE(std::fabs(hand.at(axis) - at), longest_way(mm_s, 0.05)) << mm_s << " mm/s";
+    hand.expect_sound();
+  }
+}
+
+/// Nobody is left to cancel anything: a program that was killed, a cable that was cut.
+TEST(Loss, increments_end_by_themselves) {
+  std::mt19937_64 random(5);
+  for (int round = 0; round < scaled(20); ++round) {
+    const double mm_s = 5 + static_cast<double>(random() % 200);
+    Hand hand(map_with(mm_s * 60));
+    hand.jogger.set_mode(Mode::continuous);
+    hand.select(Selector::x);
+    hand.keep_turning(1, 50 + static_cast<double>(random() % 200));
+    const double at = hand.x();
+    hand.run_alone_ms(500);
+    EXPECT_LE(hand.x() - at, longest_way(mm_s, 0.1)) << mm_s << " mm/s";
+    const double stands = hand.x();
+    hand.run_alone_ms(100);
+    EXPECT_EQ(hand.x(), stands);
+  }
+}
+
+TEST(Loss, a_board_that_is_silent_gets_no_more_and_is_an_error) {
+  Hand hand(map_with(3000));
+  hand.jogger.set_mode(Mode::continuous);
+  hand.select(Selector::x);
+  hand.keep_turning(1, 200);
+  hand.cable.mute = true;
+  const double at = hand.x();
+  hand.keep_turning(1, 600);
+  EXPECT_THAT(hand.cable.realtime, Contains(cancel));
+  const std::size_t lines = hand.cable.lines.size();
+  EXPECT_LE(hand.x() - at, longest_way(50, 0.25 + 0.05));
+  hand.keep_turning(1, 600);
+  EXPECT_EQ(hand.cable.lines.size(), lines);
+  try {
+    hand.run_ms(5000);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit(), Exit::no_device);
+  }
+}
+
+/// A cancel goes out before lines, and in the middle of one: what is left of it must not be a jog.
+TEST(Loss, over_a_cable_that_takes_a_few_bytes_at_a_time) {
+  std::mt19937_64 random(7);
+  for (int round = 0; round < scaled(60); ++round) {
+    const double mm_s = 20 + static_cast<double>(random() % 50);
+    Hand hand(map_with(mm_s * 60));
+    hand.cable.most_written = [&random] { return 3 + random() % 12; };
+    hand.jogger.set_mode(Mode::continuous);
+    hand.select(Selector::x);
+    hand.keep_turning(1, 60 + static_cast<double>(random() % 200));
+    const double at = hand.x();
+    hand.jogger.let_go();
+    hand.run_ms(mm_s / accel_mm_s2 * 1000 + 150);
+    const double stands = hand.x();
+    EXPECT_LE(stands - at, longest_way(mm_s, 0.1)) << round;
+    ASSERT_TRUE(hand.come_to_rest());
+    EXPECT_EQ(hand.x(), stands) << round;
+    hand.expect_sound();
+  }
+}
+
+TEST(Keyboard, a_key_is_a_step_and_held_it_goes_on_smoothly) {
+  for (const double hz : {10.9, 25.0, 30.0}) {
+    Hand hand(map_with(1200));
+    hand.jogger.set_mode(Mode::continuous);
+    hand.jogger.press("right");
+    hand.run_ms(400);
+    EXPECT_NEAR(hand.x(), 0.1, 1e-9);
+    std::mt19937_64 random(1);
+    std::vector<double> places;
+    for (int i = 0; i < static_cast<int>(1.5 * hz); ++i) {
+      hand.jogger.press("right");
+      const double jitter = static_cast<double>(random() % 10);
+      for (double t = 0; t < 1000 / hz + jitter - 5; t += 2) {
+        hand.run_ms(2);
+        places.push_back(hand.x());
+      }
+    }
+    constexpr std::size_t begin = 150, window = 20;
+    for (std::size_t i = begin; i + window < places.size(); ++i)
+      EXPECT_NEAR((places[i + window] - places[i]) / 0.04, 20, 1) << hz << " Hz, " << i;
+    const double at = hand.x();
+    ASSERT_TRUE(hand.come_to_rest());
+    EXPECT_LE(hand.x() - at, longest_way(20, 0.3));
+    hand.expect_sound();
+  }
+}
+
+TEST(Keyboard, another_key_lets_go) {
+  Hand hand(map_with(3000));
+  hand.jogger.set_mode(Mode::continuous);
+  for (int i = 0; i < 10; ++i) {
+    hand.jogger.press("up");
+    hand.run_ms(33);
+  }
+  const double at = hand.at(1);
+  hand.jogger.press("?");
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_LE(hand.at(1) - at, longest_way(50, 0.05));
+  EXPECT_THAT(hand.cable.realtime, Contains(cancel));
+}
+
+TEST(Keyboard, in_mode_step_every_repeat_is_a_step) {
+  Hand hand;
+  hand.jogger.set_mode(Mode::step);
+  for (int i = 0; i < 10; ++i) {
+    hand.jogger.press("left");
+    hand.run_ms(33);
+  }
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_NEAR(hand.x(), -1, 1e-9);
+}
+
+TEST(Keys, zero_and_the_ways_to_it) {
+  KeyMap map = default_key_map();
+  map.safe_z_mm = 20;
+  Hand hand(map);
+  hand.jogger.choose_step(1);
+  hand.select(Selector::x);
+  hand.turn(3);
+  ASSERT_TRUE(hand.come_to_rest());
+  hand.key(Key::zero);
+  ASSERT_TRUE(hand.come_to_rest());
+  hand.run_ms(1500);  // reports tell the offset now and then
+  EXPECT_NEAR(hand.jogger.display().work_mm[0], 0, 1e-6);
+  hand.turn(2);
+  ASSERT_TRUE(hand.come_to_rest());
+  hand.key(Key::go_to_zero);
+  hand.run_ms(100);
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_NEAR(hand.x(), 3, 1e-9);
+  hand.key(Key::safe_z);
+  hand.run_ms(100);
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_NEAR(hand.at(2), 20, 1e-9);
+  EXPECT_THAT(hand.cable.lines, Contains("G10 L20 P1 X0"));
+}
+
+TEST(Keys, a_way_to_zero_stops_with_the_stop_key) {
+  Hand hand(map_with(3000));
+  hand.select(Selector::x);
+  hand.jogger.choose_step(1);
+  for (int i = 0; i < 2; ++i) {
+    hand.turn(10);
+    ASSERT_TRUE(hand.come_to_rest());
+  }
+  hand.key(Key::go_to_zero);
+  hand.run_ms(100);
+  const double at = hand.x();
+  hand.key(Key::stop);
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_LE(std::fabs(hand.x() - at), longest_way(50, 0.05));
+  EXPECT_GT(hand.x(), 1);
+}
+
+TEST(Keys, act_as_on_grbl) {
+  Hand hand;
+  hand.port.send_line("G1 X30 F600");
+  hand.run_ms(300);
+  ASSERT_TRUE(hand.jogger.machine().status.is("Run"));
+  hand.key(Key::start);
+  hand.run_ms(300);
+  EXPECT_TRUE(hand.jogger.machine().status.is("Hold"));
+  hand.select(Selector::x);
+  hand.turn(1);
+  EXPECT_THAT(hand.jogger.take_notes(), ElementsAre(HasSubstr("does not jog in state Hold")));
+  hand.key(Key::start);
+  hand.run_ms(200);
+  EXPECT_TRUE(hand.jogger.machine().status.is("Run"));
+  hand.key(Key::stop);
+  hand.run_ms(300);
+  EXPECT_TRUE(hand.jogger.machine().status.is("Hold"));
+  hand.key(Key::reset);
+  hand.run_ms(500);
+  EXPECT_THAT(hand.cable.realtime, ElementsAre('!', '~', '!', 0x18));
+  EXPECT_TRUE(hand.jogger.rests());
+}
+
+TEST(Keys, overrides) {
+  Hand hand;
+  hand.jogger.set_mode(Mode::feed);
+  hand.select(Selector::x);
+  hand.turn(2);
+  hand.turn(-1);
+  hand.select(Selector::power);
+  hand.turn(1);
+  hand.key(Key::feed_plus);
+  hand.run_ms(20);
+  EXPECT_THAT(hand.cable.realtime, ElementsAre(0x93, 0x93, 0x94, 0x9c, 0x91));
+  EXPECT_THAT(hand.cable.lines, IsEmpty());
+}
+
+KeyMap map_with_macro(std::vector<std::string> lines) {
+  KeyMap map = default_key_map();
+  map.macros.push_back({"test", std::move(lines), false});
+  map.keys[Key::macro_1] = {Action::none, 0};
+  return map;
+}
+
+TEST(Macros, are_sent_line_by_line) {
+  Hand hand(map_with_macro({"G91 G1 X2 F600", "G90", "G10 L20 P1 X0"}));
+  hand.key(Key::macro_1);
+  hand.run_ms(50);
+  hand.select(Selector::y);
+  hand.turn(1);
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_THAT(hand.cable.lines, ElementsAre("G91 G1 X2 F600", "G90", "G10 L20 P1 X0"));
+  EXPECT_NEAR(hand.x(), 2, 1e-9);
+}
+
+TEST(Macros, end_with_an_error_a_loss_and_a_reset) {
+  Hand hand(map_with_macro({"G91 G1 X20 F600", "G4 P0", "G1 X20", "G1 X-40"}));
+  hand.key(Key::macro_1);
+  hand.run_ms(300);
+  hand.jogger.let_go();
+  hand.run_ms(500);
+  EXPECT_TRUE(hand.jogger.machine().status.is("Hold"));
+  const double at = hand.x();
+  hand.key(Key::reset);
+  hand.run_ms(1000);
+  EXPECT_EQ(hand.x(), at);
+  EXPECT_THAT(hand.cable.lines, ElementsAre("G91 G1 X20 F600", "G4 P0"));
+
+  Hand other(map_with_macro({"G91", "nonsense", "G1 X20 F600"}));
+  other.key(Key::macro_1);
+  other.run_ms(300);
+  EXPECT_EQ(other.x(), 0);
+  EXPECT_THAT(other.jogger.take_notes(), Contains(HasSubstr("nonsense")));
+}
+
+/// Everything at once, at any moment: the only lines are jogs, homing, unlocking and zero, and the
+/// machine always comes to rest.
+TEST(AnyEvents, never_light_a_laser_and_always_end_at_rest) {
+  std::mt19937_64 random(13);
+  const auto pick = [&random](int from, int to) {
+    return std::uniform_int_distribution<>(from, to)(random);
+  };
+  std::vector<std::string> names;
+  for (const auto& [name, binding] : default_key_map().keyboard) names.push_back(name);
+  for (int round = 0; round < scaled(15); ++round) {
+    KeyMap map = map_with(pick(100, 20'000));
+    map.safe_z_mm = pick(-60, 60);
+    Hand hand(map);
+    for (int i = 0; i < 120; ++i) {
+      switch (pick(0, 7)) {
+        case 0:
+          hand.key(static_cast<Key>(pick(1, static_cast<int>(Key::count) - 1)));
+          break;
+        case 1:
+          hand.select(static_cast<Selector>(pick(0, 8)));
+          break;
+        case 2:
+          hand.jogger.take(count_event(Event::Kind::spring, pick(-7, 7)));
+          break;
+        case 3:
+          hand.jogger.press(
+              names[static_cast<std::size_t>(pick(0, static_cast<int>(names.size()) - 1))]);
+          break;
+        case 4:
+          hand.jogger.take(rate_event({pick(0, 3) * 0.1, pick(0, 100), pick(0, 5) == 0}));
+          break;
+        default:
+          hand.turn(pick(-128, 127));
+      }
+      hand.run_ms(pick(0, 60));
+    }
+    hand.jogger.let_go();
+    hand.run_ms(1500);
+    EXPECT_TRUE(hand.jogger.rests());
+    const double at = hand.x();
+    hand.run_ms(100);
+    EXPECT_EQ(hand.x(), at);
+    EXPECT_THAT(hand.cable.lines,
+                Each(MatchesRegex("\\$H|\\$X|G10 L20 P1( [XYZ]0)+|\\$J=[GXYZF0-9.-]+")));
+    hand.expect_dark();
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::pendant
