@@ -60,6 +60,7 @@ Exit run(int argc, char** argv) {
   lamplock::cli::add_console(program, action);
   lamplock::cli::add_frame(program, action);
   lamplock::cli::add_operate(program, action);
+  lamplock::cli::add_jog(program, action);
   lamplock::cli::add_compare(program, action);
   lamplock::cli::add_sim(program, action);
   lamplock::cli::add_chip(program, action);

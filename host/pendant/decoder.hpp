@@ -24,8 +24,8 @@ class Decoder {
   virtual Events take(std::span<const std::uint8_t> report) = 0;
   /// Reports that make the pendant show this; none if it has no display.
   virtual std::vector<FeatureReport> display(const Display&) const { return {}; }
-  /// True if the pendant chooses steps and modes itself, by keys of its own.
-  virtual bool has_mode_keys() const { return true; }
+  /// True if it has a switch of axes; without one, keys choose the axis of its wheel.
+  virtual bool has_switch() const { return true; }
 };
 
 /// What USB does not tell about a pendant.

@@ -30,6 +30,12 @@ constexpr Time note_interval = 2s;
 constexpr int most_knob_clicks = 10;
 constexpr int full_percent = 100;
 
+/// Cut off at what a display can show; a board may say anything.
+int shown_number(double value) {
+  constexpr double most = 65535;
+  return std::isfinite(value) ? static_cast<int>(std::clamp(value, 0.0, most)) : 0;
+}
+
 Selector selector_of(int axis) { return static_cast<Selector>(axis + 1); }
 
 }  // namespace
@@ -37,6 +43,12 @@ Selector selector_of(int axis) { return static_cast<Selector>(axis + 1); }
 Jogger::Jogger(link::LinePort& port, const JogLimits& limits, KeyMap map)
     : talk_(port), stream_(talk_, limits), map_(std::move(map)) {
   choose_step(0.1);
+}
+
+void Jogger::use_pendant(bool has_switch) {
+  has_switch_ = has_switch;
+  switch_ = Selector::off;
+  has_rate_ = false;
 }
 
 void Jogger::take(const Event& event) {
@@ -50,6 +62,8 @@ void Jogger::take(const Event& event) {
     case Event::Kind::key_up:
       return;
     case Event::Kind::selector:
+      switch_ = event.selector;
+      has_switch_ = true;
       return choose(event.selector);
     case Event::Kind::rate:
       rate_ = event.rate;
@@ -137,9 +151,8 @@ Display Jogger::display() const {
     shown.feed_percent = machine().overrides[0];
     shown.power_percent = machine().overrides[2];
   }
-  constexpr double most = 65535;  // of a display
-  shown.feed_mm_min = static_cast<int>(std::clamp(machine().status.feed, 0.0, most));
-  shown.power = static_cast<int>(std::clamp(machine().status.speed, 0.0, most));
+  shown.feed_mm_min = shown_number(machine().status.feed);
+  shown.power = shown_number(machine().status.speed);
   shown.alarm = machine().status.is("Alarm");
   return shown;
 }
@@ -171,6 +184,7 @@ double Jogger::wheel_feed_mm_min() const {
 }
 
 void Jogger::move_wheel(int clicks) {
+  if (has_switch_ && switch_ != selector_) return note("turn the switch of axes first");
   const bool knob = mode_ == Mode::feed || selector_ == Selector::feed || rate_.lead;
   if (selector_ == Selector::off) return;
   if (selector_ == Selector::power)

@@ -32,6 +32,8 @@ class Jogger {
   /// The port must outlive it. `map` is kept.
   Jogger(link::LinePort& port, const JogLimits& limits, KeyMap map);
 
+  /// A pendant is used from now on; with a switch of axes its wheel obeys that alone.
+  void use_pendant(bool has_switch);
   /// Something has happened at a pendant.
   void take(const Event& event);
   /// A key of a terminal was pressed, or repeats.
@@ -86,7 +88,9 @@ class Jogger {
   JogStream stream_;
   KeyMap map_;
   KeyRepeat repeat_;
-  Selector selector_ = Selector::off;
+  Selector selector_ = Selector::off;  ///< chosen last, by switch or key
+  Selector switch_ = Selector::off;    ///< where that of the pendant stands
+  bool has_switch_ = false;
   Rate rate_{};
   bool has_rate_ = false;  ///< the pendant has a switch of steps and speeds
   Mode mode_ = Mode::step;

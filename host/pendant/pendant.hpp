@@ -27,7 +27,7 @@ class Pendant {
   /// Shows this, if it has changed, ten times a second at most; `now` is any clock's.
   void show(const Display& display, Time now);
   bool gone() const { return device_->gone(); }
-  bool has_mode_keys() const { return decoder_->has_mode_keys(); }
+  bool has_switch() const { return decoder_->has_switch(); }
 
  private:
   const PendantId& id_;

@@ -20,7 +20,7 @@ class Shuttle final : public Decoder {
   explicit Shuttle(Model model) : model_(model) {}
 
   Events take(std::span<const std::uint8_t> report) override;
-  bool has_mode_keys() const override { return false; }
+  bool has_switch() const override { return false; }
 
  private:
   Model model_;

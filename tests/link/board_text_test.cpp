@@ -25,6 +25,10 @@ TEST(BoardText, status_reports) {
   EXPECT_FALSE(status->of_work);
   EXPECT_THAT(status->work_offset, ElementsAre(1, 0, 0.5));
   EXPECT_EQ(status->free_bytes, 67u);
+  EXPECT_EQ(status->feed, 6000);
+  EXPECT_EQ(status->speed, 500);
+  EXPECT_THAT(status->overrides, IsEmpty());
+  EXPECT_THAT(parse_status("<Idle|Ov:110,100,90>")->overrides, ElementsAre(110, 100, 90));
   const auto idle = parse_status("<Idle|WPos:0.000,0.000,0.000|FS:0,0>");
   ASSERT_TRUE(idle);
   EXPECT_EQ(idle->substate, -1);
@@ -39,6 +43,7 @@ TEST(BoardText, broken_reports_break_nothing) {
   const auto odd = parse_status("<Idle|MPos:1,x,3|Bf:|Bf:9|||:>");
   ASSERT_TRUE(odd);
   EXPECT_THAT(odd->position, IsEmpty());
+  EXPECT_THAT(parse_status("<Idle|FS:1|Ov:9999999999,x>")->overrides, ElementsAre(0, 0));
   EXPECT_FALSE(odd->free_bytes);
 }
 

@@ -59,8 +59,11 @@ class ListenedCable final : public link::Transport {
 /// The machine has three axes, 200 steps/mm, 1 m/s, 2 m/s2, 100 mm round the origin.
 class Hand {
  public:
-  explicit Hand(KeyMap map = default_key_map(), job::Profile profile = plain_profile())
-      : rig(profile), cable(rig.board), jogger(port, jog_limits(profile.settings), std::move(map)) {
+  explicit Hand(KeyMap map = default_key_map(), const job::Profile& profile = plain_profile())
+      : Hand(std::move(map), profile, jog_limits(profile.settings)) {}
+  /// The jogger takes the machine for another one.
+  Hand(KeyMap map, const job::Profile& profile, const JogLimits& limits)
+      : rig(profile), cable(rig.board), jogger(port, limits, std::move(map)) {
     run_ms(150);  // the first report
     cable.lines.clear();
     jogger.take_notes();

@@ -2,6 +2,7 @@
 // whose other end the test holds, and the ioctls of hidraw (umockdev).
 #pragma once
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <pty.h>
 #include <sys/wait.h>
@@ -126,6 +127,8 @@ class HidBench {
     int slave = -1;
     ASSERT_EQ(::openpty(&master_, &slave, name.data(), &raw, nullptr), 0);
     ::close(slave);
+    // A program that is started must not hold this end open.
+    ASSERT_EQ(::fcntl(master_, F_SETFD, FD_CLOEXEC), 0);
     std::filesystem::remove(node_file());
     std::filesystem::create_symlink(name.data(), node_file());
   }

@@ -84,6 +84,29 @@ TEST(Steps, none_without_an_axis_or_a_step) {
   EXPECT_THAT(hand.cable.lines, IsEmpty());
 }
 
+/// A switch that is off is off, whatever a key of the keyboard chooses.
+TEST(Steps, a_wheel_obeys_its_switch) {
+  Hand hand;
+  hand.jogger.use_pendant(true);
+  hand.jogger.press("x");
+  hand.turn(3);
+  hand.select(Selector::y);
+  hand.jogger.press("x");
+  hand.turn(3);
+  hand.run_ms(300);
+  EXPECT_THAT(hand.cable.lines, IsEmpty());
+  hand.select(Selector::z);
+  hand.turn(3);
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_NEAR(hand.at(2), 0.3, 1e-9);
+  // A shuttle has none.
+  hand.jogger.use_pendant(false);
+  hand.jogger.press("x");
+  hand.turn(3);
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_NEAR(hand.x(), 0.3, 1e-9);
+}
+
 TEST(Continuous, the_wheel_moves_at_the_feed_and_silence_stops) {
   for (const double mm_s : {5.0, 50.0, 100.0}) {
     Hand hand(map_with(mm_s * 60));
@@ -123,6 +146,19 @@ TEST(Continuous, an_axis_moves_no_faster_than_it_can) {
   hand.jogger.let_go();
   ASSERT_TRUE(hand.come_to_rest());
   EXPECT_LE(hand.x() - at, longest_way(10, 0.05));
+}
+
+/// Somebody has slowed it down, or it is another one than its settings say: places tell.
+TEST(Continuous, what_is_ahead_is_bounded_by_where_the_machine_is) {
+  job::Profile slow = Hand::plain_profile();
+  job::state_setting(slow, settings::Id::max_rate_x, 600, "test");
+  Hand hand(map_with(6000), slow, jog_limits(Hand::plain_profile().settings));
+  hand.jogger.set_mode(Mode::continuous);
+  hand.select(Selector::x);
+  hand.keep_turning(1, 900);
+  const double at = hand.x();
+  hand.run_alone_ms(10'000);
+  EXPECT_LE(hand.x() - at, longest_way(100, 0.35)) << "90 mm were asked for";
 }
 
 TEST(Continuous, a_turn_back_begins_where_the_machine_has_come_to_rest) {
@@ -258,6 +294,23 @@ TEST(Loss, over_a_cable_that_takes_a_few_bytes_at_a_time) {
     ASSERT_TRUE(hand.come_to_rest());
     EXPECT_EQ(hand.x(), stands) << round;
     hand.expect_sound();
+  }
+}
+
+/// Half of the line is out when it is cancelled: what becomes of the other half ends at once.
+TEST(Loss, in_the_middle_of_a_line) {
+  std::mt19937_64 random(8);
+  for (int round = 0; round < scaled(30); ++round) {
+    Hand hand(map_with(3000));
+    hand.cable.most_written = [&random] { return 3 + random() % 3; };
+    hand.jogger.choose_step(1);
+    hand.select(Selector::x);
+    hand.turn(10);
+    hand.run_ms(2 + 2 * static_cast<double>(random() % 5));
+    hand.jogger.let_go();
+    ASSERT_TRUE(hand.come_to_rest());
+    EXPECT_LE(hand.x(), 0.5) << round;
+    EXPECT_THAT(hand.cable.lines.size(), testing::Le(1u));
   }
 }
 
@@ -401,9 +454,10 @@ KeyMap map_with_macro(std::vector<std::string> lines) {
 
 TEST(Macros, are_sent_line_by_line) {
   Hand hand(map_with_macro({"G91 G1 X2 F600", "G90", "G10 L20 P1 X0"}));
-  hand.key(Key::macro_1);
-  hand.run_ms(50);
   hand.select(Selector::y);
+  hand.key(Key::macro_1);
+  hand.turn(1);
+  hand.run_ms(50);
   hand.turn(1);
   ASSERT_TRUE(hand.come_to_rest());
   EXPECT_THAT(hand.cable.lines, ElementsAre("G91 G1 X2 F600", "G90", "G10 L20 P1 X0"));
@@ -428,6 +482,18 @@ TEST(Macros, end_with_an_error_a_loss_and_a_reset) {
   other.run_ms(300);
   EXPECT_EQ(other.x(), 0);
   EXPECT_THAT(other.jogger.take_notes(), Contains(HasSubstr("nonsense")));
+}
+
+/// The board begins anew, whoever wanted it: what the macro counted on is gone.
+TEST(Macros, do_not_go_on_behind_a_restart) {
+  Hand hand(map_with_macro({"G4 P0.3", "G91 G1 X5 F600"}));
+  hand.key(Key::macro_1);
+  hand.run_ms(100);
+  hand.port.send_realtime(0x18);
+  hand.run_ms(1000);
+  EXPECT_THAT(hand.cable.lines, ElementsAre("G4 P0.3"));
+  EXPECT_EQ(hand.x(), 0);
+  EXPECT_TRUE(hand.jogger.rests());
 }
 
 /// Everything at once, at any moment: the only lines are jogs, homing, unlocking and zero, and the
@@ -468,7 +534,8 @@ TEST(AnyEvents, never_light_a_laser_and_always_end_at_rest) {
     }
     hand.jogger.let_go();
     hand.run_ms(1500);
-    EXPECT_TRUE(hand.jogger.rests());
+    // A hold may keep a line back for as long as somebody likes.
+    EXPECT_TRUE(hand.jogger.rests() || hand.jogger.machine().status.waits());
     const double at = hand.x();
     hand.run_ms(100);
     EXPECT_EQ(hand.x(), at);

@@ -1,0 +1,110 @@
+// `lamplock jog`: move a machine by hand, with keys or a pendant.
+#include <array>
+#include <memory>
+
+#include "host/cli/board_link.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/jog_session.hpp"
+#include "host/cli/options.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+struct Options {
+  BoardOptions board;
+  MachineOptions machine;
+  std::string pendant = "auto";
+  std::optional<std::string> mode;
+  std::optional<double> feed_mm_min, step_mm;
+};
+
+/// In the order of pendant::Mode.
+constexpr std::array mode_names{"step", "continuous", "feed"};
+
+JogChoice choice_of(const Options& options) {
+  JogChoice choice;
+  choice.pendant = options.pendant;
+  choice.map = options.machine.machine.empty() ? pendant::default_key_map()
+                                               : pendant::read_key_map(options.machine.machine);
+  if (options.feed_mm_min) choice.map.feed_mm_min = *options.feed_mm_min;
+  // A step that the list does not have joins it.
+  if (options.step_mm) {
+    auto& steps = choice.map.steps_mm;
+    steps.insert(std::upper_bound(steps.begin(), steps.end(), *options.step_mm), *options.step_mm);
+  }
+  choice.step_mm = options.step_mm;
+  if (options.mode) {
+    const auto* name = std::find(mode_names.begin(), mode_names.end(), *options.mode);
+    choice.mode = static_cast<pendant::Mode>(name - mode_names.begin());
+  }
+  return choice;
+}
+
+Json document_of(const JogSession& session) {
+  const pendant::Jogger& jogger = session.jogger();
+  const pendant::MachineNow& machine = jogger.machine();
+  return {{"pendant", session.pendant_name()},  {"state", machine.status.state},
+          {"machine_mm", machine.place(false)}, {"work_mm", machine.place(true)},
+          {"lines", jogger.counts().lines},     {"cancels", jogger.counts().cancels},
+          {"refused", jogger.counts().refused}};
+}
+
+Exit jog(const Options& options) {
+  Console console(options.board.json);
+  const JogChoice choice = choice_of(options);
+  BoardLink board(options.board, options.machine.profile().settings);
+  JogSession session(board, choice, console);
+  session.run();
+  console.document(document_of(session));
+  return Exit::done;
+}
+
+std::vector<std::string> pendant_names() {
+  std::vector<std::string> names{"auto", "none"};
+  for (const pendant::PendantId& id : pendant::pendant_ids) names.emplace_back(id.option);
+  return names;
+}
+
+void add_options(CLI::App& app, const std::shared_ptr<Options>& options) {
+  app.add_option("--pendant", options->pendant, "auto: the first that is plugged in")
+      ->check(one_of(pendant_names()))
+      ->type_name("auto|none|hb04|whb04b|shuttlexpress|shuttlepro")
+      ->capture_default_str();
+  app.add_option("--mode", options->mode,
+                 "What the wheel does at first; held keys go on in continuous. Without it: step "
+                 "with a pendant, else continuous")
+      ->check(one_of({mode_names.begin(), mode_names.end()}))
+      ->type_name("step|continuous|feed");
+  constexpr double least = 0.001, greatest_step_mm = 100, greatest_feed = 1e6;
+  app.add_option("--feed", options->feed_mm_min, "Feed of jogs; 3000 without it and [pendant]")
+      ->check(CLI::Range(least, greatest_feed).description(""))
+      ->type_name("MM_MIN");
+  app.add_option("--step", options->step_mm, "Length of a step at first; 0.1 without it")
+      ->check(CLI::Range(least, greatest_step_mm).description(""))
+      ->type_name("MM");
+  app.add_flag("--json", options->board.json, "Print the result as JSON on stdout");
+}
+
+}  // namespace
+
+void add_jog(CLI::App& program, Action& action) {
+  CLI::App* app =
+      program.add_subcommand("jog", "Move the machine by hand, with keys or a USB pendant");
+  app->footer(
+      "Keys: arrows X and Y, PgUp and PgDn Z, comma and point A: a step; held they go on.\n"
+      "+ - length of the step, m mode, x y z a choose an axis, 0 its zero is here, g go to zero,\n"
+      "h home, u unlock, ! hold, ~ go on, Ctrl-X reset, space or Esc stop, q leave.\n"
+      "Whatever ends, the hand, the pendant, this program or the cable, the machine stops behind "
+      "it.\n"
+      "Keys, pendants and macros are in the table [pendant] of --machine: docs/pendants.md.\n"
+      "Example:\n  lamplock jog --board /dev/ttyACM0 --step 0.01\n"
+      "  lamplock jog --board virtual --pendant none");
+  const auto options = std::make_shared<Options>();
+  options->board.add_choice(*app);
+  options->machine.add_machine(*app);
+  add_options(*app, options);
+  app->callback([options, &action] { action = [options] { return jog(*options); }; });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,159 @@
+#include "host/cli/jog_session.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <thread>
+
+#include "host/cli/keyboard.hpp"
+#include "host/error.hpp"
+#include "host/link/board_settings.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using pendant::Event;
+using settings::Id;
+
+constexpr std::chrono::microseconds loop_interval = 2ms;
+/// Pendants that are not there are looked for this often, while nothing moves.
+constexpr auto look_interval = 1s;
+/// An escape that nothing follows for so long is the key.
+constexpr auto escape_time = 50ms;
+/// Time that a simulated board may fall behind the wall clock before it is left behind.
+constexpr auto longest_lag = 100ms;
+/// Longest braking that is waited for.
+constexpr auto rest_time = 5s;
+
+pendant::JogLimits limits_of(link::LinePort& port) {
+  const link::BoardSettings settings = link::read_settings(port);
+  if (settings.values.whole(Id::report_inches) != 0)
+    throw Error(Exit::job_failed, "machine", "tells its places in inches", "set $13=0");
+  return pendant::jog_limits(settings.values);
+}
+
+}  // namespace
+
+JogSession::JogSession(BoardLink& board, const JogChoice& choice, Console& console)
+    : board_(board), choice_(choice), screen_(console) {
+  const bool with_pendant = choice.pendant != "none";
+  if (with_pendant) look_for_pendant(choice.pendant != "auto");
+  // Without a terminal keys come from a pipe, unless there is a pendant: its user has none then.
+  if (Keyboard::at_terminal() || !pendant_) terminal_.emplace();
+  jogger_.emplace(board.port(), limits_of(board.port()), choice.map);
+  if (choice.step_mm) jogger_->choose_step(*choice.step_mm);
+  if (pendant_) jogger_->use_pendant(pendant_->has_switch());
+  jogger_->set_mode(
+      choice.mode.value_or(pendant_ ? pendant::Mode::step : pendant::Mode::continuous));
+}
+
+JogSession::~JogSession() {
+  try {
+    board_.port().send_realtime(link::realtime::jog_cancel);
+    board_.port().flush();
+  } catch (const std::exception&) {
+    // The board is gone: what it was sent has come to its end by itself.
+  }
+}
+
+void JogSession::run() {
+  while (!shall_end()) {
+    round();
+    take_pendant();
+    if (terminal_) take_keys();
+  }
+  come_to_rest();
+  if (pendant_lost_ && !terminal_)
+    throw Error(Exit::no_device, pendant_name_, "has gone; the machine was stopped",
+                "plug it in and begin again");
+}
+
+void JogSession::look_for_pendant(bool must_be) {
+  looked_at_ = Clock::now();
+  const auto found = pendant::find_pendants(choice_.pendant);
+  for (const pendant::HidInfo& info : found) {
+    try {
+      use(info);
+      return;
+    } catch (const Error& error) {
+      if (must_be) throw;
+      screen_.note(error.what());
+    }
+  }
+  if (must_be)
+    throw Error(Exit::no_device, "--pendant " + choice_.pendant, "is not plugged in",
+                "plug in its receiver, or leave it to --pendant auto");
+}
+
+void JogSession::use(const pendant::HidInfo& info) {
+  const pendant::Variant variant{choice_.map.hb04_keys};
+  pendant_.emplace(*info.id, pendant::open_pendant(info), variant);
+  pendant_name_ = info.id->name;
+  pendant_lost_ = false;
+  if (jogger_) jogger_->use_pendant(pendant_->has_switch());
+  screen_.note(fmt::format("{} at {}", info.id->name, info.path));
+}
+
+void JogSession::take_pendant() {
+  if (!pendant_) {
+    const bool wanted = choice_.pendant != "none" && pendant_lost_ && jogger_->rests();
+    if (wanted && Clock::now() - looked_at_ >= look_interval) look_for_pendant(false);
+    return;
+  }
+  for (const Event& event : pendant_->poll()) jogger_->take(event);
+  if (!pendant_->gone()) return pendant_->show(jogger_->display(), board_.port().transport().now());
+  jogger_->let_go();
+  pendant_.reset();
+  pendant_lost_ = true;
+  screen_.note(pendant_name_ + " has gone: stopped");
+}
+
+void JogSession::take_keys() {
+  const std::string bytes = terminal_->read();
+  auto keys = keys_.take(bytes);
+  if (!bytes.empty()) key_at_ = Clock::now();
+  if (keys_.inside() && Clock::now() - key_at_ >= escape_time) keys = keys_.pause();
+  for (const std::string& key : keys) jogger_->press(key);
+}
+
+bool JogSession::shall_end() {
+  if (jogger_->wants_to_quit() || interrupt_.count() > 0) return true;
+  if (terminal_) return terminal_->ended();
+  return pendant_lost_;
+}
+
+void JogSession::come_to_rest() {
+  jogger_->let_go();
+  const auto until = Clock::now() + rest_time;
+  // One report at least: whoever asks for the result wants a place. What a hold keeps back is kept.
+  const auto stands = [this] {
+    const pendant::MachineNow& machine = jogger_->machine();
+    return machine.reports > 0 && (jogger_->rests() || machine.status.waits());
+  };
+  while (!stands() && Clock::now() < until) round();
+}
+
+/// The board has its say, and something to do for so long.
+void JogSession::round() {
+  pass_time();
+  jogger_->poll();
+  for (const std::string& note : jogger_->take_notes()) screen_.note(note);
+  screen_.show(*jogger_);
+}
+
+void JogSession::pass_time() {
+  link::Transport& transport = board_.port().transport();
+  if (board_.simulated() == nullptr) return transport.wait(loop_interval);
+  std::this_thread::sleep_for(loop_interval);
+  const auto now = Clock::now();
+  passed_until_ = std::max(passed_until_, now - longest_lag);
+  const auto due =
+      transport.now() + std::chrono::duration_cast<std::chrono::microseconds>(now - passed_until_);
+  passed_until_ = now;
+  while (transport.now() < due) {
+    transport.wait(std::min(loop_interval, due - transport.now()));
+    if (transport.now() < due) jogger_->poll();
+  }
+}
+
+}  // namespace lamplock::cli
