@@ -1,16 +1,15 @@
 #include "host/pendant/key_map.hpp"
 
 #include <fmt/format.h>
-#define TOML_EXCEPTIONS 1
-#include <toml++/toml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 
 #include "host/error.hpp"
-#include "host/file.hpp"
 #include "host/pendant/terminal_keys.hpp"
+#include "host/toml_file.hpp"
 
 namespace lamplock::pendant {
 namespace {
@@ -103,9 +102,7 @@ class Reader {
                          const std::string& remedy) const {
     throw Error(Exit::bad_input, where(at), what, remedy);
   }
-  std::string where(const toml::source_region& at) const {
-    return fmt::format("{}:{}", file_.string(), at.begin.line);
-  }
+  std::string where(const toml::source_region& at) const { return toml_location(file_, at); }
 
   void read_key(const toml::key& key, const toml::node& node) {
     const std::string_view name = key.str();
@@ -231,19 +228,12 @@ KeyMap default_key_map() {
 }
 
 KeyMap read_key_map(const std::filesystem::path& file) {
-  const std::string text = read_file(file);
-  toml::table table;
-  try {
-    table = toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    throw Error(Exit::bad_input, fmt::format("{}:{}", file.string(), error.source().begin.line),
-                std::string(error.description()), "correct the line");
-  }
+  const toml::table table = read_toml(file);
   const toml::node* node = table.get("pendant");
   if (node == nullptr) return default_key_map();
   if (node->as_table() == nullptr)
-    throw Error(Exit::bad_input, fmt::format("{}:{}", file.string(), node->source().begin.line),
-                "'pendant' must be a table", "write [pendant]");
+    throw Error(Exit::bad_input, toml_location(file, node->source()), "'pendant' must be a table",
+                "write [pendant]");
   return Reader(file).read(*node->as_table());
 }
 
