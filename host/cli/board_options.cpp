@@ -111,6 +111,12 @@ void BoardOptions::add_choice(CLI::App& app) {
       ->type_name("serial|stream")
       ->capture_default_str()
       ->group(board_group);
+  app.add_option("--lines", lines,
+                 "E-stop, door and interlock on lines of this computer (TOML), watched while a "
+                 "real board works")
+      ->envname("LAMPLOCK_LINES")
+      ->type_name("FILE")
+      ->group(board_group);
 }
 
 sim::chip::UsbFunction BoardOptions::usb_function() const {

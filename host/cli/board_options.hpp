@@ -42,7 +42,7 @@ struct SimulatedDrives {
 
 /// Where a job runs and what is left of it.
 struct BoardOptions {
-  std::string board = "virtual", image{}, usb = "serial";
+  std::string board = "virtual", image{}, usb = "serial", lines{};
   std::size_t from = 0;
   std::uint32_t fired = 0, job_speed = 100;
   bool yes = false, dry = false, json = false;
@@ -52,7 +52,7 @@ struct BoardOptions {
   LampFaults faults{};
   SimulatedDrives drives{};
 
-  void add_choice(CLI::App& app);     ///< --board, --image, --usb
+  void add_choice(CLI::App& app);     ///< --board, --image, --usb, --lines
   void add_board(CLI::App& app);      ///< these, --yes, --json
   void add_part(CLI::App& app);       ///< --from, --fired
   void add_job_speed(CLI::App& app);  ///< --job-speed

@@ -4,6 +4,7 @@
 #include "host/cli/board_link.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/guarding.hpp"
 #include "host/cli/keyboard.hpp"
 #include "host/cli/options.hpp"
 #include "host/link/line_console.hpp"
@@ -28,7 +29,7 @@ void take_typed(link::LineConsole& talk, Console& console, const std::string& li
   }
 }
 
-Exit by_hand(BoardLink& board, Console& console) {
+Exit by_hand(BoardLink& board, Guarding& guarding, Console& console) {
   link::LineConsole talk(board.port(), false,
                          [&console](const std::string& text) { console.line(text); });
   Keyboard keyboard;
@@ -36,12 +37,13 @@ Exit by_hand(BoardLink& board, Console& console) {
   while (!keyboard.ended()) {
     for (const std::string& line : keyboard.lines(wait)) take_typed(talk, console, line);
     talk.step();
+    guarding.look(board.port());
   }
   return Exit::done;
 }
 
 /// The first error or alarm ends it: what follows may count on the line that failed.
-Exit in_order(BoardLink& board, Console& console) {
+Exit in_order(BoardLink& board, Guarding& guarding, Console& console) {
   link::LineConsole talk(board.port(), true,
                          [&console](const std::string& text) { console.line(text); });
   Keyboard keyboard;
@@ -49,6 +51,7 @@ Exit in_order(BoardLink& board, Console& console) {
     if (!keyboard.ended())
       for (const std::string& line : keyboard.lines(std::chrono::milliseconds(0))) talk.type(line);
     talk.step();
+    guarding.look(board.port());
   }
   if (!talk.failure()) return Exit::done;
   throw Error(Exit::job_failed, fmt::format("line {}", talk.failure()->line), talk.failure()->text,
@@ -58,7 +61,10 @@ Exit in_order(BoardLink& board, Console& console) {
 Exit talk(const Options& options) {
   Console console(false);
   BoardLink board(options.board, options.machine.profile().settings);
-  return Keyboard::at_terminal() ? by_hand(board, console) : in_order(board, console);
+  Guarding guarding(options.board, board.port().transport());
+  guarding.begin(gpio::Work::motion);
+  return Keyboard::at_terminal() ? by_hand(board, guarding, console)
+                                 : in_order(board, guarding, console);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "host/cli/board_link.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/guarding.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/run_job.hpp"
@@ -58,8 +59,12 @@ Exit operate(const Options& options, Operation operation, const std::string& nam
   const Places before = operation == Operation::home ? Places{} : link::ask_places(board.port());
   {
     const Interrupt interrupt;
-    link::run_lines(board.port(), link::lines_of(operation, before, options.axes),
-                    [&interrupt] { return interrupt.count() > 0; });
+    Guarding guarding(options.board, board.port().transport());
+    guarding.begin(gpio::Work::motion);
+    link::run_lines(board.port(), link::lines_of(operation, before, options.axes), [&] {
+      guarding.look(board.port());
+      return interrupt.count() > 0;
+    });
   }
   tell(link::ask_places(board.port()), name, console);
   return Exit::done;

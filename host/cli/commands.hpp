@@ -32,6 +32,7 @@ void add_engrave(CLI::App& program, Action& action);
 void add_frame(CLI::App& program, Action& action);
 void add_operate(CLI::App& program, Action& action);
 void add_jog(CLI::App& program, Action& action);
+void add_lines(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
 void add_sim(CLI::App& program, Action& action);
 void add_chip(CLI::App& program, Action& action);

@@ -8,6 +8,8 @@ namespace lamplock::cli {
 namespace {
 
 constexpr std::chrono::milliseconds look_interval{50};
+/// Until a board that does not show it is told again that a door is open.
+constexpr std::chrono::milliseconds door_interval{500};
 
 /// Why the machine waits, as its user understands it.
 std::string why_it_waits(const link::LineSender& sender) {
@@ -54,7 +56,27 @@ void LineSteering::look_at_board() {
     progress_.note(why_it_waits(sender_) + "; Enter goes on, Ctrl-C stops");
   } else {  // somebody has pressed a button at the machine
     waited_ += sender_.elapsed() - waiting_since_;
+    blocked_ = !obstacle_.empty();
   }
+}
+
+void LineSteering::block(const std::string& why) {
+  if (stopping_) return;
+  const bool is_new = obstacle_ != why;
+  const bool again = !sender_.waits() && sender_.elapsed() - blocked_at_ >= door_interval;
+  obstacle_ = why;
+  blocked_ = true;
+  if (!is_new && !again) return;
+  blocked_at_ = sender_.elapsed();
+  sender_.realtime(link::realtime::door);
+  if (is_new) progress_.note(why + ": holding, laser off");
+}
+
+void LineSteering::end(const std::string& why) {
+  if (stopping_) return;
+  stopping_ = true;
+  progress_.note(why + ": stopping");
+  sender_.break_off();
 }
 
 /// Simulated time stands still until the user has decided.
@@ -98,6 +120,8 @@ void LineSteering::feed(std::uint8_t byte, const std::string& what) {
 }
 
 void LineSteering::go_on() {
+  if (!obstacle_.empty()) return progress_.note(obstacle_ + ": not resumed");
+  blocked_ = false;
   asking_ = false;
   waited_ += sender_.elapsed() - waiting_since_;
   progress_.note("resuming");

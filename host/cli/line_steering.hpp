@@ -29,6 +29,16 @@ class LineSteering {
   /// To be called after every step of the sender.
   void look();
 
+  /// A door of another's is open: dark, at rest, and the user goes on when it is closed. May be
+  /// said again and again.
+  void block(const std::string& why);
+  /// It is closed.
+  void unblock() { obstacle_.clear(); }
+  /// It was opened, and nobody has gone on since.
+  bool blocked() const { return blocked_; }
+  /// Ends the program at once, the position is lost. May be said again and again.
+  void end(const std::string& why);
+
  private:
   using Clock = std::chrono::steady_clock;
   void tell_left();
@@ -47,6 +57,9 @@ class LineSteering {
   Keyboard keyboard_;
   bool asking_ = false;  ///< the machine waits until the user says
   bool stopping_ = false;
+  bool blocked_ = false;
+  std::string obstacle_{};                  ///< why nobody may go on now
+  std::chrono::microseconds blocked_at_{};  ///< when the board was told last
   Clock::time_point looked_at_{};
   std::chrono::microseconds waiting_since_{}, waited_{0};  ///< by the sender's clock
 };

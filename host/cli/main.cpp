@@ -9,7 +9,7 @@
 #include <new>
 #include <string>
 
-#include "host/cli/commands.hpp"
+#include "host/cli/program.hpp"
 
 namespace {
 
@@ -36,42 +36,15 @@ lamplock::Error usage_error(const CLI::App& program, const CLI::ParseError& erro
 }
 
 Exit run(int argc, char** argv) {
-  CLI::App program{"Engraves points inside glass, in step with the laser's lamp.", "lamplock"};
-  program.set_version_flag("--version", "lamplock " LAMPLOCK_VERSION);
-  program.require_subcommand(1);
-  program.footer(
-      "Example:\n  lamplock example model.stl\n"
-      "  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n\n"
-      "Each command explains itself: lamplock engrave --help");
   lamplock::cli::Action action;
-  lamplock::cli::add_example(program, action);
-  lamplock::cli::add_estimate(program, action);
-  lamplock::cli::add_engrave(program, action);
-  lamplock::cli::add_points(program, action);
-  lamplock::cli::add_order(program, action);
-  lamplock::cli::add_check(program, action);
-  lamplock::cli::add_diagnose(program, action);
-  lamplock::cli::add_job(program, action);
-  lamplock::cli::add_raster(program, action);
-  lamplock::cli::add_send(program, action);
-  lamplock::cli::add_settings(program, action);
-  lamplock::cli::add_devices(program, action);
-  lamplock::cli::add_flash(program, action);
-  lamplock::cli::add_console(program, action);
-  lamplock::cli::add_frame(program, action);
-  lamplock::cli::add_operate(program, action);
-  lamplock::cli::add_jog(program, action);
-  lamplock::cli::add_compare(program, action);
-  lamplock::cli::add_sim(program, action);
-  lamplock::cli::add_chip(program, action);
-  lamplock::cli::add_bench(program, action);
+  const auto program = lamplock::cli::make_program(action);
   try {
-    program.parse(argc, argv);
+    program->parse(argc, argv);
   } catch (const CLI::Success& help) {
-    program.exit(help);
+    program->exit(help);
     return Exit::done;
   } catch (const CLI::ParseError& error) {
-    throw usage_error(program, error, argc, argv);
+    throw usage_error(*program, error, argc, argv);
   }
   return action();
 }

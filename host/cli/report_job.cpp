@@ -6,6 +6,7 @@
 #include <exception>
 #include <string>
 
+#include "host/cli/guarding.hpp"
 #include "host/cli/report_folder.hpp"
 #include "host/cli/run_job.hpp"
 #include "host/report/statistics.hpp"
@@ -89,6 +90,9 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
     case JobEnd::done:
       return Exit::done;
     case JobEnd::stopped:
+      if (!outcome.ended_by.empty())
+        throw_guarded(outcome.ended_by, fmt::format("stopped before {} {}", item, next),
+                      "release it, close it, and " + go_on_text(result));
       fmt::print(stderr, "stopped: first {} not fired is {}; {}\n", item, next, go_on_text(result));
       return Exit::interrupted;
     case JobEnd::alarm: {

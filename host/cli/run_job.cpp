@@ -13,6 +13,7 @@
 #include "host/cli/board_port.hpp"
 #include "host/cli/boards.hpp"
 #include "host/cli/foresight.hpp"
+#include "host/cli/guarding.hpp"
 #include "host/cli/job_run.hpp"
 #include "host/cli/lamp_watch.hpp"
 #include "host/cli/motion_plot_file.hpp"
@@ -98,6 +99,9 @@ class HoldOnce {
   std::chrono::microseconds until_{0};
 };
 
+/// Rows of pixels shine while they brake for a hold, points do not.
+AtDoor at_door(const job::Job& job) { return job.is_rows() ? AtDoor::ends : AtDoor::holds; }
+
 link::SenderOptions sender_options(const BoardOptions& options, Clocking clocking) {
   link::SenderOptions sending;
   sending.first_index = options.from;
@@ -131,6 +135,8 @@ Outcome send(link::Transport& transport, const Work& work, const BoardOptions& o
   HoldOnce hold(sender, steering, progress, transport, options.hold_at);
   std::optional<LampWatch> lamp;
   if (clocking == Clocking::lock_step && keeps_to_lamp(work.job)) lamp.emplace(work.job.settings);
+  Guarding guarding(options, transport);
+  guarding.begin(work.job.header.dry ? gpio::Work::motion : gpio::Work::laser);
   const auto look_after = [&] {
     try {
       // At another speed than foreseen the pace so far has to do.
@@ -139,6 +145,7 @@ Outcome send(link::Transport& transport, const Work& work, const BoardOptions& o
       steering.look();
       hold.look();
       if (lamp) lamp->look(sender, transport.now());
+      guarding.look(steering, at_door(work.job));
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }
@@ -147,12 +154,14 @@ Outcome send(link::Transport& transport, const Work& work, const BoardOptions& o
   try {
     // Looked after at every step: simulated time runs fast, and a hold should be seen at once.
     while (sender.step()) look_after();
+    guarding.end();
     hold.job_is_over();
   } catch (...) {
     if (!has_begun(sender, options)) throw;
     outcome.error = std::current_exception();
   }
   outcome.result = sender.result();
+  outcome.ended_by = guarding.ended_by();
   return outcome;
 }
 

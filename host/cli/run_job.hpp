@@ -35,6 +35,7 @@ struct Outcome {
   report::JobRun run;
   /// Why it ended before its end, if an error was the reason: part of the job was done before.
   std::exception_ptr error{};
+  std::string ended_by{};  ///< the line of the computer that stopped it; empty if none did
 };
 
 /// Opens a real board (board_port.hpp); nothing for simulated ones. Throws Error: no_device,

@@ -12,6 +12,7 @@
 
 #include "host/cli/board_files.hpp"
 #include "host/cli/board_link.hpp"
+#include "host/cli/guarding.hpp"
 #include "host/cli/line_steering.hpp"
 #include "host/cli/progress.hpp"
 #include "host/file.hpp"
@@ -106,7 +107,13 @@ class RefusedLines {
   std::size_t told_ = 0;
 };
 
-LineResult send(const Program& program, BoardLink& board, bool go_on) {
+/// How a program went, and the line of the computer that has stopped it.
+struct Sent {
+  LineResult result;
+  std::string ended_by;
+};
+
+Sent send(const Program& program, BoardLink& board, const BoardOptions& options, bool go_on) {
   Progress progress("sending", program.lines.size());
   link::LineOptions sending;
   sending.go_on = go_on;
@@ -114,16 +121,20 @@ LineResult send(const Program& program, BoardLink& board, bool go_on) {
   link::LineSender sender(board.port(), program.lines, sending);
   LineSteering steering(sender, progress, board.clocking(), program.planned_s);
   RefusedLines refused(program.file, progress);
+  Guarding guarding(options, board.port().transport());
+  guarding.begin(gpio::Work::laser);
   while (sender.step()) {
     try {
       steering.look();
+      guarding.look(steering);
       if (go_on) refused.tell(sender.errors());
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }
   }
+  guarding.end();
   if (go_on) refused.tell(sender.errors());
-  return sender.result();
+  return {sender.result(), guarding.ended_by()};
 }
 
 const char* end_name(LineEnd end) {
@@ -202,6 +213,9 @@ Exit tell_end(const Program& program, const LineResult& result, const std::strin
   return Exit::job_failed;
 }
 
+/// A reset in motion is an alarm.
+bool was_stopped(LineEnd end) { return end == LineEnd::stopped || end == LineEnd::alarm; }
+
 Program read_program(const std::string& file) {
   Program program{file, link::program_lines(read_file(file), file), {}};
   if (program.lines.empty())
@@ -230,13 +244,16 @@ Exit send_program(const std::string& file, const BoardOptions& options,
   program.planned_s = planned_time(program, board.port());
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
-  const LineResult result = send(program, board, asked.go_on);
+  const auto [result, ended_by] = send(program, board, options, asked.go_on);
   if (trace) trace->finish();
   if (!options.shots.empty()) write_shots(options.shots, *board.simulated(), values);
   console.say("{:<8}  {} of {} lines in {:.1f} s, at {}", end_name(result.end), result.answered,
               program.lines.size(), std::chrono::duration<double>(result.elapsed).count(),
               place_text(result.status));
   console.document(document(program, result));
+  if (!ended_by.empty() && was_stopped(result.end))
+    throw_guarded(ended_by, reach_text(program, result),
+                  "release it, then unlock the machine with $X or home it with $H");
   return tell_end(program, result, options.board);
 }
 

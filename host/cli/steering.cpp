@@ -52,6 +52,21 @@ void Steering::stop() {
   progress_.note("stopping");
 }
 
+void Steering::block(const std::string& why) {
+  if (stopping_) return;
+  const bool is_new = obstacle_ != why;
+  obstacle_ = why;
+  holding_ = true;
+  sender_.pause();
+  if (is_new) progress_.note(why + ": holding, laser off");
+}
+
+void Steering::end(const std::string& why) {
+  if (!stopping_) progress_.note(why + ": stopping");
+  stopping_ = true;
+  sender_.stop();
+}
+
 void Steering::ask_to_go_on(const std::string& why) {
   asking_ = true;
   asked_at_ = Clock::now();
@@ -95,6 +110,7 @@ void Steering::change_job_speed(std::uint32_t percent) {
 }
 
 void Steering::go_on() {
+  if (!obstacle_.empty()) return progress_.note(obstacle_ + ": not resumed");
   asking_ = holding_ = false;
   interrupt_.forget();
   if (asked_at_) progress_.pause_ended(Clock::now() - *asked_at_);

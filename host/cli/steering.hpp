@@ -1,6 +1,7 @@
 // The user's hand on a running job: Ctrl-C, Enter, another job speed.
 //
-// In:  interrupts, lines on stdin, the state of the machine. Out: wishes to the sender, notes.
+// In:  interrupts, lines on stdin, the state of the machine, what the lines of the computer say.
+//      Out: wishes to the sender, notes.
 //      A blank line goes on after a hold; a number is the job speed in percent, + and - change it
 //      by a step. Unless it waits for an answer only a terminal is read: a script that feeds itself
 //      by stdin keeps its lines.
@@ -35,6 +36,14 @@ class Steering {
   /// The user holds the machine, or has to say that it may go on: nobody else does.
   bool user_decides() const { return holding_ || asking_ || stopping_; }
 
+  /// Something else than the user holds the machine; the user may go on when it is over. May be
+  /// said again and again.
+  void block(const std::string& why);
+  /// What blocked it is over.
+  void unblock() { obstacle_.clear(); }
+  /// Ends the job for another reason than the user's. May be said again and again.
+  void end(const std::string& why);
+
  private:
   void ask_to_go_on(const std::string& why);
   void wait_for_user();
@@ -52,6 +61,7 @@ class Steering {
   bool asking_ = false;      ///< the machine is at rest until the user says
   bool shot_asked_ = false;  ///< about the shot that was not made
   bool stopping_ = false;
+  std::string obstacle_{};  ///< why nobody may go on now
   Keyboard keyboard_;
   std::chrono::steady_clock::time_point looked_at_{};
   std::optional<std::chrono::steady_clock::time_point> asked_at_{};

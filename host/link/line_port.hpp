@@ -28,6 +28,7 @@ inline constexpr std::uint8_t status = '?';
 inline constexpr std::uint8_t hold = '!';
 inline constexpr std::uint8_t resume = '~';
 inline constexpr std::uint8_t reset = 0x18;
+inline constexpr std::uint8_t door = 0x84;
 inline constexpr std::uint8_t jog_cancel = 0x85;
 inline constexpr std::uint8_t feed_full = 0x90;
 inline constexpr std::uint8_t feed_plus_10 = 0x91;

@@ -199,6 +199,14 @@ void LineSender::stop() {
   if (phase_ == Phase::streaming) begin_stop(LineEnd::stopped);
 }
 
+void LineSender::break_off() {
+  stop();
+  if (phase_ != Phase::stopping) return;
+  // As if it stood: what is repeated from here on is the reset.
+  held_ = reset_ = true;
+  port_.send_realtime(realtime::reset);
+}
+
 void LineSender::fail(std::exception_ptr error) {
   if (phase_ == Phase::streaming) return begin_stop(LineEnd::stopped, std::move(error));
   if (phase_ != Phase::stopping) std::rethrow_exception(error);

@@ -94,6 +94,9 @@ class LineSender {
   void hold();
   void resume();
   void stop();
+  /// Resets the board at once, without a hold before it: dark before it brakes, and what moved has
+  /// lost its place. Ends as a stop.
+  void break_off();
   /// An override or another real-time byte, as it is.
   void realtime(std::uint8_t byte) { port_.send_realtime(byte); }
 

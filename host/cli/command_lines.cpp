@@ -1,0 +1,140 @@
+// `lamplock lines`: the lines of this computer, and the board's reset by them.
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/gpio/board_lines.hpp"
+#include "host/gpio/host_lines.hpp"
+#include "host/gpio/line_table.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+struct Options {
+  std::string file;
+  bool json = false;
+};
+
+/// One line of the table and what its pin says now.
+struct Wired {
+  const char* role;
+  const std::optional<gpio::LineRequest>& line;
+  const char *active, *inactive;  ///< what the levels mean; null for outputs, which are not asked
+};
+
+std::vector<Wired> wired_lines(const gpio::LineTable& table) {
+  return {{"estop", table.estop, "pressed", "released"},
+          {"door", table.door, "open", "closed"},
+          {"interlock", table.interlock, nullptr, nullptr},
+          {"lamp", table.lamp, nullptr, nullptr},
+          {"run", table.run, nullptr, nullptr},
+          {"bootsel", table.bootsel, nullptr, nullptr}};
+}
+
+/// What an input says now; outputs stay as they are.
+std::string state_of(gpio::Lines& lines, const Wired& wired) {
+  if (wired.active == nullptr) return "output";
+  const std::optional<bool> active = lines.input(*wired.line)->active();
+  return !active ? "lost" : *active ? wired.active : wired.inactive;
+}
+
+Json table_json(gpio::Lines& lines, const gpio::LineTable& table, Console& console) {
+  Json all = Json::array();
+  for (const Wired& wired : wired_lines(table)) {
+    if (!wired.line) continue;
+    const std::string state = state_of(lines, wired);
+    console.say("{:<10} {:<20} {}", wired.role, wired.line->place, state);
+    all.push_back({{"role", wired.role}, {"line", wired.line->place}, {"state", state}});
+  }
+  return all;
+}
+
+Json chip_json(const gpio::ChipInfo& chip, Console& console) {
+  Json lines = Json::array();
+  console.say("{}  {}", chip.file,
+              chip.problem.empty() ? fmt::format("{}, {} lines", chip.label, chip.lines.size())
+                                   : chip.problem);
+  for (const gpio::LineInfo& line : chip.lines) {
+    lines.push_back({{"number", line.number},
+                     {"name", line.name},
+                     {"user", line.user},
+                     {"output", line.output}});
+    if (!line.name.empty() || !line.user.empty())
+      console.say("  {:>3}  {:<24} {}", line.number, line.name,
+                  line.user.empty() ? "" : "used by " + line.user);
+  }
+  return {{"chip", chip.file},
+          {"label", chip.label},
+          {"problem", chip.problem},
+          {"lines", std::move(lines)}};
+}
+
+Exit show(const Options& options) {
+  Console console(options.json);
+  const std::unique_ptr<gpio::Lines> lines = gpio::host_lines();
+  if (!options.file.empty()) {
+    const gpio::LineTable table = gpio::read_line_table(options.file);
+    console.document(
+        {{"library", gpio::library_version()}, {"table", table_json(*lines, table, console)}});
+    return Exit::done;
+  }
+  Json chips = Json::array();
+  for (const gpio::ChipInfo& chip : lines->chips()) chips.push_back(chip_json(chip, console));
+  if (chips.empty())
+    console.say("this computer has no lines that Linux knows of ({})", gpio::library_version());
+  console.document({{"library", gpio::library_version()}, {"chips", chips}});
+  return Exit::done;
+}
+
+using Pull = void (*)(gpio::Lines&, const gpio::LineTable&, const gpio::Sleep&);
+
+Exit pull(const Options& options, Pull what, const char* done) {
+  Console console(false);
+  const gpio::LineTable table = gpio::read_line_table(options.file);
+  const std::unique_ptr<gpio::Lines> lines = gpio::host_lines();
+  what(*lines, table, gpio::real_sleep);
+  console.line(done);
+  return Exit::done;
+}
+
+CLI::Option* add_file(CLI::App& app, Options& options) {
+  return app
+      .add_option("--lines", options.file, "Which line does what (TOML), see examples/lines.toml")
+      ->envname("LAMPLOCK_LINES")
+      ->type_name("FILE");
+}
+
+void add_pull(CLI::App& app, Action& action, const std::shared_ptr<Options>& options,
+              const char* name, const std::string& help, Pull what, const char* done) {
+  CLI::App* command = app.add_subcommand(name, help);
+  add_file(*command, *options)->required();
+  command->callback(
+      [options, &action, what, done] { action = [=] { return pull(*options, what, done); }; });
+}
+
+}  // namespace
+
+void add_lines(CLI::App& program, Action& action) {
+  CLI::App* app = program.add_subcommand(
+      "lines", "Lines of this computer (GPIO): list them, show what is wired, reset the board");
+  app->require_subcommand(0, 1);
+  app->footer(
+      "With --lines it shows what the inputs of that file say now; outputs are left alone.\n"
+      "reset and loader pull the board's pins at once: see that no job runs.\n"
+      "Example:\n  lamplock lines\n"
+      "  lamplock lines --lines examples/lines.toml\n"
+      "  lamplock lines reset --lines examples/lines.toml");
+  const auto options = std::make_shared<Options>();
+  add_file(*app, *options);
+  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
+  app->callback([options, app, &action] {
+    if (app->get_subcommands().empty()) action = [options] { return show(*options); };
+  });
+  add_pull(*app, action, options, "reset", "Reset the board: pulse its RUN pin", gpio::reset_board,
+           "the board was reset");
+  add_pull(*app, action, options, "loader",
+           "Reset the board into its boot loader: RUN while BOOTSEL is pressed", gpio::enter_loader,
+           "the board was reset into its boot loader");
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,122 @@
+#include "host/cli/guarding.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/gpio/host_lines.hpp"
+#include "host/gpio/line_table.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using gpio::Verdict;
+
+constexpr std::chrono::milliseconds round{1};
+/// An input that is well is quiet after the debounce time; a contact may bounce once more.
+constexpr int debounces_to_wait = 3;
+/// For one byte to leave.
+constexpr std::chrono::milliseconds flush_time{200};
+
+/// Sends a byte and sees it leave.
+void send_now(link::LinePort& port, std::uint8_t byte) {
+  port.send_realtime(byte);
+  link::Transport& transport = port.transport();
+  const auto until = transport.now() + flush_time;
+  for (port.flush(); port.backlog() > 0 && transport.now() < until; port.flush())
+    transport.wait(round);
+}
+
+}  // namespace
+
+Guarding::Guarding(const BoardOptions& options, link::Transport& transport)
+    : transport_(transport) {
+  if (options.lines.empty() || options.is_simulated()) return;
+  const gpio::LineTable table = gpio::read_line_table(options.lines);
+  if (!table.guards()) return;
+  lines_ = gpio::host_lines();
+  guard_ = std::make_unique<gpio::Guard>(*lines_, table);
+}
+
+Guarding::Guarding(std::unique_ptr<gpio::Lines> lines, const gpio::LineTable& table,
+                   link::Transport& transport)
+    : transport_(transport),
+      lines_(std::move(lines)),
+      guard_(std::make_unique<gpio::Guard>(*lines_, table)) {}
+
+void Guarding::begin(gpio::Work work) {
+  if (!guard_) return;
+  const auto until = transport_.now() + debounces_to_wait * guard_->debounce() + round;
+  for (look_at_lines(); !guard_->settled() && transport_.now() < until; look_at_lines())
+    transport_.wait(round);
+  if (!guard_->settled())
+    throw Error(Exit::job_failed, "--lines", guard_->unsettled(),
+                "release the e-stop, close the door, and see that the line is wired as its table "
+                "says with `lamplock lines`");
+  guard_->begin(work);
+  look_at_lines();
+}
+
+void Guarding::end() {
+  if (guard_) guard_->end();
+  guard_.reset();
+}
+
+gpio::Verdict Guarding::look_at_lines() { return guard_->look(transport_.now()); }
+
+void Guarding::look(Steering& steering, AtDoor at_door) {
+  if (!guard_) return;
+  const Verdict verdict = look_at_lines();
+  if (verdict == Verdict::stop || (verdict == Verdict::door && at_door == AtDoor::ends)) {
+    if (ended_by_.empty()) ended_by_ = guard_->reason();
+    steering.end(ended_by_);
+  } else if (verdict == Verdict::door) {
+    behind_door_ = true;
+    steering.block(guard_->reason());
+  } else {
+    steering.unblock();
+    if (behind_door_ && !steering.user_decides()) went_on();
+  }
+}
+
+void Guarding::look(LineSteering& steering) {
+  if (!guard_) return;
+  const Verdict verdict = look_at_lines();
+  if (verdict == Verdict::stop) {
+    if (ended_by_.empty()) ended_by_ = guard_->reason();
+    steering.end(ended_by_);
+  } else if (verdict == Verdict::door) {
+    behind_door_ = true;
+    steering.block(guard_->reason());
+  } else {
+    steering.unblock();
+    if (behind_door_ && !steering.blocked()) went_on();
+  }
+}
+
+/// The interlock is on before the machine hears that it may go on.
+void Guarding::went_on() {
+  behind_door_ = false;
+  guard_->go_on();
+  look_at_lines();
+}
+
+void Guarding::look(link::LinePort& port) {
+  if (!guard_) return;
+  const Verdict verdict = look_at_lines();
+  if (verdict == Verdict::clear) return;
+  ended_by_ = guard_->reason();
+  const bool door = verdict == Verdict::door;
+  send_now(port, door ? link::realtime::door : link::realtime::reset);
+  throw_guarded(ended_by_, door ? "the machine holds" : "the machine was reset",
+                door ? "close it, then go on with ~ or end it with :reset in lamplock console"
+                     : "release it, then unlock the machine with $X or home it with $H");
+}
+
+void throw_guarded(const std::string& ended_by, const std::string& reach,
+                   const std::string& remedy) {
+  throw Error(Exit::job_failed, "--lines", fmt::format("{}: {}", ended_by, reach), remedy);
+}
+
+}  // namespace lamplock::cli

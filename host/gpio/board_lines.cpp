@@ -1,0 +1,61 @@
+#include "host/gpio/board_lines.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "host/error.hpp"
+
+namespace lamplock::gpio {
+namespace {
+
+/// A pin of the board that is pulled down; let go with the object, whatever happens.
+class Pulled {
+ public:
+  Pulled(Lines& lines, const LineRequest& wanted)
+      : place_(wanted.place), output_(lines.output(wanted, true)) {}
+  ~Pulled() { output_->set(false); }
+  Pulled(const Pulled&) = delete;
+  Pulled& operator=(const Pulled&) = delete;
+
+  /// Throws Error(no_device) if the line is gone: nobody knows what the board has seen.
+  void let_go() {
+    if (!output_->set(false))
+      throw Error(Exit::no_device, place_, "the line was lost in the middle of a reset",
+                  "plug its chip in again and repeat it");
+  }
+
+ private:
+  std::string place_;
+  std::unique_ptr<Output> output_;
+};
+
+const LineRequest& wired(const std::optional<LineRequest>& line, const char* role,
+                         const char* pin) {
+  if (line) return *line;
+  throw Error(Exit::bad_input, "--lines", fmt::format("names no line for the board's {} pin", pin),
+              fmt::format("wire one and add [{}] to the file", role));
+}
+
+}  // namespace
+
+void reset_board(Lines& lines, const LineTable& table, const Sleep& sleep) {
+  Pulled run(lines, wired(table.run, "run", "RUN"));
+  sleep(reset_pulse);
+  run.let_go();
+}
+
+void enter_loader(Lines& lines, const LineTable& table, const Sleep& sleep) {
+  wired(table.run, "run", "RUN");  // before anything is pulled
+  Pulled bootsel(lines, wired(table.bootsel, "bootsel", "BOOTSEL"));
+  reset_board(lines, table, sleep);
+  sleep(boot_select_hold);
+  bootsel.let_go();
+}
+
+void real_sleep(std::chrono::milliseconds time) { std::this_thread::sleep_for(time); }
+
+}  // namespace lamplock::gpio

@@ -1,0 +1,175 @@
+// libgpiod 1.5 and 1.6 (Debian 12).
+#include <fmt/format.h>
+#include <gpiod.h>
+
+#include <array>
+#include <cerrno>
+#include <ctime>
+#include <utility>
+
+#include "host/gpio/host_lines.hpp"
+#include "host/gpio/place.hpp"
+
+namespace lamplock::gpio {
+namespace {
+
+constexpr const char* consumer = "lamplock";
+constexpr std::int64_t us_per_s = 1'000'000, ns_per_us = 1'000;
+/// Changes that the kernel keeps for a line (drivers/gpio/gpiolib-cdev.c).
+constexpr unsigned kept_events = 16;
+
+struct CloseChip {
+  void operator()(gpiod_chip* chip) const { ::gpiod_chip_close(chip); }
+};
+using Chip = std::unique_ptr<gpiod_chip, CloseChip>;
+
+/// A line and the chip that it belongs to, which is closed behind it.
+struct Line {
+  Chip chip;
+  gpiod_line* line = nullptr;
+};
+
+std::string text_of(const char* text) { return text == nullptr ? "" : text; }
+
+Line find_by_name(const std::string& name) {
+  bool problems = false;
+  for (const std::string& file : chip_files()) {
+    Chip chip(::gpiod_chip_open(file.c_str()));
+    if (!chip) {
+      problems = true;
+    } else if (gpiod_line* line = ::gpiod_chip_find_line(chip.get(), name.c_str())) {
+      return {std::move(chip), line};
+    }
+  }
+  throw no_line_error(name, problems);
+}
+
+Line find(const std::string& text) {
+  const Place place = parse_place(text);
+  if (!place.name.empty()) return find_by_name(place.name);
+  Chip chip(::gpiod_chip_open(place.chip.c_str()));
+  if (!chip) throw chip_error(place.chip, errno);
+  if (place.number >= ::gpiod_chip_num_lines(chip.get())) throw no_line_error(text, false);
+  gpiod_line* line = ::gpiod_chip_get_line(chip.get(), place.number);
+  if (line == nullptr) throw request_error(text, errno);
+  return {std::move(chip), line};
+}
+
+int bias_flag(Bias bias) {
+  switch (bias) {
+    case Bias::as_is:
+      return 0;
+    case Bias::none:
+      return GPIOD_LINE_REQUEST_FLAG_BIAS_DISABLE;
+    case Bias::pull_up:
+      return GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP;
+    case Bias::pull_down:
+      return GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN;
+  }
+  return 0;
+}
+
+/// Finds a line and asks for it. Throws Error.
+Line request(const LineRequest& wanted, int type, bool active) {
+  Line found = find(wanted.place);
+  int flags = wanted.active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
+  if (type == GPIOD_LINE_REQUEST_DIRECTION_OUTPUT) {
+    if (wanted.drive == Drive::open_drain) flags |= GPIOD_LINE_REQUEST_FLAG_OPEN_DRAIN;
+  } else {
+    flags |= bias_flag(wanted.bias);
+  }
+  const gpiod_line_request_config config{consumer, type, flags};
+  if (::gpiod_line_request(found.line, &config, active ? 1 : 0) != 0)
+    throw request_error(wanted.place, errno);
+  return found;
+}
+
+class WatchedInput final : public Input {
+ public:
+  explicit WatchedInput(Line line) : line_(std::move(line)) {}
+
+  std::vector<Event> events(std::chrono::microseconds time) override {
+    const timespec limit{static_cast<time_t>(time.count() / us_per_s),
+                         static_cast<long>(time.count() % us_per_s * ns_per_us)};
+    std::vector<Event> all;
+    if (gone_ || ::gpiod_line_event_wait(line_.line, &limit) <= 0) return all;
+    std::array<gpiod_line_event, kept_events> read;
+    const int count =
+        ::gpiod_line_event_read_multiple(line_.line, read.data(), unsigned{read.size()});
+    // What can be waited for and not be read is a chip that was unplugged.
+    if (count < 0) gone_ = true;
+    for (int i = 0; i < count; ++i) {
+      const gpiod_line_event& event = read[static_cast<std::size_t>(i)];
+      all.push_back(
+          {event.event_type == GPIOD_LINE_EVENT_RISING_EDGE,
+           std::chrono::seconds(event.ts.tv_sec) + std::chrono::nanoseconds(event.ts.tv_nsec)});
+    }
+    return all;
+  }
+
+  std::optional<bool> active() override {
+    const int value = gone_ ? -1 : ::gpiod_line_get_value(line_.line);
+    if (value < 0) gone_ = true;
+    return gone_ ? std::nullopt : std::optional(value != 0);
+  }
+
+ private:
+  Line line_;
+  bool gone_ = false;
+};
+
+class DrivenOutput final : public Output {
+ public:
+  explicit DrivenOutput(Line line) : line_(std::move(line)) {}
+  bool set(bool active) override { return ::gpiod_line_set_value(line_.line, active ? 1 : 0) == 0; }
+
+ private:
+  Line line_;
+};
+
+ChipInfo info_of(const std::string& file) {
+  ChipInfo info{.file = file};
+  const Chip chip(::gpiod_chip_open(file.c_str()));
+  if (!chip) {
+    info.problem = chip_problem(errno);
+    return info;
+  }
+  info.label = text_of(::gpiod_chip_label(chip.get()));
+  const unsigned count = ::gpiod_chip_num_lines(chip.get());
+  info.lines.reserve(count);
+  for (unsigned number = 0; number < count; ++number) {
+    gpiod_line* line = ::gpiod_chip_get_line(chip.get(), number);
+    if (line == nullptr) continue;
+    const bool used = ::gpiod_line_is_used(line);
+    const std::string user = text_of(::gpiod_line_consumer(line));
+    info.lines.push_back({number, text_of(::gpiod_line_name(line)),
+                          used && user.empty() ? "kernel" : user,
+                          ::gpiod_line_direction(line) == GPIOD_LINE_DIRECTION_OUTPUT});
+  }
+  return info;
+}
+
+class HostLines final : public Lines {
+ public:
+  std::vector<ChipInfo> chips() override {
+    std::vector<ChipInfo> all;
+    for (const std::string& file : chip_files()) all.push_back(info_of(file));
+    return all;
+  }
+  std::unique_ptr<Input> input(const LineRequest& wanted) override {
+    return std::make_unique<WatchedInput>(
+        request(wanted, GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES, false));
+  }
+  std::unique_ptr<Output> output(const LineRequest& wanted, bool active) override {
+    return std::make_unique<DrivenOutput>(
+        request(wanted, GPIOD_LINE_REQUEST_DIRECTION_OUTPUT, active));
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Lines> host_lines() { return std::make_unique<HostLines>(); }
+
+std::string library_version() { return fmt::format("libgpiod {}", ::gpiod_version_string()); }
+
+}  // namespace lamplock::gpio

@@ -1,0 +1,108 @@
+#include "host/gpio/guard.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace lamplock::gpio {
+namespace {
+
+/// Half a period of the lamp that calls for somebody: 2 Hz.
+constexpr Guard::Time lamp_half_period{250'000};
+
+/// A square wave of the clock.
+bool first_half(Guard::Time now, Guard::Time half_period) { return now / half_period % 2 == 0; }
+
+std::optional<SafeInput> watch(Lines& lines, const std::optional<LineRequest>& wanted,
+                               Guard::Time debounce) {
+  if (!wanted) return std::nullopt;
+  return SafeInput(lines.input(*wanted), wanted->place, debounce);
+}
+
+std::unique_ptr<Output> off(Lines& lines, const std::optional<LineRequest>& wanted) {
+  return wanted ? lines.output(*wanted, false) : nullptr;
+}
+
+std::string place_of(const std::optional<LineRequest>& wanted) {
+  return wanted ? wanted->place : "";
+}
+
+/// What is wrong with an input: `what`, or that it is not there any more.
+std::string trouble(const SafeInput& input, const char* what) {
+  return fmt::format("{} ({})", input.lost() ? "line lost" : what, input.place());
+}
+
+constexpr const char* pressed = "e-stop pressed";
+constexpr const char* open = "door open";
+constexpr const char* lost = "line lost";
+
+}  // namespace
+
+Guard::Guard(Lines& lines, const LineTable& table)
+    : debounce_(table.debounce),
+      interlock_beat_(table.interlock_beat),
+      estop_(watch(lines, table.estop, debounce_)),
+      door_(watch(lines, table.door, debounce_)),
+      interlock_place_(place_of(table.interlock)),
+      lamp_place_(place_of(table.lamp)),
+      interlock_(off(lines, table.interlock)),
+      lamp_(off(lines, table.lamp)) {}
+
+Guard::~Guard() { end(); }
+
+Verdict Guard::look(Time now) {
+  if (estop_) estop_->look(now);
+  if (door_) door_->look(now);
+  judge();
+  switch_outputs(now);
+  return verdict_;
+}
+
+std::string Guard::unsettled() const {
+  if (estop_ && !estop_->well()) return trouble(*estop_, pressed);
+  if (door_ && !door_->well()) return trouble(*door_, open);
+  return "";
+}
+
+bool Guard::settled() const { return unsettled().empty(); }
+
+void Guard::judge() {
+  if (!working_ || verdict_ == Verdict::stop) return;
+  if (estop_ && !estop_->well()) return stop(estop_->lost() ? lost : pressed, estop_->place());
+  if (door_ && door_->lost()) return stop(lost, door_->place());
+  const bool closed = !door_ || door_->well();
+  if (!closed) waits_ = true;
+  verdict_ = closed ? Verdict::clear : Verdict::door;
+  reason_ = closed ? "" : trouble(*door_, open);
+}
+
+void Guard::stop(const char* what, const std::string& place) {
+  verdict_ = Verdict::stop;
+  reason_ = fmt::format("{} ({})", what, place);
+}
+
+void Guard::switch_outputs(Time now) {
+  const bool well = working_ && verdict_ == Verdict::clear && !waits_;
+  const bool beat = interlock_beat_ == Time{0} || first_half(now, interlock_beat_);
+  if (interlock_ && !interlock_->set(well && fires_ && beat) && working_)
+    stop(lost, interlock_place_);
+  const bool light = well || (working_ && first_half(now, lamp_half_period));
+  if (lamp_ && !lamp_->set(light) && working_) stop(lost, lamp_place_);
+  // What was found here takes the interlock back in the same call.
+  if (interlock_ && verdict_ == Verdict::stop) interlock_->set(false);
+}
+
+void Guard::begin(Work work) {
+  working_ = true;
+  fires_ = work == Work::laser;
+}
+
+void Guard::go_on() { waits_ = false; }
+
+void Guard::end() {
+  working_ = false;
+  if (interlock_) interlock_->set(false);
+  if (lamp_) lamp_->set(false);
+}
+
+}  // namespace lamplock::gpio

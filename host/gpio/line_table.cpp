@@ -1,0 +1,186 @@
+#include "host/gpio/line_table.hpp"
+
+#include <fmt/format.h>
+#define TOML_EXCEPTIONS 1
+#include <toml++/toml.h>
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/gpio/place.hpp"
+
+namespace lamplock::gpio {
+namespace {
+
+/// Contacts bounce for some milliseconds; nobody wants to wait for longer than this.
+constexpr std::int64_t longest_debounce_ms = 1'000;
+/// A beat has to be slower than the rounds of a job (20 ms at most) and still stop soon.
+constexpr std::int64_t shortest_beat_ms = 20, longest_beat_ms = 1'000;
+
+enum class Way : std::uint8_t { input, output, open_drain };
+
+/// A table of the file and what it is about.
+struct Role {
+  const char* name;
+  std::optional<LineRequest> LineTable::*line;
+  Way way;
+};
+constexpr std::array roles{Role{"estop", &LineTable::estop, Way::input},
+                           Role{"door", &LineTable::door, Way::input},
+                           Role{"interlock", &LineTable::interlock, Way::output},
+                           Role{"lamp", &LineTable::lamp, Way::output},
+                           Role{"run", &LineTable::run, Way::open_drain},
+                           Role{"bootsel", &LineTable::bootsel, Way::open_drain}};
+
+struct NamedBias {
+  const char* name;
+  Bias bias;
+};
+constexpr std::array biases{NamedBias{"as-is", Bias::as_is}, NamedBias{"none", Bias::none},
+                            NamedBias{"pull-up", Bias::pull_up},
+                            NamedBias{"pull-down", Bias::pull_down}};
+
+[[noreturn]] void fail(const std::string& where, const std::string& what,
+                       const std::string& remedy) {
+  throw Error(Exit::bad_input, where, what, remedy);
+}
+
+/// One file while it is read.
+class Reader {
+ public:
+  explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
+
+  LineTable read(const toml::table& root) {
+    for (const auto& [key, node] : root) read_key(key, node);
+    check_distinct();
+    if (table_.interlock_beat.count() != 0 && !table_.interlock)
+      fail(file_.string(), "'interlock_beat_ms' without a line for it", "add [interlock]");
+    return table_;
+  }
+
+ private:
+  std::string place(const toml::source_region& source) const {
+    return fmt::format("{}:{}", file_.string(), source.begin.line);
+  }
+
+  void read_key(const toml::key& key, const toml::node& node) {
+    const std::string where = place(key.source());
+    if (key == "debounce_ms") {
+      table_.debounce = time_of(key, node, 0, longest_debounce_ms);
+      return;
+    }
+    if (key == "interlock_beat_ms") {
+      table_.interlock_beat = time_of(key, node, shortest_beat_ms, longest_beat_ms);
+      return;
+    }
+    for (const Role& role : roles)
+      if (key == role.name) return read_role(role, node, where);
+    fail(where, fmt::format("unknown key '{}'", key.str()),
+         "use [estop], [door], [interlock], [lamp], [run], [bootsel], debounce_ms, "
+         "interlock_beat_ms");
+  }
+
+  std::chrono::milliseconds time_of(const toml::key& key, const toml::node& node,
+                                    std::int64_t least, std::int64_t most) const {
+    const auto ms = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
+    if (!ms || *ms < least || *ms > most)
+      fail(place(key.source()), fmt::format("'{}' must be milliseconds", key.str()),
+           fmt::format("give a whole number from {} to {}", least, most));
+    return std::chrono::milliseconds(*ms);
+  }
+
+  void read_role(const Role& role, const toml::node& node, const std::string& where) {
+    const toml::table* keys = node.as_table();
+    if (keys == nullptr)
+      fail(where, fmt::format("'{}' must be a table", role.name),
+           fmt::format("write [{}] and below it line = \"...\"", role.name));
+    LineRequest wanted;
+    // As on the board: a contact that is closed to ground when all is well.
+    if (role.way == Way::input) wanted.bias = Bias::pull_up;
+    // The pins RUN and BOOTSEL are pulled up on the board, and others may pull them down too.
+    if (role.way == Way::open_drain) {
+      wanted.drive = Drive::open_drain;
+      wanted.active_low = true;
+    }
+    for (const auto& [key, value] : *keys) read_line_key(role, key, value, wanted);
+    if (wanted.place.empty())
+      fail(where, fmt::format("[{}] has no line", role.name),
+           "add line = \"NAME\" or line = \"gpiochip0:17\"");
+    table_.*role.line = wanted;
+  }
+
+  void read_line_key(const Role& role, const toml::key& key, const toml::node& value,
+                     LineRequest& wanted) const {
+    const std::string where = place(key.source());
+    if (key == "line") {
+      wanted.place = text_of(key, value);
+      if (wanted.place.empty()) fail(where, "'line' is empty", "name a line");
+    } else if (key == "active_low" && role.way != Way::open_drain) {
+      const auto flag = value.is_boolean() ? value.value<bool>() : std::nullopt;
+      if (!flag) fail(where, "'active_low' must be true or false", "write it without quotes");
+      wanted.active_low = *flag;
+    } else if (key == "bias" && role.way == Way::input) {
+      wanted.bias = bias_named(text_of(key, value), where);
+    } else {
+      fail(where, fmt::format("unknown key '{}' of [{}]", key.str(), role.name),
+           role.way == Way::input    ? "use line, active_low, bias"
+           : role.way == Way::output ? "use line, active_low"
+                                     : "use line");
+    }
+  }
+
+  std::string text_of(const toml::key& key, const toml::node& value) const {
+    const auto text = value.is_string() ? value.value<std::string>() : std::nullopt;
+    if (!text)
+      fail(place(key.source()), fmt::format("'{}' must be a text", key.str()),
+           "write it in quotes");
+    return *text;
+  }
+
+  static Bias bias_named(const std::string& name, const std::string& where) {
+    for (const NamedBias& known : biases)
+      if (name == known.name) return known.bias;
+    fail(where, fmt::format("unknown bias '{}'", name), "use pull-up, pull-down, none or as-is");
+  }
+
+  /// A name and a number may still be the same line: then the system refuses the second request.
+  void check_distinct() const {
+    for (const Role& a : roles)
+      for (const Role& b : roles) {
+        const auto &one = table_.*a.line, &other = table_.*b.line;
+        if (&a == &b || !one || !other || !same_place(one->place, other->place)) continue;
+        fail(file_.string(), fmt::format("[{}] and [{}] are both {}", a.name, b.name, one->place),
+             "give each a line of its own");
+      }
+  }
+
+  static bool same_place(const std::string& a, const std::string& b) {
+    const Place one = parse_place(a), other = parse_place(b);
+    return one.name == other.name && one.chip == other.chip && one.number == other.number;
+  }
+
+  std::filesystem::path file_;
+  LineTable table_{};
+};
+
+}  // namespace
+
+LineTable parse_line_table(std::string_view text, const std::filesystem::path& file) {
+  toml::table root;
+  try {
+    root = toml::parse(text, file.string());
+  } catch (const toml::parse_error& error) {
+    fail(fmt::format("{}:{}", file.string(), error.source().begin.line),
+         std::string(error.description()), "correct the line");
+  }
+  return Reader(file).read(root);
+}
+
+LineTable read_line_table(const std::filesystem::path& file) {
+  return parse_line_table(read_file(file), file);
+}
+
+}  // namespace lamplock::gpio

@@ -1,0 +1,102 @@
+#include "host/gpio/place.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "host/text.hpp"
+
+namespace lamplock::gpio {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* device_folder = "/dev/";
+constexpr const char* chip_prefix = "gpiochip";
+/// What to do where the system does not let us.
+constexpr const char* permission_remedy =
+    "install 60-lamplock.rules (cmake --install, or the Debian package) and join the group plugdev, "
+    "or gpio where there is one";
+
+}  // namespace
+
+Place parse_place(const std::string& text) {
+  if (text.empty())
+    throw Error(Exit::bad_input, "line", "has no place",
+                "give its name, or its chip and number as in gpiochip0:17");
+  const auto colon = text.rfind(':');
+  const auto number =
+      colon == std::string::npos ? std::nullopt : number_of<unsigned>(text.substr(colon + 1));
+  // Names of lines may have colons of their own.
+  if (!number || colon == 0) return {.name = text};
+  const std::string chip = text.substr(0, colon);
+  const bool is_file = chip.find('/') != std::string::npos;
+  return {.chip = is_file ? chip : device_folder + chip, .number = *number};
+}
+
+std::vector<std::string> chip_files(const std::string& folder) {
+  std::vector<std::pair<unsigned, std::string>> found;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(chip_prefix)) continue;
+    if (const auto number = number_of<unsigned>(name.substr(std::strlen(chip_prefix))))
+      found.emplace_back(*number, entry->path().string());
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::string> files;
+  files.reserve(found.size());
+  for (auto& [number, file] : found) files.push_back(std::move(file));
+  return files;
+}
+
+std::string chip_problem(int error) {
+  if (error == EACCES || error == EPERM)
+    return fmt::format("may not be opened; {}", permission_remedy);
+  return fmt::format("cannot be opened ({}); see what chips `lamplock lines` lists",
+                     std::strerror(error));
+}
+
+Error chip_error(const std::string& chip, int error) {
+  if (error == EACCES || error == EPERM)
+    return {Exit::no_device, chip, "may not be opened", permission_remedy};
+  return {Exit::no_device, chip,
+          error == ENOENT ? "there is no such chip"
+                          : fmt::format("cannot be opened ({})", std::strerror(error)),
+          "see what chips `lamplock lines` lists"};
+}
+
+Error no_line_error(const std::string& place, bool problems) {
+  if (problems)
+    return {Exit::no_device, place, "is no line of the chips that may be opened",
+            permission_remedy};
+  return {Exit::bad_input, place, "there is no such line",
+          "see what lines `lamplock lines` lists, or give chip and number as in gpiochip0:17"};
+}
+
+Error request_error(const std::string& place, int error) {
+  switch (error) {
+    case EBUSY:
+      return {Exit::no_device, place, "is used by another program or driver",
+              "see by whom with `lamplock lines`"};
+    case EACCES:
+    case EPERM:
+      return {Exit::no_device, place, "may not be used", permission_remedy};
+    case EINVAL:
+    case ENOTSUP:
+    case ENXIO:
+      return {Exit::bad_input, place, "its chip cannot do what is asked",
+              "try another bias, or another line"};
+    default:
+      return {Exit::no_device, place, fmt::format("cannot be used ({})", std::strerror(error)),
+              "see that its chip is there with `lamplock lines`"};
+  }
+}
+
+}  // namespace lamplock::gpio

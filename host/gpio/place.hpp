@@ -1,0 +1,38 @@
+// Where a line is: a name, or a chip and a number; and what is wrong when it is not there.
+//
+// In:  the text of a place, error numbers of the kernel. Out: its parts; errors with a remedy.
+// Who: both bindings to libgpiod.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/error.hpp"
+
+namespace lamplock::gpio {
+
+/// A place taken apart: either the name alone, or chip and number.
+struct Place {
+  std::string name{};
+  std::string chip{};  ///< file of the chip, "/dev/gpiochip0"
+  unsigned number = 0;
+};
+
+/// Takes "GPIO17", "gpiochip0:17", "/dev/gpiochip0:17" apart. Throws Error(bad_input) for an empty
+/// one.
+Place parse_place(const std::string& text);
+
+/// Files of all chips, by number. `folder`: of device files.
+std::vector<std::string> chip_files(const std::string& folder = "/dev");
+
+/// Why a chip could not be opened, with the remedy: "may not be opened; ...".
+std::string chip_problem(int error);
+/// For a chip that could not be opened.
+Error chip_error(const std::string& chip, int error);
+/// For a place that no chip has; `problems`: some chips could not be looked at.
+Error no_line_error(const std::string& place, bool problems);
+/// For a line that could not be had.
+Error request_error(const std::string& place, int error);
+
+}  // namespace lamplock::gpio

@@ -1,0 +1,20 @@
+#include "host/gpio/safe_input.hpp"
+
+#include <optional>
+
+namespace lamplock::gpio {
+
+void SafeInput::look(Time now) {
+  if (lost_) return;
+  // Events first: a pulse that ends between the two calls has left its edges. Any edge will do: one
+  // to the quiet level says that it was not quiet before.
+  const bool moved = !input_->events(Time{0}).empty();
+  const std::optional<bool> level = input_->active();
+  lost_ = !level;
+  const bool tripped = !level || *level || moved;
+  if (tripped || !looked_) quiet_since_ = now;
+  looked_ = true;
+  well_ = !tripped && now - quiet_since_ >= debounce_;
+}
+
+}  // namespace lamplock::gpio

@@ -1,0 +1,148 @@
+#include "host/manual/completion.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <functional>
+#include <vector>
+
+#include "host/manual/commands.hpp"
+
+namespace lamplock::manual {
+namespace {
+
+/// A command and the words that lead to it: "", "engrave", "operate zero".
+using Visit = std::function<void(const CLI::App&, const std::string& path)>;
+
+void visit(const CLI::App& app, const std::string& path, const Visit& what) {
+  what(app, path);
+  for (const CLI::App* inner : commands_of(app))
+    visit(*inner, path.empty() ? inner->get_name() : path + " " + inner->get_name(), what);
+}
+
+/// All that may stand next in a command.
+std::vector<std::string> next_words(const CLI::App& app) {
+  std::vector<std::string> words;
+  for (const CLI::App* inner : commands_of(app)) words.push_back(inner->get_name());
+  for (const CLI::Option* option : options_of(app))
+    for (std::string& name : names_of(*option)) words.push_back(std::move(name));
+  return words;
+}
+
+/// The lines of bash that complete the argument of an option.
+std::string bash_argument(const CLI::Option& option) {
+  const std::string words = fmt::format("{}", fmt::join(words_of(option), " "));
+  std::string lines;
+  if (takes_file(option)) lines += " _lamplock_files;";
+  if (takes_port(option))
+    lines += fmt::format(" _lamplock_words \"{} $(compgen -G '/dev/ttyACM*')\";", words);
+  else if (!words.empty())
+    lines += fmt::format(" _lamplock_words \"{}\";", words);
+  return lines + " return ;;\n";
+}
+
+}  // namespace
+
+std::string bash_completion(const CLI::App& program) {
+  std::string paths, words, arguments;
+  visit(program, "", [&](const CLI::App& app, const std::string& path) {
+    if (!path.empty()) {
+      const auto blank = path.rfind(' ');
+      const std::string before = blank == std::string::npos ? "" : path.substr(0, blank);
+      paths += fmt::format("      \"{} {}\") command=\"{}\" ;;\n", before, app.get_name(), path);
+    }
+    words += fmt::format("    \"{}\") words=\"{}\" ;;\n", path, fmt::join(next_words(app), " "));
+    for (const CLI::Option* option : options_of(app))
+      if (!argument_of(*option).empty())
+        for (const std::string& name : names_of(*option))
+          arguments += fmt::format("    \"{} {}\")", path, name) + bash_argument(*option);
+  });
+  return "# bash completion for lamplock, made from the options of the program itself\n"
+         "_lamplock_words() { COMPREPLY+=($(compgen -W \"$1\" -- \"$word\")); }\n"
+         "_lamplock_files() {\n"
+         "  local IFS=$'\\n'\n"
+         "  compopt -o filenames 2>/dev/null\n"
+         "  COMPREPLY+=($(compgen -f -- \"$word\"))\n"
+         "}\n"
+         "_lamplock() {\n"
+         "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
+         "  local command='' words='' i\n"
+         "  COMPREPLY=()\n"
+         "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
+         "    case \"$command ${COMP_WORDS[i]}\" in\n" +
+         paths +
+         "    esac\n"
+         "  done\n"
+         "  case \"$command $before\" in\n" +
+         arguments +
+         "  esac\n"
+         "  case $command in\n" +
+         words +
+         "  esac\n"
+         "  _lamplock_words \"$words\"\n"
+         "  [[ -n $command && $word != -* ]] && _lamplock_files\n"
+         "  return 0\n"
+         "}\n"
+         "complete -F _lamplock lamplock\n";
+}
+
+namespace {
+
+/// In single quotes of fish.
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + "'";
+}
+
+/// When a completion belongs to a command: its words have been typed, none of its own commands.
+std::string fish_condition(const CLI::App& app, const std::string& path) {
+  if (path.empty()) return "__fish_use_subcommand";
+  std::string condition;
+  for (std::size_t from = 0; from != std::string::npos;) {
+    const std::size_t blank = path.find(' ', from);
+    condition += fmt::format("{}__fish_seen_subcommand_from {}", from == 0 ? "" : "; and ",
+                             path.substr(from, blank - from));
+    from = blank == std::string::npos ? blank : blank + 1;
+  }
+  std::vector<std::string> inner;
+  for (const CLI::App* command : commands_of(app)) inner.push_back(command->get_name());
+  if (inner.empty()) return condition;
+  return condition + fmt::format("; and not __fish_seen_subcommand_from {}", fmt::join(inner, " "));
+}
+
+std::string fish_option(const CLI::Option& option, const std::string& condition) {
+  std::string line = "complete -c lamplock -n " + quoted(condition);
+  for (const std::string& name : option.get_snames()) line += " -s " + name;
+  for (const std::string& name : option.get_lnames()) line += " -l " + name;
+  if (!argument_of(option).empty()) {
+    const std::string words = fmt::format("{}", fmt::join(words_of(option), " "));
+    line += takes_file(option) ? " -r" : " -x";
+    if (takes_port(option))
+      line += " -a " + quoted(words + " (ls /dev/ttyACM* 2>/dev/null)");
+    else if (!words.empty())
+      line += " -a " + quoted(words);
+  }
+  return line + " -d " + quoted(option.get_description()) + "\n";
+}
+
+}  // namespace
+
+std::string fish_completion(const CLI::App& program) {
+  std::string script =
+      "# fish completion for lamplock, made from the options of the program itself\n"
+      "complete -c lamplock -n __fish_use_subcommand -f\n";
+  visit(program, "", [&](const CLI::App& app, const std::string& path) {
+    const std::string condition = fish_condition(app, path);
+    for (const CLI::App* command : commands_of(app))
+      script += fmt::format("complete -c lamplock -n {} -f -a {} -d {}\n", quoted(condition),
+                            command->get_name(), quoted(command->get_description()));
+    for (const CLI::Option* option : options_of(app)) script += fish_option(*option, condition);
+  });
+  return script;
+}
+
+}  // namespace lamplock::manual

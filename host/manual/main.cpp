@@ -1,0 +1,34 @@
+// The program `lamplock_manual`: writes manual pages and completions while lamplock is built.
+//
+// usage: lamplock_manual FOLDER DATE
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <string>
+
+#include "host/cli/program.hpp"
+#include "host/file.hpp"
+#include "host/manual/completion.hpp"
+#include "host/manual/man_page.hpp"
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::fputs("error: lamplock_manual: two arguments are wanted; give FOLDER and DATE\n", stderr);
+    return static_cast<int>(lamplock::Exit::bad_input);
+  }
+  try {
+    const std::filesystem::path folder = argv[1];
+    lamplock::cli::Action action;
+    const auto program = lamplock::cli::make_program(action);
+    std::filesystem::create_directories(folder / "man");
+    for (const auto& [file, text] :
+         lamplock::manual::man_pages(*program, {LAMPLOCK_VERSION, argv[2]}))
+      lamplock::write_file(folder / "man" / file, text);
+    lamplock::write_file(folder / "lamplock.bash", lamplock::manual::bash_completion(*program));
+    lamplock::write_file(folder / "lamplock.fish", lamplock::manual::fish_completion(*program));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return static_cast<int>(lamplock::Exit::job_failed);
+  }
+  return static_cast<int>(lamplock::Exit::done);
+}

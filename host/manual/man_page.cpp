@@ -1,0 +1,243 @@
+#include "host/manual/man_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "host/manual/commands.hpp"
+
+namespace lamplock::manual {
+namespace {
+
+constexpr std::size_t longest_line = 78;
+
+/// Text as it shall stand there: nothing in it is an escape, and every dash is one that is typed.
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '\\')
+      result += "\\e";
+    else if (c == '-')
+      result += "\\-";
+    else
+      result += c;
+  }
+  // At the beginning of a line these would be requests.
+  if (result.starts_with('.') || result.starts_with('\'')) result.insert(0, "\\&");
+  return result;
+}
+
+std::string bold(std::string_view text) { return "\\fB" + escaped(text) + "\\fR"; }
+std::string italic(std::string_view text) { return "\\fI" + escaped(text) + "\\fR"; }
+
+std::string upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+/// One page while it is written.
+class Writer {
+ public:
+  void request(std::string_view line) { (text_ += line) += '\n'; }
+  void section(std::string_view name) { request(fmt::format(".SH {}", upper(std::string(name)))); }
+  /// Words, broken into lines of the source.
+  void words(std::string_view text) {
+    std::string line;
+    while (!text.empty()) {
+      const std::size_t blank = std::min(text.find(' '), text.size());
+      const std::string word(text.substr(0, blank));
+      text.remove_prefix(std::min(blank + 1, text.size()));
+      if (word.empty()) continue;
+      if (!line.empty() && line.size() + 1 + word.size() > longest_line) flush(line);
+      line += (line.empty() ? "" : " ") + word;
+    }
+    flush(line);
+  }
+  /// A line that is shown as it is.
+  void line(std::string_view text) { request(escaped(text)); }
+  std::string take() { return std::move(text_); }
+
+ private:
+  void flush(std::string& line) {
+    if (!line.empty()) request(escaped(line));
+    line.clear();
+  }
+  std::string text_;
+};
+
+/// Text of a footer: paragraphs, and lines that begin with blanks as they are.
+void write_footer(Writer& page, std::string_view footer) {
+  std::string paragraph;
+  bool shown = false, is_new = true;
+  const auto end_paragraph = [&] {
+    if (!paragraph.empty()) page.words(paragraph);
+    paragraph.clear();
+  };
+  while (!footer.empty()) {
+    const std::size_t end = std::min(footer.find('\n'), footer.size());
+    const std::string_view line = footer.substr(0, end);
+    footer.remove_prefix(std::min(end + 1, footer.size()));
+    const bool as_it_is = line.starts_with("  ");
+    if (shown && !as_it_is) page.request(".fi"), page.request(".RE");
+    if (as_it_is && !shown) end_paragraph(), page.request(".RS 4"), page.request(".nf");
+    if (!as_it_is && is_new && !line.empty() && !shown) page.request(".PP");
+    if (shown && !as_it_is && !line.empty()) page.request(".PP");
+    is_new = line.empty();
+    shown = as_it_is;
+    if (as_it_is)
+      page.line(line.substr(2));
+    else if (line.empty())
+      end_paragraph();
+    else if (line == "Example:" || line == "Examples:")
+      end_paragraph(), page.section("examples");
+    else
+      paragraph.append(paragraph.empty() ? "" : " ").append(line);
+  }
+  if (shown) page.request(".fi"), page.request(".RE");
+  end_paragraph();
+}
+
+std::string option_head(const CLI::Option& option) {
+  std::string head;
+  for (const std::string& name : names_of(option)) head += (head.empty() ? "" : ", ") + bold(name);
+  if (const std::string argument = argument_of(option); !argument.empty())
+    head += " " + italic(argument);
+  return head;
+}
+
+void write_option(Writer& page, const CLI::Option& option) {
+  page.request(".TP");
+  page.request(option_head(option));
+  std::string what = option.get_description();
+  if (!what.empty() && what.back() != '.') what += '.';
+  if (option.get_required()) what += " Has to be given.";
+  if (!option.get_default_str().empty())
+    what += fmt::format(" Default: {}.", option.get_default_str());
+  if (!option.get_envname().empty())
+    what +=
+        fmt::format(" Without it, what the environment variable {} says.", option.get_envname());
+  page.words(what);
+}
+
+/// Options by their groups; those of no group of their own come under `title`.
+void write_options(Writer& page, const CLI::App& app, const std::string& title) {
+  std::vector<std::string> groups;
+  const auto options = options_of(app);
+  for (const CLI::Option* option : options)
+    if (std::find(groups.begin(), groups.end(), option->get_group()) == groups.end())
+      groups.push_back(option->get_group());
+  for (const std::string& group : groups) {
+    page.request(group == "Options" ? ".SH " + upper(title) : ".SS " + group);
+    for (const CLI::Option* option : options)
+      if (option->get_group() == group) write_option(page, *option);
+  }
+}
+
+void write_positionals(Writer& page, const CLI::App& app) {
+  const auto positionals = positionals_of(app);
+  if (positionals.empty()) return;
+  page.section("arguments");
+  for (const CLI::Option* option : positionals) {
+    page.request(".TP");
+    page.request(italic(option->get_name(true)));
+    page.words(option->get_description() + ".");
+  }
+}
+
+/// "lamplock operate zero [OPTIONS]"
+void write_synopsis(Writer& page, const CLI::App& app, const std::string& path) {
+  std::string line = bold(path) + " [" + italic("OPTIONS") + "]";
+  for (const CLI::Option* option : positionals_of(app)) {
+    const std::string name = italic(option->get_name(true));
+    line += option->get_required() ? " " + name : " [" + name + "]";
+  }
+  if (!commands_of(app).empty()) line += " " + italic("COMMAND");
+  page.request(line);
+}
+
+void write_head(Writer& page, const std::string& name, const Edition& edition,
+                const std::string& what) {
+  page.request(fmt::format(R"(.TH {} 1 "{}" "lamplock {}" "lamplock")", upper(escaped(name)),
+                           edition.date, edition.version));
+  page.section("name");
+  page.request(escaped(name) + " \\- " + escaped(what));
+}
+
+/// Commands of a command stand on its page, with their own options.
+void write_inner_command(Writer& page, const CLI::App& app, const std::string& path) {
+  page.section(path);
+  page.words(app.get_description() + ".");
+  page.request(".PP");
+  write_synopsis(page, app, path);
+  write_positionals(page, app);
+  for (const CLI::Option* option : options_of(app))
+    if (option != app.get_help_ptr()) write_option(page, *option);
+}
+
+Page command_page(const CLI::App& app, const Edition& edition) {
+  const std::string name = "lamplock-" + app.get_name(), path = "lamplock " + app.get_name();
+  Writer page;
+  write_head(page, name, edition, app.get_description());
+  page.section("synopsis");
+  write_synopsis(page, app, path);
+  page.section("description");
+  page.words(app.get_description() + ".");
+  write_positionals(page, app);
+  write_options(page, app, "options");
+  for (const CLI::App* inner : commands_of(app))
+    write_inner_command(page, *inner, path + " " + inner->get_name());
+  if (!app.get_footer().empty()) {
+    page.section("notes");
+    write_footer(page, app.get_footer());
+  }
+  page.section("see also");
+  page.request(bold("lamplock") + "(1)");
+  return {name + ".1", page.take()};
+}
+
+/// Exit status of the program (host/error.hpp).
+constexpr std::array<std::pair<const char*, const char*>, 5> exits{
+    {{"0", "Done."},
+     {"1", "The job failed, or was stopped by the machine or by a line of the computer."},
+     {"2", "Bad input or usage: nothing was done."},
+     {"3", "No device, or no link to it."},
+     {"130", "Interrupted by the user."}}};
+
+Page program_page(const CLI::App& program, const Edition& edition) {
+  Writer page;
+  write_head(page, program.get_name(), edition, "motion locked to the lamp of a laser");
+  page.section("synopsis");
+  write_synopsis(page, program, program.get_name());
+  page.section("description");
+  page.words(program.get_description());
+  page.words("Each command has a page of its own.");
+  page.section("commands");
+  for (const CLI::App* app : commands_of(program)) {
+    page.request(".TP");
+    page.request(fmt::format("\\fBlamplock\\-{}\\fR(1)", escaped(app->get_name())));
+    page.words(app->get_description() + ".");
+  }
+  write_options(page, program, "options");
+  page.section("exit status");
+  for (const auto& [status, what] : exits) {
+    page.request(".TP");
+    page.request(bold(status));
+    page.words(what);
+  }
+  page.section("notes");
+  write_footer(page, program.get_footer());
+  return {"lamplock.1", page.take()};
+}
+
+}  // namespace
+
+std::vector<Page> man_pages(const CLI::App& program, const Edition& edition) {
+  std::vector<Page> pages{program_page(program, edition)};
+  for (const CLI::App* app : commands_of(program)) pages.push_back(command_page(*app, edition));
+  return pages;
+}
+
+}  // namespace lamplock::manual

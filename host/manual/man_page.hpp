@@ -1,0 +1,28 @@
+// Manual pages from the command line itself: what --help says, in the form of man(7).
+//
+// In:  the application. Out: lamplock.1 with an overview, and a page for each command.
+// Who: lamplock_manual, while the program is built.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace lamplock::manual {
+
+/// What stands in the margins of pages.
+struct Edition {
+  std::string version{};  ///< of the program
+  std::string date{};     ///< "2026-11-23"
+};
+
+/// One page.
+struct Page {
+  std::string file{};  ///< "lamplock-engrave.1"
+  std::string text{};
+};
+
+/// All pages, that of the program first.
+std::vector<Page> man_pages(const CLI::App& program, const Edition& edition);
+
+}  // namespace lamplock::manual

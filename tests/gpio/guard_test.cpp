@@ -1,0 +1,273 @@
+// The guard of a job: what trips, what comes back, and when the interlock is on.
+#include "host/gpio/guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/gpio/model_lines.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::gpio {
+namespace {
+
+using namespace std::chrono_literals;
+using test::ModelLines;
+using test::ModelPins;
+using Time = Guard::Time;
+
+/// E-stop and door closed to ground, interlock and lamp.
+LineTable table(std::chrono::milliseconds debounce = 20ms) {
+  LineTable lines;
+  lines.estop = LineRequest{.place = "E"};
+  lines.door = LineRequest{.place = "D"};
+  lines.interlock = LineRequest{.place = "I"};
+  lines.lamp = LineRequest{.place = "L"};
+  lines.debounce = debounce;
+  return lines;
+}
+
+/// A guard over model pins and a clock.
+struct Bench {
+  explicit Bench(const LineTable& of = table()) : guard(lines, of) {}
+
+  Verdict look(Time by = 1ms) {
+    now += by;
+    return guard.look(now);
+  }
+  void settle() {
+    for (int i = 0; i < 30; ++i) look();
+  }
+  void start(Work work = Work::laser) {
+    settle();
+    guard.begin(work);
+    look();
+  }
+  /// True if the pin has moved.
+  bool move(const std::string& place, bool level) {
+    const bool moves = pins->level(place) != level;
+    pins->set(place, level);
+    return moves;
+  }
+  bool interlock() { return pins->level("I"); }
+
+  std::shared_ptr<ModelPins> pins = std::make_shared<ModelPins>();
+  ModelLines lines{pins};
+  Time now{1s};
+  Guard guard;
+};
+
+TEST(Guard, InterlockIsOnWhileWorkWithTheLaserRunsAndAllIsWell) {
+  Bench bench;
+  bench.settle();
+  EXPECT_TRUE(bench.guard.settled());
+  EXPECT_FALSE(bench.interlock());
+  bench.guard.begin(Work::laser);
+  EXPECT_EQ(bench.look(), Verdict::clear);
+  EXPECT_TRUE(bench.interlock());
+  bench.guard.end();
+  EXPECT_FALSE(bench.interlock());
+  bench.look();
+  EXPECT_FALSE(bench.interlock());
+}
+
+TEST(Guard, MotionAloneNeedsNoInterlock) {
+  Bench bench;
+  bench.start(Work::motion);
+  EXPECT_FALSE(bench.interlock());
+  EXPECT_TRUE(bench.pins->level("L"));
+  bench.pins->set("E", true);
+  EXPECT_EQ(bench.look(), Verdict::stop);
+}
+
+TEST(Guard, InputsAreWellOnlyAfterTheDebounceTime) {
+  Bench bench;
+  bench.look();
+  EXPECT_EQ(bench.guard.unsettled(), "e-stop pressed (E)");
+  for (int i = 0; i < 19; ++i) bench.look();
+  EXPECT_FALSE(bench.guard.settled());
+  bench.look();
+  EXPECT_TRUE(bench.guard.settled());
+}
+
+TEST(Guard, APulseBetweenTwoLooksIsSeen) {
+  Bench bench;
+  bench.start();
+  bench.pins->set("E", true);
+  bench.pins->set("E", false);
+  EXPECT_EQ(bench.look(), Verdict::stop);
+  EXPECT_FALSE(bench.interlock());
+  EXPECT_EQ(bench.guard.reason(), "e-stop pressed (E)");
+}
+
+TEST(Guard, AnEstopLastsThoughItIsReleased) {
+  Bench bench;
+  bench.start();
+  bench.pins->set("E", true);
+  bench.look();
+  bench.pins->set("E", false);
+  bench.guard.go_on();
+  bench.settle();
+  EXPECT_EQ(bench.guard.verdict(), Verdict::stop);
+  EXPECT_FALSE(bench.interlock());
+}
+
+TEST(Guard, BehindADoorTheInterlockWaitsForSomebody) {
+  Bench bench;
+  bench.start();
+  bench.pins->set("D", true);
+  EXPECT_EQ(bench.look(), Verdict::door);
+  EXPECT_EQ(bench.guard.reason(), "door open (D)");
+  EXPECT_FALSE(bench.interlock());
+  bench.pins->set("D", false);
+  EXPECT_EQ(bench.look(), Verdict::door) << "it may still bounce";
+  bench.settle();
+  EXPECT_EQ(bench.guard.verdict(), Verdict::clear);
+  EXPECT_FALSE(bench.interlock()) << "nobody has gone on";
+  bench.guard.go_on();
+  bench.look();
+  EXPECT_TRUE(bench.interlock());
+}
+
+TEST(Guard, EveryLineThatIsLostStops) {
+  for (const char* place : {"E", "D", "I", "L"}) {
+    Bench bench;
+    bench.start();
+    bench.pins->unplug(place);
+    EXPECT_EQ(bench.look(), Verdict::stop) << place;
+    EXPECT_EQ(bench.guard.reason(), "line lost (" + std::string(place) + ")");
+    if (*place != 'I') {
+      EXPECT_FALSE(bench.interlock()) << place;
+    }
+  }
+}
+
+TEST(Guard, ActiveLowTurnsALineRound) {
+  LineTable lines = table();
+  lines.estop->active_low = lines.interlock->active_low = true;
+  Bench bench(lines);
+  EXPECT_TRUE(bench.interlock()) << "off is high";
+  bench.pins->set("E", true);
+  bench.start();
+  EXPECT_FALSE(bench.interlock()) << "on is low";
+  bench.pins->set("E", false);
+  EXPECT_EQ(bench.look(), Verdict::stop);
+  EXPECT_TRUE(bench.interlock());
+}
+
+TEST(Guard, ABeatingInterlockStandsStillInsideABeatOfTheEstop) {
+  LineTable lines = table();
+  lines.interlock_beat = 20ms;
+  Bench bench(lines);
+  int changes = 0;
+  bench.pins->on_output = [&](const std::string& place, bool) { changes += place == "I" ? 1 : 0; };
+  bench.start();
+  changes = 0;
+  for (int i = 0; i < 1000; ++i) bench.look();
+  EXPECT_EQ(changes, 50);
+  bench.pins->set("E", true);
+  bench.look();
+  EXPECT_FALSE(bench.interlock());
+  changes = 0;
+  for (int i = 0; i < 1000; ++i) bench.look();
+  EXPECT_EQ(changes, 0);
+}
+
+TEST(Guard, TheLampIsSteadyWhileAllIsWellAndBlinksWhenItCalls) {
+  Bench bench;
+  int changes = 0;
+  bench.start();
+  bench.pins->on_output = [&](const std::string& place, bool) { changes += place == "L" ? 1 : 0; };
+  EXPECT_TRUE(bench.pins->level("L"));
+  for (int i = 0; i < 2000; ++i) bench.look();
+  EXPECT_EQ(changes, 0);
+  bench.pins->set("D", true);
+  for (int i = 0; i < 2000; ++i) bench.look();
+  EXPECT_NEAR(changes, 8, 1) << "2 Hz";
+}
+
+TEST(Guard, OutputsAreOffBehindItHoweverItEnds) {
+  auto pins = std::make_shared<ModelPins>();
+  std::vector<std::string> order;
+  pins->on_output = [&](const std::string& place, bool level) {
+    if (!level) order.push_back(place);
+  };
+  try {
+    ModelLines lines(pins);
+    Guard guard(lines, table());
+    Time now{1s};
+    for (int i = 0; i < 30; ++i) guard.look(now += 1ms);
+    guard.begin(Work::laser);
+    guard.look(now);
+    EXPECT_TRUE(pins->level("I"));
+    throw std::runtime_error("something else");
+  } catch (const std::runtime_error&) {
+  }
+  EXPECT_FALSE(pins->level("I"));
+  EXPECT_FALSE(pins->level("L"));
+  ASSERT_EQ(order.size(), 2u);
+  EXPECT_EQ(order.front(), "I") << "the interlock falls first";
+  for (const char* place : {"E", "D", "I", "L"}) EXPECT_FALSE(pins->requested(place));
+}
+
+/// What a random history of pins and of the user may leave on: told apart from the guard's way.
+struct Oracle {
+  Time debounce;
+  bool working = false, dead = false, waits = false;
+  Time estop_quiet{}, door_quiet{};  ///< since when
+
+  bool well(Time now) const {
+    return working && !dead && !waits && now - estop_quiet >= debounce &&
+           now - door_quiet >= debounce;
+  }
+};
+
+/// Bouncing contacts, pulses, plugs, users: the interlock is on exactly when it may be.
+TEST(Guard, RandomHistoriesNeverLeaveTheInterlockOn) {
+  for (int seed = 0; seed < test::scaled(60); ++seed) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+    const auto one_in = [&](int n) { return std::uniform_int_distribution(1, n)(random) == 1; };
+    const std::chrono::milliseconds debounce(std::uniform_int_distribution(0, 50)(random));
+    Bench bench(table(debounce));
+    bench.look();
+    Oracle oracle{.debounce = debounce, .estop_quiet = bench.now, .door_quiet = bench.now};
+    for (int round = 0; round < 2000; ++round) {
+      bool estop_touched = false, door_touched = false;
+      for (int touches = one_in(40) ? 5 : 0; touches > 0; --touches) {
+        const bool estop = one_in(20);
+        const bool level = one_in(2);
+        (estop ? estop_touched : door_touched) |= bench.move(estop ? "E" : "D", level);
+      }
+      if (one_in(30)) door_touched |= bench.move("D", false);
+      if (one_in(30)) estop_touched |= bench.move("E", false);
+      if (one_in(20)) {
+        bench.guard.go_on();
+        oracle.waits = false;
+      }
+      if (one_in(100) && bench.guard.settled()) {
+        bench.guard.begin(Work::laser);
+        oracle.working = true;
+      }
+      if (one_in(400)) {
+        bench.guard.end();
+        oracle.working = false;
+      }
+      const bool unplugged = one_in(3000);
+      if (unplugged) bench.pins->unplug(one_in(2) ? "E" : "D");
+      bench.look(Time(std::uniform_int_distribution(0, 20'000)(random)));
+      if (estop_touched || bench.pins->level("E")) oracle.estop_quiet = bench.now;
+      if (door_touched || bench.pins->level("D")) oracle.door_quiet = bench.now;
+      const bool lost = !bench.pins->pins["E"].plugged || !bench.pins->pins["D"].plugged;
+      if (oracle.working && (lost || bench.now - oracle.estop_quiet < debounce ||
+                             bench.pins->level("E") || estop_touched))
+        oracle.dead = true;
+      if (oracle.working &&
+          (bench.now - oracle.door_quiet < debounce || bench.pins->level("D") || door_touched))
+        oracle.waits = true;
+      ASSERT_EQ(bench.interlock(), oracle.well(bench.now)) << "seed " << seed << " round " << round;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::gpio

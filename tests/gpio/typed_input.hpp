@@ -1,0 +1,39 @@
+// Lines that somebody types, for tests of what reads the standard input.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <string_view>
+
+namespace lamplock::test {
+
+/// The standard input is a pipe as long as this lives.
+class TypedInput {
+ public:
+  TypedInput() : kept_(::dup(STDIN_FILENO)) {
+    EXPECT_EQ(::pipe(pipe_.data()), 0);
+    ::dup2(pipe_[0], STDIN_FILENO);
+  }
+  ~TypedInput() {
+    if (kept_ >= 0) {
+      ::dup2(kept_, STDIN_FILENO);
+      ::close(kept_);
+    }
+    ::close(pipe_[0]);
+    ::close(pipe_[1]);
+  }
+  TypedInput(const TypedInput&) = delete;
+  TypedInput& operator=(const TypedInput&) = delete;
+
+  void type(std::string_view text) {
+    EXPECT_EQ(::write(pipe_[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+
+ private:
+  int kept_;
+  std::array<int, 2> pipe_{};
+};
+
+}  // namespace lamplock::test

@@ -1,0 +1,193 @@
+// Manual pages and completions say what the command line has: all of it, and nothing else.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <set>
+#include <sstream>
+
+#include "host/cli/program.hpp"
+#include "host/file.hpp"
+#include "host/manual/commands.hpp"
+#include "host/manual/completion.hpp"
+#include "host/manual/man_page.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace lamplock::manual {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+/// The command line of the program itself.
+struct RealProgram {
+  cli::Action action;
+  std::unique_ptr<CLI::App> app = cli::make_program(action);
+};
+
+/// A small one with what is awkward.
+struct SmallProgram {
+  SmallProgram() {
+    CLI::App* cut = app.add_subcommand("cut", "Cut. It's \\sharp");
+    cut->add_option("--depth", depth, "How deep")->type_name("MM")->capture_default_str();
+    cut->add_option("--mode", mode, "How")->type_name("fast|slow|PORT");
+    cut->add_option("-o,--output", file, "Where to")->type_name("FILE")->envname("CUT_TO");
+    cut->add_flag("--dry", dry, "Not really");
+    cut->add_option("--secret", file, "Nobody sees it")->group("");
+    cut->add_option("INPUT", file, "What")->required();
+    cut->footer("One\ntwo.\n\nThree.\nExample:\n  .cut it\n  'cut\n\nThe end.");
+    app.add_subcommand("hidden", "Not for people")->group("");
+    CLI::App* deep = app.add_subcommand("deep", "Commands of its own");
+    deep->add_subcommand("inner", "One of them")->add_flag("--turned", dry, "Turned");
+  }
+  double depth = 2.5;
+  std::string mode, file;
+  bool dry = false;
+  CLI::App app{"Small.", "lamplock"};
+};
+
+std::string page_of(const CLI::App& app, const std::string& file) {
+  for (const Page& page : man_pages(app, {"1.2.3", "2026-01-02"}))
+    if (page.file == file) return page.text;
+  return "";
+}
+
+TEST(ManPage, HasNameSynopsisOptionsAndExamples) {
+  const SmallProgram program;
+  const std::string page = page_of(program.app, "lamplock-cut.1");
+  EXPECT_THAT(page, HasSubstr(".TH LAMPLOCK\\-CUT 1 \"2026-01-02\" \"lamplock 1.2.3\""));
+  EXPECT_THAT(page, HasSubstr("lamplock\\-cut \\- Cut. It's \\esharp\n"));
+  EXPECT_THAT(page, HasSubstr("\\fBlamplock cut\\fR [\\fIOPTIONS\\fR] \\fIINPUT\\fR\n"));
+  EXPECT_THAT(page, HasSubstr(".TP\n\\fB\\-\\-depth\\fR \\fIMM\\fR\nHow deep. Default: 2.5.\n"));
+  EXPECT_THAT(page, HasSubstr("\\fB\\-o\\fR, \\fB\\-\\-output\\fR \\fIFILE\\fR\nWhere to. Without "
+                              "it, what the environment variable CUT_TO says.\n"));
+  EXPECT_THAT(page, HasSubstr("\\fB\\-\\-dry\\fR\nNot really.\n"));
+  EXPECT_THAT(page, HasSubstr(".SH NOTES\nOne two.\n.PP\nThree.\n.SH EXAMPLES\n"));
+  EXPECT_THAT(page, HasSubstr(".nf\n\\&.cut it\n\\&'cut\n.fi\n.RE\n.PP\nThe end.\n"));
+  EXPECT_THAT(page, Not(HasSubstr("secret")));
+}
+
+TEST(ManPage, InnerCommandsStandOnThePageOfTheirCommand) {
+  const SmallProgram program;
+  const std::string page = page_of(program.app, "lamplock-deep.1");
+  EXPECT_THAT(page, HasSubstr(".SH LAMPLOCK DEEP INNER\nOne of them.\n"));
+  EXPECT_THAT(page, HasSubstr("\\fB\\-\\-turned\\fR\nTurned.\n"));
+}
+
+TEST(ManPage, HiddenCommandsHaveNone) {
+  const SmallProgram program;
+  std::vector<std::string> files;
+  for (const Page& page : man_pages(program.app, {})) files.push_back(page.file);
+  EXPECT_THAT(files, ElementsAre("lamplock.1", "lamplock-cut.1", "lamplock-deep.1"));
+}
+
+/// Every option of every command stands on its page; pages have no line that is too long to be
+/// read in a diff, and none that man would take for a request by accident.
+TEST(ManPage, OfTheProgramIsComplete) {
+  const RealProgram program;
+  for (const CLI::App* command : commands_of(*program.app)) {
+    const std::string page = page_of(*program.app, "lamplock-" + command->get_name() + ".1");
+    ASSERT_FALSE(page.empty()) << command->get_name();
+    std::vector<const CLI::App*> apps = commands_of(*command);
+    apps.push_back(command);
+    for (const CLI::App* app : apps)
+      for (const CLI::Option* option : options_of(*app))
+        for (std::string name : names_of(*option)) {
+          std::string typed;
+          for (const char c : name) typed += c == '-' ? std::string("\\-") : std::string(1, c);
+          EXPECT_THAT(page, HasSubstr("\\fB" + typed + "\\fR")) << command->get_name();
+        }
+    const std::set<std::string> requests{".TH", ".SH", ".SS", ".TP", ".PP",
+                                         ".RS", ".RE", ".nf", ".fi"};
+    std::istringstream lines(page);
+    for (std::string line; std::getline(lines, line);)
+      if (line.starts_with('.') || line.starts_with('\'')) {
+        EXPECT_TRUE(requests.contains(line.substr(0, 3))) << line;
+      }
+  }
+}
+
+TEST(Commands, ArgumentsAreWordsFilesAndPorts) {
+  const SmallProgram program;
+  const CLI::App& cut = *commands_of(program.app).front();
+  EXPECT_THAT(words_of(*cut.get_option("--mode")), ElementsAre("fast", "slow"));
+  EXPECT_TRUE(takes_port(*cut.get_option("--mode")));
+  EXPECT_THAT(words_of(*cut.get_option("--depth")), IsEmpty());
+  EXPECT_TRUE(takes_file(*cut.get_option("--output")));
+  EXPECT_FALSE(takes_file(*cut.get_option("--mode")));
+  EXPECT_EQ(argument_of(*cut.get_option("--dry")), "");
+}
+
+/// A bash with the completion of an application.
+class Shell {
+ public:
+  explicit Shell(const CLI::App& app)
+      : script_(folder_.write("completion", bash_completion(app)).string()) {}
+
+  /// What is offered for words typed so far, one a line.
+  std::string offers(const std::string& words) const {
+    const std::string command = "bash -c '. " + script_ + "; COMP_WORDS=(" + words +
+                                "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _lamplock; " +
+                                "printf \"%s\\n\" \"${COMPREPLY[@]}\"' 2>&1";
+    std::FILE* pipe = ::popen(command.c_str(), "r");
+    if (pipe == nullptr) return "no bash";
+    std::string text;
+    std::array<char, 4096> piece{};
+    while (const std::size_t n = std::fread(piece.data(), 1, piece.size(), pipe))
+      text.append(piece.data(), n);
+    ::pclose(pipe);
+    return text;
+  }
+  const test::TemporaryFolder& folder() const { return folder_; }
+
+ private:
+  test::TemporaryFolder folder_;
+  std::string script_;
+};
+
+TEST(Completion, BashOffersWhatFits) {
+  const SmallProgram program;
+  const Shell shell(program.app);
+  EXPECT_EQ(shell.offers("lamplock cu"), "cut\n");
+  EXPECT_EQ(shell.offers("lamplock hi"), "\n");
+  EXPECT_EQ(shell.offers("lamplock cut --d"), "--depth\n--dry\n");
+  EXPECT_EQ(shell.offers("lamplock cut --mode s"), "slow\n");
+  EXPECT_EQ(shell.offers("lamplock cut --depth 3"), "\n") << "a number is nobody's business";
+  EXPECT_EQ(shell.offers("lamplock cut --depth 3 --se"), "\n");
+  EXPECT_EQ(shell.offers("lamplock deep in"), "inner\n");
+  EXPECT_EQ(shell.offers("lamplock deep inner --t"), "--turned\n");
+  const test::TemporaryFolder& folder = shell.folder();
+  folder.write("shape.stl", "");
+  EXPECT_EQ(shell.offers("lamplock cut " + folder.file("sh").string()),
+            folder.file("shape.stl").string() + "\n");
+  EXPECT_EQ(shell.offers("lamplock cut -o " + folder.file("sh").string()),
+            folder.file("shape.stl").string() + "\n");
+}
+
+TEST(Completion, BashKnowsEveryCommandOfTheProgram) {
+  const RealProgram program;
+  const Shell shell(*program.app);
+  for (const CLI::App* command : commands_of(*program.app)) {
+    EXPECT_THAT("\n" + shell.offers("lamplock " + command->get_name()),
+                HasSubstr("\n" + command->get_name() + "\n"));
+  }
+  EXPECT_THAT(shell.offers("lamplock operate ze"), HasSubstr("zero"));
+  EXPECT_THAT(shell.offers("lamplock engrave --mod"), HasSubstr("--mode"));
+}
+
+TEST(Completion, FishQuotesWhatIsAwkward) {
+  const SmallProgram program;
+  const std::string script = fish_completion(program.app);
+  EXPECT_THAT(script, HasSubstr("-a cut -d 'Cut. It\\'s \\\\sharp'\n"));
+  EXPECT_THAT(script, HasSubstr("'__fish_seen_subcommand_from cut' -l mode -x -a 'fast slow (ls "));
+  EXPECT_THAT(script, HasSubstr("-s o -l output -r -d 'Where to'\n"));
+  EXPECT_THAT(script, HasSubstr("'__fish_seen_subcommand_from deep; and "
+                                "__fish_seen_subcommand_from inner' -l turned"));
+  EXPECT_THAT(script, Not(HasSubstr("secret")));
+}
+
+}  // namespace
+}  // namespace lamplock::manual
