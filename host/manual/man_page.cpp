@@ -68,37 +68,75 @@ class Writer {
   std::string text_;
 };
 
-/// Text of a footer: paragraphs, and lines that begin with blanks as they are.
-void write_footer(Writer& page, std::string_view footer) {
-  std::string paragraph;
-  bool shown = false, is_new = true;
-  const auto end_paragraph = [&] {
-    if (!paragraph.empty()) page.words(paragraph);
-    paragraph.clear();
-  };
-  while (!footer.empty()) {
-    const std::size_t end = std::min(footer.find('\n'), footer.size());
-    const std::string_view line = footer.substr(0, end);
-    footer.remove_prefix(std::min(end + 1, footer.size()));
-    const bool as_it_is = line.starts_with("  ");
-    if (shown && !as_it_is) page.request(".fi"), page.request(".RE");
-    if (as_it_is && !shown) end_paragraph(), page.request(".RS 4"), page.request(".nf");
-    if (!as_it_is && is_new && !line.empty() && !shown) page.request(".PP");
-    if (shown && !as_it_is && !line.empty()) page.request(".PP");
-    is_new = line.empty();
-    shown = as_it_is;
-    if (as_it_is)
-      page.line(line.substr(2));
-    else if (line.empty())
-      end_paragraph();
-    else if (line == "Example:" || line == "Examples:")
-      end_paragraph(), page.section("examples");
-    else
-      paragraph.append(paragraph.empty() ? "" : " ").append(line);
+/// A footer as sections: paragraphs under NOTES, lines that begin with blanks as they are, examples
+/// under EXAMPLES.
+class FooterWriter {
+ public:
+  explicit FooterWriter(Writer& page) : page_(page) {}
+
+  void write(std::string_view footer) {
+    while (!footer.empty()) {
+      const std::size_t end = std::min(footer.find('\n'), footer.size());
+      take(footer.substr(0, end));
+      footer.remove_prefix(std::min(end + 1, footer.size()));
+    }
+    end_paragraph();
+    end_shown();
   }
-  if (shown) page.request(".fi"), page.request(".RE");
-  end_paragraph();
-}
+
+ private:
+  void take(std::string_view line) {
+    if (line.starts_with(indent)) return show(line.substr(indent.size()));
+    end_shown();
+    if (line.empty()) return end_paragraph();
+    if (line != "Example:") {
+      paragraph_.append(paragraph_.empty() ? "" : " ").append(line);
+      return;
+    }
+    end_paragraph();
+    begin_section("examples");
+  }
+
+  void show(std::string_view line) {
+    end_paragraph();
+    if (!shown_) {
+      begin_block();
+      page_.request(".RS 4");
+      page_.request(".nf");
+    }
+    shown_ = true;
+    page_.line(line);
+  }
+  void end_shown() {
+    if (!shown_) return;
+    page_.request(".fi");
+    page_.request(".RE");
+    shown_ = false;
+  }
+  void end_paragraph() {
+    if (paragraph_.empty()) return;
+    begin_block();
+    page_.words(paragraph_);
+    paragraph_.clear();
+  }
+
+  void begin_section(std::string_view name) {
+    page_.section(name);
+    has_section_ = true;
+    is_first_ = true;
+  }
+  /// A block behind another one of its section.
+  void begin_block() {
+    if (!has_section_) begin_section("notes");
+    if (!is_first_) page_.request(".PP");
+    is_first_ = false;
+  }
+
+  static constexpr std::string_view indent = "  ";
+  Writer& page_;
+  std::string paragraph_{};
+  bool shown_ = false, has_section_ = false, is_first_ = true;
+};
 
 std::string option_head(const CLI::Option& option) {
   std::string head;
@@ -154,7 +192,9 @@ void write_synopsis(Writer& page, const CLI::App& app, const std::string& path) 
     const std::string name = italic(option->get_name(true));
     line += option->get_required() ? " " + name : " [" + name + "]";
   }
-  if (!commands_of(app).empty()) line += " " + italic("COMMAND");
+  if (!commands_of(app).empty())
+    line += app.get_require_subcommand_min() > 0 ? " " + italic("COMMAND")
+                                                 : " [" + italic("COMMAND") + "]";
   page.request(line);
 }
 
@@ -189,10 +229,7 @@ Page command_page(const CLI::App& app, const Edition& edition) {
   write_options(page, app, "options");
   for (const CLI::App* inner : commands_of(app))
     write_inner_command(page, *inner, path + " " + inner->get_name());
-  if (!app.get_footer().empty()) {
-    page.section("notes");
-    write_footer(page, app.get_footer());
-  }
+  FooterWriter(page).write(app.get_footer());
   page.section("see also");
   page.request(bold("lamplock") + "(1)");
   return {name + ".1", page.take()};
@@ -227,8 +264,7 @@ Page program_page(const CLI::App& program, const Edition& edition) {
     page.request(bold(status));
     page.words(what);
   }
-  page.section("notes");
-  write_footer(page, program.get_footer());
+  FooterWriter(page).write(program.get_footer());
   return {"lamplock.1", page.take()};
 }
 
