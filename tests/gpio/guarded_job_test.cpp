@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "tests/board/raster.hpp"
+#include "host/raster/rows.hpp"
 #include "tests/gpio/guarded_machine.hpp"
 
 namespace lamplock {
@@ -159,6 +159,40 @@ job::Profile cutter() {
   job::Profile profile = test::lamp_profile(100, settings::LampMode::free_beat);
   job::state_setting(profile, settings::Id::laser_mode, 1, "test");
   return profile;
+}
+
+/// Black rows, 80 mm long at 100 mm/s.
+job::Job black_rows() {
+  raster::Pixels black{800, 20, {}};
+  black.power.assign(black.columns * black.rows, raster::power_of_run(1));
+  raster::RowOptions options;
+  options.corner = {-40, -40, 0};
+  options.feed_mm_min = 6000;
+  options.overscan_mm = 5;
+  return raster::make_rows(black, options, cutter());
+}
+
+/// A hold would shine while it brakes, so that a door ends a job of rows like an e-stop.
+TEST(GuardedJob, RowsAreDarkInTimeWhateverOpens) {
+  const job::Job rows = black_rows();
+  for (const char* place : {"E", "D"})
+    for (int seed = 0; seed < test::scaled(5); ++seed) {
+      std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+      GuardedMachine machine(cutter());
+      const auto at = std::uniform_int_distribution<std::int64_t>(1000, 8000)(random) * ps_per_ms;
+      const sim::Beam& beam = machine.rig.board.world().beam();
+      sim::Picoseconds opened = 0;
+      const auto result = machine.run(rows, [&](link::JobSender&) {
+        const sim::Picoseconds now = machine.rig.board.now();
+        if (opened != 0 || now < at || !beam.shone(now - ps_per_ms, now)) return;
+        opened = now;
+        machine.pins->set(place, true);
+      });
+      ASSERT_NE(opened, 0) << place << seed;
+      EXPECT_EQ(result.end, link::JobEnd::stopped) << place << seed;
+      EXPECT_FALSE(beam.shone(opened + job_deadline, machine.rig.board.now())) << place << seed;
+      EXPECT_FALSE(machine.pins->level("I")) << place << seed;
+    }
 }
 
 /// Long ways at some speed, lit.
