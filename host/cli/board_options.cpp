@@ -12,6 +12,7 @@
 #include "host/cli/staged_file.hpp"
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
+#include "host/gpio/line_table.hpp"
 #include "host/link/sender.hpp"
 #include "host/report/statistics.hpp"
 #include "host/units.hpp"
@@ -228,6 +229,7 @@ void BoardOptions::check(const std::string& input, const std::string& save) cons
     throw Error(Exit::bad_input, option, "works on simulated boards only",
                 "leave it out, or use --board virtual");
   };
+  if (!lines.empty()) gpio::read_line_table(lines);
   if (!vcd.empty()) only_simulated("--vcd");
   if (!shots.empty()) only_simulated("--shots");
   if (faults.any()) only_simulated("--jitter, --wander, --dropouts, --runts");

@@ -182,8 +182,12 @@ TEST(GuardedJob, RowsAreDarkInTimeWhateverOpens) {
       const auto at = std::uniform_int_distribution<std::int64_t>(1000, 8000)(random) * ps_per_ms;
       const sim::Beam& beam = machine.rig.board.world().beam();
       sim::Picoseconds opened = 0;
-      const auto result = machine.run(rows, [&](link::JobSender&) {
+      const auto result = machine.run(rows, [&](link::JobSender& sender) {
         const sim::Picoseconds now = machine.rig.board.now();
+        if (opened != 0 && now > opened + test::ps_per_s) {
+          ADD_FAILURE() << place << seed << ": it goes on";
+          sender.stop();
+        }
         if (opened != 0 || now < at || !beam.shone(now - ps_per_ms, now)) return;
         opened = now;
         machine.pins->set(place, true);
