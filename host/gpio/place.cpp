@@ -20,7 +20,8 @@ constexpr const char* device_folder = "/dev/";
 constexpr const char* chip_prefix = "gpiochip";
 /// What to do where the system does not let us.
 constexpr const char* permission_remedy =
-    "install 60-lamplock.rules (cmake --install, or the Debian package) and join the group plugdev, "
+    "install 60-lamplock.rules (cmake --install, or the Debian package) and join the group "
+    "plugdev, "
     "or gpio where there is one";
 
 }  // namespace
