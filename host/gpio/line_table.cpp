@@ -1,8 +1,6 @@
 #include "host/gpio/line_table.hpp"
 
 #include <fmt/format.h>
-#define TOML_EXCEPTIONS 1
-#include <toml++/toml.h>
 
 #include <array>
 #include <string>
@@ -11,6 +9,7 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/gpio/place.hpp"
+#include "host/toml_file.hpp"
 
 namespace lamplock::gpio {
 namespace {
@@ -63,7 +62,7 @@ class Reader {
 
  private:
   std::string place(const toml::source_region& source) const {
-    return fmt::format("{}:{}", file_.string(), source.begin.line);
+    return toml_location(file_, source);
   }
 
   void read_key(const toml::key& key, const toml::node& node) {
@@ -173,8 +172,7 @@ LineTable parse_line_table(std::string_view text, const std::filesystem::path& f
   try {
     root = toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
-    fail(fmt::format("{}:{}", file.string(), error.source().begin.line),
-         std::string(error.description()), "correct the line");
+    fail(toml_location(file, error.source()), std::string(error.description()), "correct the line");
   }
   return Reader(file).read(root);
 }
