@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <set>
 #include <sstream>
 
@@ -125,11 +126,14 @@ TEST(Commands, ArgumentsAreWordsFilesAndPorts) {
 class Shell {
  public:
   explicit Shell(const CLI::App& app)
-      : script_(folder_.write("completion", bash_completion(app)).string()) {}
+      : script_(folder_.write("completion", bash_completion(app)).string()) {
+    std::filesystem::create_directory(folder_.file("empty"));
+  }
 
-  /// What is offered for words typed so far, one a line.
+  /// What is offered for words typed so far in an empty folder, one a line.
   std::string offers(const std::string& words) const {
-    const std::string command = "bash -c '. " + script_ + "; COMP_WORDS=(" + words +
+    const std::string command = "bash -c 'cd " + folder_.file("empty").string() + "; . " + script_ +
+                                "; COMP_WORDS=(" + words +
                                 "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _lamplock; " +
                                 "printf \"%s\\n\" \"${COMPREPLY[@]}\"' 2>&1";
     std::FILE* pipe = ::popen(command.c_str(), "r");
