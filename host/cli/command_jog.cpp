@@ -54,7 +54,9 @@ Exit jog(const Options& options) {
   Console console(options.board.json);
   const JogChoice choice = choice_of(options);
   BoardLink board(options.board, options.machine.profile().settings);
-  JogSession session(board, choice, console);
+  Guarding guarding(options.board, board.port().transport());
+  guarding.begin(gpio::Work::motion);
+  JogSession session(board, choice, guarding, console);
   session.run();
   console.document(document_of(session));
   return Exit::done;

@@ -34,8 +34,9 @@ pendant::JogLimits limits_of(link::LinePort& port) {
 
 }  // namespace
 
-JogSession::JogSession(BoardLink& board, const JogChoice& choice, Console& console)
-    : board_(board), choice_(choice), screen_(console) {
+JogSession::JogSession(BoardLink& board, const JogChoice& choice, Guarding& guarding,
+                       Console& console)
+    : board_(board), choice_(choice), guarding_(guarding), screen_(console) {
   const bool with_pendant = choice.pendant != "none";
   if (with_pendant) look_for_pendant(choice.pendant != "auto");
   // Without a terminal keys come from a pipe, unless there is a pendant: its user has none then.
@@ -137,6 +138,7 @@ void JogSession::come_to_rest() {
 void JogSession::round() {
   pass_time();
   jogger_->poll();
+  guarding_.look(board_.port());
   for (const std::string& note : jogger_->take_notes()) screen_.note(note);
   screen_.show(*jogger_);
 }

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "host/cli/board_link.hpp"
+#include "host/cli/guarding.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/jog_screen.hpp"
 #include "host/cli/raw_terminal.hpp"
@@ -35,13 +36,14 @@ class JogSession {
   /// Asks the board for its limits and looks for a pendant. Throws Error: no_device (no answer, no
   /// such pendant, no permission), job_failed (not at rest, reports in inches), bad_input (nothing
   /// to jog with).
-  JogSession(BoardLink& board, const JogChoice& choice, Console& console);
+  JogSession(BoardLink& board, const JogChoice& choice, Guarding& guarding, Console& console);
   /// Whatever happened: the machine is told to stop.
   ~JogSession();
   JogSession(const JogSession&) = delete;
   JogSession& operator=(const JogSession&) = delete;
 
-  /// Until the user leaves. Throws Error(no_device): the board, or the only way to jog, has gone.
+  /// Until the user leaves. Throws Error: no_device (the board, or the only way to jog, has gone),
+  /// job_failed (a line of the computer has stopped the machine).
   void run();
 
   const pendant::Jogger& jogger() const { return *jogger_; }
@@ -62,6 +64,7 @@ class JogSession {
 
   BoardLink& board_;
   const JogChoice& choice_;
+  Guarding& guarding_;
   Interrupt interrupt_;
   std::optional<RawTerminal> terminal_;
   pendant::TerminalKeys keys_;
