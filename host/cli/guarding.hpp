@@ -2,8 +2,8 @@
 //
 // In:  --lines, the loop of the command. Out: a board that is held or stopped through the
 //      firmware; the error that says so.
-// Who: run_job, run_program, `operate`, `console`, `jog`: once in every round of their loops, behind the
-//      user's own steering, so that a line has the last word.
+// Who: run_job, run_program, `operate`, `console`, `jog`: once in every round of their loops,
+//      behind the user's own steering, so that a line has the last word.
 //
 // How a board is told: jobs by their frames (COMMAND stop; a door holds, and in a job of rows,
 // which shines while it brakes for a hold, stops), programs and single lines by a byte: 0x18 for an
