@@ -24,7 +24,8 @@ std::unique_ptr<link::Transport> open_any() {
     return std::make_unique<link::UsbTransport>(bus, board);
   } catch (const Error& error) {
     const auto ports = usb::Sysfs().serial_ports(board.place);
-    if (ports.empty()) throw;
+    const bool in_use = board.problem.empty() && link::stream_interface(board);
+    if (ports.empty() || in_use) throw;
     auto port = std::make_unique<link::SerialTransport>(ports.front());
     constexpr std::string_view prefix = "error: ";
     fmt::print(stderr, "warning: {}; talking over {} meanwhile\n",

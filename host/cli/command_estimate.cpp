@@ -51,9 +51,11 @@ Work read_work(const Options& options, Console& console) {
 }
 
 /// The estimate in the form of a run, as far as one can be foreseen. Of ten million points there is
-/// no room for two copies, nor for the job beside them.
+/// no room for two copies.
 report::JobRun run_of(Work work, const Options& options, estimate::Estimate told) {
-  report::JobRun run = begin_run(std::move(work), "estimate", options.job.from);
+  const auto before = static_cast<std::ptrdiff_t>(work.job.points_before(options.job.from));
+  work.points.erase(work.points.begin(), work.points.begin() + before);
+  report::JobRun run = begin_run(work, std::move(work.points), "estimate", options.job.from);
   run.shots_fired = told.shots;
   run.points_fired = run.points.size();
   run.foreseen_beats = std::move(told.beat_of_shot);

@@ -70,7 +70,7 @@ Exit frame(Options options) {
   console.document({{"input", options.engraving.input},
                     {"bounds", bounds_json(box)},
                     {"board", options.board.board},
-                    {"done", outcome.result.end == link::JobEnd::done}});
+                    {"done", end_name(outcome) == "done"}});
   return tell_end(outcome, options.board, work.job.item());
 }
 

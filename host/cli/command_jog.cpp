@@ -59,7 +59,7 @@ Exit jog(const Options& options) {
   JogSession session(board, choice, guarding, console);
   session.run();
   console.document(document_of(session));
-  return Exit::done;
+  return session.interrupted() ? Exit::interrupted : Exit::done;
 }
 
 std::vector<std::string> pendant_names() {
@@ -97,8 +97,9 @@ void add_jog(CLI::App& program, Action& action) {
       "Keys: arrows X and Y, PgUp and PgDn Z, comma and point A: a step; held they go on.\n"
       "+ - length of the step, m mode, x y z a choose an axis, 0 its zero is here, g go to zero,\n"
       "h home, u unlock, ! hold, ~ go on, Ctrl-X reset, space or Esc stop, q leave.\n"
-      "Whatever ends, the hand, the pendant, this program or the cable, the machine stops behind "
-      "it.\n"
+      "Whatever ends, the hand, the pendant, this program or the cable, a jog at a speed stops\n"
+      "behind it; without this program or the cable a step, a way to a place, homing and the line\n"
+      "of a macro come to their end.\n"
       "Keys, pendants and macros are in the table [pendant] of --machine: docs/pendants.md.\n"
       "Example:\n  lamplock jog --board /dev/ttyACM0 --step 0.01\n"
       "  lamplock jog --board virtual --pendant none");

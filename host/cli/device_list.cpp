@@ -42,7 +42,7 @@ DeviceRow pendant_row(const DeviceInfo& device, const usb::Sysfs& sysfs) {
                 device.serial,
                 device.place,
                 "",
-                "lamplock operate",
+                "lamplock jog",
                 ""};
   const std::vector<std::string> nodes = sysfs.hid_nodes(device.place);
   if (nodes.empty()) {

@@ -108,6 +108,11 @@ void Guarding::look(link::LinePort& port) {
   if (verdict == Verdict::clear) return;
   ended_by_ = guard_->reason();
   const bool door = verdict == Verdict::door;
+  // A line that was queued in this round must not follow the byte.
+  if (door)
+    port.drop_unbegun_lines();
+  else
+    port.drop_lines();
   send_now(port, door ? link::realtime::door : link::realtime::reset);
   throw_guarded(ended_by_, door ? "the machine holds" : "the machine was reset",
                 door ? "close it, then go on with ~ or end it with :reset in lamplock console"

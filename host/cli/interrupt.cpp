@@ -10,9 +10,9 @@ constexpr int stops_at_once = 2;
 std::atomic<int> interrupts{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 using Handler = void (*)(int);
-Handler old_interrupt = SIG_DFL, old_terminate = SIG_DFL;
+Handler old_interrupt = SIG_DFL, old_terminate = SIG_DFL, old_hangup = SIG_DFL;
 
-void count_signal(int signal) { interrupts.fetch_add(signal == SIGTERM ? stops_at_once : 1); }
+void count_signal(int signal) { interrupts.fetch_add(signal == SIGINT ? 1 : stops_at_once); }
 
 }  // namespace
 
@@ -20,11 +20,14 @@ Interrupt::Interrupt() {
   interrupts = 0;
   old_interrupt = std::signal(SIGINT, count_signal);
   old_terminate = std::signal(SIGTERM, count_signal);
+  old_hangup = std::signal(SIGHUP, count_signal);
+  if (old_hangup == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
 }
 
 Interrupt::~Interrupt() {
   std::signal(SIGINT, old_interrupt);
   std::signal(SIGTERM, old_terminate);
+  std::signal(SIGHUP, old_hangup);
 }
 
 int Interrupt::count() const { return interrupts; }

@@ -1,7 +1,7 @@
 // Ctrl-C while something runs.
 //
-// In:  SIGINT and SIGTERM. Out: how often the user asked; whoever runs the job asks and decides.
-// Who: jobs (once: hold, twice: stop) and `sim` (once: end).
+// In:  SIGINT, SIGTERM, SIGHUP. Out: how often the user asked; whoever runs the job asks and
+// decides. Who: jobs (once: hold, twice: stop) and `sim` (once: end).
 #pragma once
 
 namespace lamplock::cli {
@@ -15,7 +15,8 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  /// Interrupts since the start or the last forget(); SIGTERM counts as two: it is never a pause.
+  /// Interrupts since the start or the last forget(); SIGTERM and a terminal that hangs up
+  /// count as two: they are never a pause.
   int count() const;
   /// The user has gone on: the next interrupt is the first again.
   void forget();

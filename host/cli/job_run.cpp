@@ -7,16 +7,15 @@
 
 namespace lamplock::cli {
 
-report::JobRun begin_run(Work work, const std::string& board, std::size_t from) {
+report::JobRun begin_run(const Work& work, points::PointCloud points, const std::string& board,
+                         std::size_t from) {
   const job::Job& job = work.job;
   report::JobRun run;
-  run.input = std::move(work.input);
+  run.input = work.input;
   run.mode = mode_name(job.header.mode);
   run.board = board;
   run.first_number = from;
-  const auto before = static_cast<std::ptrdiff_t>(job.points_before(from));
-  run.points = std::move(work.points);
-  run.points.erase(run.points.begin(), run.points.begin() + before);
+  run.points = std::move(points);
   run.shots_ordered.reserve(run.points.size());
   for (std::size_t i = from; i < job.targets.size(); ++i) {
     if (job.is_pause(i))
@@ -26,7 +25,7 @@ report::JobRun begin_run(Work work, const std::string& board, std::size_t from) 
   }
   run.shots_known = false;
   run.refraction = job.refraction;
-  run.warnings = std::move(work.warnings);
+  run.warnings = work.warnings;
   run.settings = job.settings;
   run.steps_per_mm = steps_per_mm(run.settings);
   return run;

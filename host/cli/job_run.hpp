@@ -8,13 +8,15 @@
 #include <string>
 
 #include "host/cli/run_job.hpp"
+#include "host/points/point.hpp"
 #include "host/report/report.hpp"
 
 namespace lamplock::cli {
 
 /// The run of a job of points on `board`, by its name in the report, from number `from` on
-/// (from <= size of the job): the report is about the rest of the job. The points are taken over:
-/// of ten million there is no room for two copies.
-report::JobRun begin_run(Work work, const std::string& board, std::size_t from);
+/// (from <= size of the job): the report is about the rest of the job. `points`: those of the rest;
+/// the caller's last copy if it can be, of ten million there is hardly room for two.
+report::JobRun begin_run(const Work& work, points::PointCloud points, const std::string& board,
+                         std::size_t from);
 
 }  // namespace lamplock::cli

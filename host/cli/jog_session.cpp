@@ -50,6 +50,8 @@ JogSession::JogSession(BoardLink& board, const JogChoice& choice, Guarding& guar
 
 JogSession::~JogSession() {
   try {
+    if (jogger_) jogger_->let_go();  // holds a macro, too
+    board_.port().drop_unbegun_lines();
     board_.port().send_realtime(link::realtime::jog_cancel);
     board_.port().flush();
   } catch (const std::exception&) {

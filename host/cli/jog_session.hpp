@@ -46,6 +46,8 @@ class JogSession {
   /// job_failed (a line of the computer has stopped the machine).
   void run();
 
+  /// By a signal, not by a key.
+  bool interrupted() const { return interrupt_.count() > 0; }
   const pendant::Jogger& jogger() const { return *jogger_; }
   /// Name of the pendant that was used last; empty if there was none.
   const std::string& pendant_name() const { return pendant_name_; }

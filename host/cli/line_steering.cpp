@@ -73,10 +73,10 @@ void LineSteering::block(const std::string& why) {
 }
 
 void LineSteering::end(const std::string& why) {
-  if (stopping_) return;
-  stopping_ = true;
-  progress_.note(why + ": stopping");
+  if (broken_off_) return;
+  broken_off_ = stopping_ = true;
   sender_.break_off();
+  progress_.note(why + ": stopping");
 }
 
 /// Simulated time stands still until the user has decided.

@@ -57,6 +57,7 @@ class LineSteering {
   Keyboard keyboard_;
   bool asking_ = false;  ///< the machine waits until the user says
   bool stopping_ = false;
+  bool broken_off_ = false;  ///< by end(), which the user's own stop must not delay
   bool blocked_ = false;
   std::string obstacle_{};                  ///< why nobody may go on now
   std::chrono::microseconds blocked_at_{};  ///< when the board was told last

@@ -5,11 +5,10 @@
 
 #include <array>
 #include <cerrno>
-#include <csignal>
 
 namespace lamplock::cli {
 
-RawTerminal::RawTerminal() : old_hangup_(std::signal(SIGHUP, SIG_IGN)) {
+RawTerminal::RawTerminal() {
   termios settings{};
   if (::tcgetattr(STDIN_FILENO, &settings) != 0) return;
   before_ = settings;
@@ -23,7 +22,6 @@ RawTerminal::RawTerminal() : old_hangup_(std::signal(SIGHUP, SIG_IGN)) {
 
 RawTerminal::~RawTerminal() {
   if (before_) ::tcsetattr(STDIN_FILENO, TCSANOW, &*before_);
-  std::signal(SIGHUP, old_hangup_);
 }
 
 std::string RawTerminal::read() {

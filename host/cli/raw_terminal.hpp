@@ -29,7 +29,6 @@ class RawTerminal {
 
  private:
   std::optional<termios> before_;
-  void (*old_hangup_)(int) = nullptr;
   bool ended_ = false;
 };
 

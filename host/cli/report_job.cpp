@@ -54,7 +54,9 @@ std::string end_name(const Outcome& outcome) {
 Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
   const report::Report report = report::evaluate(outcome.run);
   if (end_name(outcome) != "done")  // known even if the report cannot be written
-    console.say("first point not fired: {}", outcome.result.status.first_unfired);
+    console.say(
+        "first point not fired: {} ({})", outcome.result.status.first_unfired,
+        link::go_on_options(outcome.result.status.first_unfired, outcome.result.flashes_fired));
   console.line("");
   console.text(report::summary(report));
   if (!options.report.empty()) {
@@ -67,6 +69,7 @@ Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& co
     Json json = Json::parse(report::to_json(report));
     json["end"] = end_name(outcome);
     json["first_unfired"] = outcome.result.status.first_unfired;
+    json["flashes_fired"] = outcome.result.flashes_fired;
     json["warnings"] = outcome.run.warnings;
     console.document(json);
   }

@@ -174,7 +174,9 @@ std::uint64_t points_fired(const job::Job& job, std::size_t from, const link::Jo
 /// What is known on any board.
 report::JobRun run_of(const Work& work, const BoardOptions& options,
                       const link::JobResult& result) {
-  report::JobRun run = begin_run(work, options.board, options.from);
+  const auto before = static_cast<std::ptrdiff_t>(work.job.points_before(options.from));
+  report::JobRun run = begin_run(work, {work.points.begin() + before, work.points.end()},
+                                 options.board, options.from);
   run.shots_fired = result.status.shots;
   run.points_fired = points_fired(work.job, options.from, result);
   run.beats = result.status.beats;

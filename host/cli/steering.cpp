@@ -62,9 +62,10 @@ void Steering::block(const std::string& why) {
 }
 
 void Steering::end(const std::string& why) {
-  if (!stopping_) progress_.note(why + ": stopping");
-  stopping_ = true;
   sender_.stop();
+  if (stopping_) return;
+  stopping_ = true;
+  progress_.note(why + ": stopping");
 }
 
 void Steering::ask_to_go_on(const std::string& why) {

@@ -126,6 +126,11 @@ void Update::flash_over_usb(const DeviceInfo& info) {
 }
 
 std::filesystem::path Update::wait_for_drive(const DeviceInfo& loader) {
+  for (const DeviceInfo& device : site_.bus.devices())
+    if (device.place != loader.place && usb::known_device(device).kind == Kind::boot_loader)
+      throw Error(Exit::bad_input, name_of(loader),
+                  "its drive cannot be told from that of " + name_of(device),
+                  "unplug the other one, or choose the drive with --drive");
   const auto drives = poll(site_.bus, settling_time, [&] {
     auto found = find_loader_drives(site_.drive_roots);
     return found.empty() ? std::nullopt : std::make_optional(std::move(found));

@@ -85,8 +85,11 @@ void UsbTransport::open(const usb::DeviceInfo& board) {
     throw Error(Exit::no_device, name_of(board), "its firmware has no pulse stream interface",
                 "flash it anew (lamplock flash), or use its serial port");
   device_ = bus_->open(board);
-  if (device_->claim(interface->number) != usb::TransferEnd::done) {
+  if (const usb::TransferEnd end = device_->claim(interface->number);
+      end != usb::TransferEnd::done) {
     device_.reset();
+    if (end == usb::TransferEnd::gone)
+      throw Error(Exit::no_device, name_of(board), "has gone", "plug it in again");
     throw Error(Exit::no_device, name_of(board), "another program has its pulse stream interface",
                 "close that program, or use the serial port");
   }

@@ -277,14 +277,14 @@ Starts stretches(std::size_t points, std::size_t pass) {
 
 }  // namespace
 
-void anneal(points::PointCloud& order, const BeatModel& model, double tangent,
-            std::size_t asked_a_point, unsigned threads,
-            const std::function<void(std::size_t)>& progress) {
+void anneal(points::PointCloud& order, const BeatModel& model, double tangent, double asked_a_point,
+            unsigned threads, const std::function<void(std::size_t)>& progress) {
   constexpr std::size_t fewest_points = 5 * window;
   for (std::size_t pass = 0; pass < passes; ++pass) {
     const auto work = [&](std::span<Point> path) {
       if (path.size() < fewest_points) return;
-      const std::size_t asks = asked_a_point * path.size() / passes;
+      const auto asks = static_cast<std::size_t>(asked_a_point * static_cast<double>(path.size()) /
+                                                 static_cast<double>(passes));
       permute(path, Stretch(path, model, tangent, asks, pass).run());
     };
     for_each_layer(order, stretches(order.size(), pass), threads, work, [&](std::size_t done) {

@@ -21,8 +21,7 @@ namespace lamplock::order {
 /// The model is asked `asked_a_point` times, about 10 us each, less often where few beats are
 /// wasted. Deterministic, whatever the number of threads (0: as many as the processor has).
 /// `progress` is told points done and may throw.
-void anneal(points::PointCloud& order, const BeatModel& model, double tangent,
-            std::size_t asked_a_point, unsigned threads,
-            const std::function<void(std::size_t)>& progress);
+void anneal(points::PointCloud& order, const BeatModel& model, double tangent, double asked_a_point,
+            unsigned threads, const std::function<void(std::size_t)>& progress);
 
 }  // namespace lamplock::order

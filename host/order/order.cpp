@@ -54,9 +54,9 @@ std::size_t asked_a_point(std::size_t points) {
 }
 
 /// The same for the annealing of the whole order, which asks slower and saves more.
-std::size_t annealed_a_point(std::size_t points) {
-  constexpr std::size_t asked_in_all = 1'500'000, most = 40;
-  return std::clamp<std::size_t>(asked_in_all / points, 1, most);
+double annealed_a_point(std::size_t points) {
+  constexpr double asked_in_all = 640e3, fewest = 0.35, most = 40;
+  return std::clamp(asked_in_all / static_cast<double>(points), fewest, most);
 }
 
 /// One job of ordering a cloud that is not empty.

@@ -76,7 +76,7 @@ void BoardTalk::take(const std::string& line, std::vector<Answered>& answers) {
     return;
   }
   if (link::is_banner(line)) {
-    sent_.clear();
+    forget_lines();
     ++restarts_;
   }
   if (const auto alarm = link::parse_alarm(line))

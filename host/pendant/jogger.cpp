@@ -94,6 +94,7 @@ void Jogger::let_go() {
   if (!macro_runs_) return;
   // A macro moves by jogs or otherwise; homing ends by itself.
   macro_.clear();
+  talk_.drop_lines();  // what was queued in this round
   if (machine().status.is("Home")) return;
   talk_.send_byte(realtime::jog_cancel);
   talk_.send_byte(realtime::hold);
@@ -251,6 +252,7 @@ void Jogger::act(Action action) {
     case Action::start:
       return talk_.send_byte(realtime::resume);
     case Action::hold:
+      stream_.stop();  // a spring ring that is still turned would begin again
       return talk_.send_byte(realtime::hold);
     case Action::start_pause:
       return start_or_pause();
@@ -390,6 +392,8 @@ void Jogger::begin_macro(std::size_t number) {
   if (macro_runs_) return note(fmt::format("the macro {} still runs", macro_name_));
   if (!may_command()) return;
   macro_.assign(macro.lines.begin(), macro.lines.end());
+  // M3 and M4 outlive whoever was here before.
+  if (!macro.laser) macro_.push_front("M5");
   macro_name_ = macro.name;
   commands_ = macro_runs_ = true;
 }

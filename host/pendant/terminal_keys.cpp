@@ -106,6 +106,12 @@ bool TerminalKeys::take_one(std::vector<std::string>& keys) {
   }
   const std::size_t length = sequence_length(behind);
   if (length == 0) return false;
+  // Alt and a key look like escape and that key: a wish to stop must not be missed.
+  if (length == 1) {
+    keys.emplace_back("escape");
+    pending_.erase(0, 1);
+    return true;
+  }
   for (const Sequence& known : sequences)
     if (known.bytes == behind.substr(0, length)) keys.emplace_back(known.name);
   pending_.erase(0, 1 + length);

@@ -20,6 +20,8 @@ constexpr std::size_t out_count = 4;
 constexpr std::size_t most_received = std::size_t{1} << 16;
 /// Cancelled transfers come back at once, unless the kernel is in trouble.
 constexpr std::chrono::seconds longest_end{2};
+/// What was taken still leaves, a last hold or reset among it; a board takes it within ms.
+constexpr std::chrono::milliseconds longest_farewell{200};
 
 timeval to_timeval(std::chrono::microseconds time) {
   constexpr std::int64_t us_per_s = 1'000'000;
@@ -38,6 +40,10 @@ class LibusbStream final : public Stream {
   }
 
   ~LibusbStream() override {
+    const auto busy = [](const Slot& slot) { return slot.busy; };
+    const Clock::time_point sent_by = Clock::now() + longest_farewell;
+    while (alive_ && std::any_of(out_.begin(), out_.end(), busy) && Clock::now() < sent_by)
+      handle_events(std::chrono::milliseconds(10));
     alive_ = false;
     const auto cancel = [](Slot& slot) {
       if (slot.busy) libusb_cancel_transfer(slot.transfer);

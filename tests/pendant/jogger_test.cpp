@@ -460,7 +460,7 @@ TEST(Macros, are_sent_line_by_line) {
   hand.run_ms(50);
   hand.turn(1);
   ASSERT_TRUE(hand.come_to_rest());
-  EXPECT_THAT(hand.cable.lines, ElementsAre("G91 G1 X2 F600", "G90", "G10 L20 P1 X0"));
+  EXPECT_THAT(hand.cable.lines, ElementsAre("M5", "G91 G1 X2 F600", "G90", "G10 L20 P1 X0"));
   EXPECT_NEAR(hand.x(), 2, 1e-9);
 }
 
@@ -475,7 +475,7 @@ TEST(Macros, end_with_an_error_a_loss_and_a_reset) {
   hand.key(Key::reset);
   hand.run_ms(1000);
   EXPECT_EQ(hand.x(), at);
-  EXPECT_THAT(hand.cable.lines, ElementsAre("G91 G1 X20 F600", "G4 P0"));
+  EXPECT_THAT(hand.cable.lines, ElementsAre("M5", "G91 G1 X20 F600", "G4 P0"));
 
   Hand other(map_with_macro({"G91", "nonsense", "G1 X20 F600"}));
   other.key(Key::macro_1);
@@ -491,7 +491,7 @@ TEST(Macros, do_not_go_on_behind_a_restart) {
   hand.run_ms(100);
   hand.port.send_realtime(0x18);
   hand.run_ms(1000);
-  EXPECT_THAT(hand.cable.lines, ElementsAre("G4 P0.3"));
+  EXPECT_THAT(hand.cable.lines, ElementsAre("M5", "G4 P0.3"));
   EXPECT_EQ(hand.x(), 0);
   EXPECT_TRUE(hand.jogger.rests());
 }

@@ -32,6 +32,7 @@ TEST(TerminalKeys, an_escape_alone_is_a_key) {
   EXPECT_TRUE(keys.inside());
   EXPECT_THAT(keys.pause(), ElementsAre("escape"));
   EXPECT_THAT(keys.take("\x1b\x1b[A"), ElementsAre("escape", "up"));
+  EXPECT_THAT(keys.take("\x1b "), ElementsAre("escape", "space")) << "both stop; Alt does not";
   EXPECT_THAT(keys.take("\x1b["), IsEmpty());
   EXPECT_THAT(keys.pause(), IsEmpty());
   EXPECT_FALSE(keys.inside());
