@@ -49,13 +49,13 @@ Fit cut_by(const TourCost& cost) {
 /// How often `best` may ask the model for a point: what a million points can have within 20 s on
 /// two cores beside the annealing; small clouds more, as often as helps.
 std::size_t asked_a_point(std::size_t points) {
-  constexpr std::size_t asked_in_all = 4'000'000, fewest = 4, most = 200;
+  constexpr std::size_t asked_in_all = 2'000'000, fewest = 2, most = 200;
   return std::clamp<std::size_t>(asked_in_all / points, fewest, most);
 }
 
 /// The same for the annealing of the whole order, which asks slower and saves more.
 double annealed_a_point(std::size_t points) {
-  constexpr double asked_in_all = 640e3, fewest = 0.35, most = 40;
+  constexpr double asked_in_all = 560e3, fewest = 0.35, most = 40;
   return std::clamp(asked_in_all / static_cast<double>(points), fewest, most);
 }
 
