@@ -92,7 +92,8 @@ std::error_code write_through(const fs::path& file, std::string_view bytes) {
   return failure;
 }
 
-void copy_to_drive(const fs::path& folder, std::string_view uf2, const DriveActions& actions) {
+std::error_code copy_to_drive(const fs::path& folder, std::string_view uf2,
+                              const DriveActions& actions) {
   if (!is_loader_drive(folder))
     throw Error(Exit::no_device, folder.string(),
                 "is not the drive of an RP2040's boot loader (INFO_UF2.TXT with RPI-RP2)",
@@ -111,6 +112,7 @@ void copy_to_drive(const fs::path& folder, std::string_view uf2, const DriveActi
                   "plug it in again with BOOTSEL held, then flash again");
     actions.sleep(look_again);
   }
+  return failure;
 }
 
 }  // namespace lamplock::flash

@@ -40,8 +40,10 @@ struct DriveActions {
 std::error_code write_through(const std::filesystem::path& file, std::string_view bytes);
 
 /// Copies and waits until the drive has gone or the board is back. Throws Error: no_device if
-/// `folder` is no such drive, job_failed if the copy fails or the board does not restart.
-void copy_to_drive(const std::filesystem::path& folder, std::string_view uf2,
-                   const DriveActions& actions);
+/// `folder` is no such drive, job_failed if the copy fails or the board does not restart. Gives the
+/// error of a write that may have been the restart, or a cable pulled in mid-copy: who sees the
+/// board again knows which.
+[[nodiscard]] std::error_code copy_to_drive(const std::filesystem::path& folder,
+                                            std::string_view uf2, const DriveActions& actions);
 
 }  // namespace lamplock::flash

@@ -80,6 +80,12 @@ UpdateReport Update::run_on_drive(const std::filesystem::path& drive) {
   if (const auto board = poll(site_.bus, settling_time, [&] { return new_board(); })) {
     report_.board = *board;
     ask_version();
+  } else if (copy_doubt_) {
+    throw Error(
+        Exit::job_failed, drive.string(),
+        fmt::format("broke off or restarted in the last write ({}), and no new board is seen",
+                    copy_doubt_.message()),
+        take_in_hand);
   } else {
     report_.version_problem = "the drive has gone, and no new board is seen on the bus";
   }
@@ -151,9 +157,10 @@ void Update::flash_over_drive(const std::filesystem::path& drive) {
   actions.sleep = [&](milliseconds time) { site_.bus.sleep(time); };
   actions.now = [&] { return site_.bus.now(); };
   actions.board_is_back = [&] { return new_board().has_value(); };
-  copy_to_drive(drive, write_uf2(image_), actions);
+  copy_doubt_ = copy_to_drive(drive, write_uf2(image_), actions);
   report_.drive = drive;
-  step("copy", fmt::format("{} bytes to {}, taken by the board", image_.size, drive.string()));
+  step("copy", fmt::format("{} bytes to {}{}", image_.size, drive.string(),
+                           copy_doubt_ ? "" : ", taken by the board"));
 }
 
 // --- the board with the new firmware ---

@@ -14,6 +14,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "host/flash/board_ports.hpp"
@@ -70,6 +71,7 @@ class Update {
   std::optional<usb::DeviceInfo> new_board();
   void step(const std::string& name, const std::string& what) const;
 
+  std::error_code copy_doubt_{};  ///< of the copy to a drive: perhaps the restart
   UpdateSite site_;
   const FlashImage& image_;
   UpdateEvents events_;
