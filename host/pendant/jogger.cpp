@@ -28,7 +28,6 @@ constexpr std::size_t sure_reports = 2;
 constexpr Time note_interval = 2s;
 /// A click of the wheel as a knob is 1 %; a hasty turn is cut off.
 constexpr int most_knob_clicks = 10;
-constexpr int full_percent = 100;
 
 /// Cut off at what a display can show; a board may say anything.
 int shown_number(double value) {
