@@ -156,10 +156,10 @@ TEST(Guard, ActiveLowTurnsALineRound) {
 }
 
 TEST(Guard, ABeatingInterlockStandsStillInsideABeatOfTheEstop) {
+  int changes = 0;  // outlives the guard, which switches off at its end
   LineTable lines = table();
   lines.interlock_beat = 20ms;
   Bench bench(lines);
-  int changes = 0;
   bench.pins->on_output = [&](const std::string& place, bool) { changes += place == "I" ? 1 : 0; };
   bench.start();
   changes = 0;
@@ -174,8 +174,8 @@ TEST(Guard, ABeatingInterlockStandsStillInsideABeatOfTheEstop) {
 }
 
 TEST(Guard, TheLampIsSteadyWhileAllIsWellAndBlinksWhenItCalls) {
+  int changes = 0;  // outlives the guard
   Bench bench;
-  int changes = 0;
   bench.start();
   bench.pins->on_output = [&](const std::string& place, bool) { changes += place == "L" ? 1 : 0; };
   EXPECT_TRUE(bench.pins->level("L"));

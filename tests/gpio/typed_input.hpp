@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <array>
@@ -29,6 +30,13 @@ class TypedInput {
 
   void type(std::string_view text) {
     EXPECT_EQ(::write(pipe_[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+
+  /// What was typed has been read: the program looks by the wall clock, whatever its board's is.
+  bool taken() const {
+    int waiting = 0;
+    EXPECT_EQ(::ioctl(pipe_[0], FIONREAD, &waiting), 0);
+    return waiting == 0;
   }
 
  private:
