@@ -37,7 +37,7 @@ void BoardTalk::send(std::string_view line, LineKind kind) {
 
 std::vector<Answered> BoardTalk::drop_lines() {
   const auto count = static_cast<std::ptrdiff_t>(port_.drop_unbegun_lines());
-  const std::vector<Answered> dropped(sent_.end() - count, sent_.end());
+  std::vector<Answered> dropped(sent_.end() - count, sent_.end());
   sent_.erase(sent_.end() - count, sent_.end());
   return dropped;
 }
