@@ -27,9 +27,9 @@ class KdTree {
   /// Fills in the numbers of the nearest points, nearest first, and the squares of their distances,
   /// mm2. The point at `from` itself is one of them, if it is in the tree. Gives how many there
   /// are: `most`, or all points.
-  template <std::size_t Size>
-  std::size_t nearest(const Point& from, std::size_t most, std::array<std::uint32_t, Size>& number,
-                      std::array<double, Size>& squared) const {
+  template <std::size_t size>
+  std::size_t nearest(const Point& from, std::size_t most, std::array<std::uint32_t, size>& number,
+                      std::array<double, size>& squared) const {
     const std::array<double, 3> query{from.x, from.y, from.z};
     return tree_.knnSearch(query.data(), most, number.data(), squared.data());
   }

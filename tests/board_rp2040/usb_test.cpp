@@ -104,9 +104,9 @@ TEST(UsbControl, TellsWindowsOfWinUsb) {
                20,  0, 3, 0, 'W',  'I',  'N',  'U',  'S', 'B', 0, 0,  // compatible ID
                0,   0, 0, 0, 0,    0,    0,    0,                     // sub-ID
                132, 0, 4, 0, 7,    0,    42,   0};                    // registry property
-  const auto wide = [&set](std::string_view ascii, int zeros) {
+  const auto wide = [&set](std::string_view ascii, std::size_t zeros) {
     for (const char c : ascii) set.insert(set.end(), {static_cast<std::uint8_t>(c), 0});
-    set.insert(set.end(), static_cast<std::size_t>(2 * zeros), 0);
+    set.insert(set.end(), 2 * zeros, 0);
   };
   wide("DeviceInterfaceGUIDs", 1);
   set.insert(set.end(), {80, 0});
@@ -339,16 +339,16 @@ TEST(UsbControl, LineCodingIsKeptAndNothingElseHappens) {
 class UsbFunctions : public testing::TestWithParam<std::uint8_t> {
  protected:
   /// A host that talks over one of them.
-  UsbFunctions() { host.endpoint = GetParam(); }
+  UsbFunctions() { host_.endpoint = GetParam(); }
   /// Its OUT and IN endpoint.
   std::uint8_t out() const { return GetParam(); }
   std::uint8_t in() const { return 0x80 | GetParam(); }
   /// Who speaks is answered.
   void speak() {
-    ASSERT_EQ(host.bulk_out(numbered(1)), Handshake::ack);
-    ASSERT_EQ(read_all(host), numbered(1));
+    ASSERT_EQ(host_.bulk_out(numbered(1)), Handshake::ack);
+    ASSERT_EQ(read_all(host_), numbered(1));
   }
-  UsbHost host;
+  UsbHost host_;
 };
 INSTANTIATE_TEST_SUITE_P(Endpoints, UsbFunctions, testing::Values(2, 3),
                          [](const auto& param_info) {
@@ -356,64 +356,64 @@ INSTANTIATE_TEST_SUITE_P(Endpoints, UsbFunctions, testing::Values(2, 3),
                          });
 
 TEST_P(UsbFunctions, HaltAndItsEnd) {
-  ASSERT_TRUE(host.enumerate());
+  ASSERT_TRUE(host_.enumerate());
   // One packet each way, so that toggles and turns are odd.
-  ASSERT_EQ(host.bulk_out(numbered(5)), Handshake::ack);
-  host.serial.write(numbered(3));
-  host.serve();
-  ASSERT_EQ(host.bulk_in().data, numbered(3));
-  host.serial.write(numbered(70, 5));
-  host.serve();
+  ASSERT_EQ(host_.bulk_out(numbered(5)), Handshake::ack);
+  host_.serial.write(numbered(3));
+  host_.serve();
+  ASSERT_EQ(host_.bulk_in().data, numbered(3));
+  host_.serial.write(numbered(70, 5));
+  host_.serve();
   for (const std::uint16_t endpoint : std::array<std::uint16_t, 3>{out(), in(), 0x81}) {
-    EXPECT_EQ(host.control(endpoint_out, 3, 0, endpoint, 0).handshake, Handshake::ack);
-    EXPECT_EQ(host.control(endpoint_in, 0, 0, endpoint, 2).data, (Bytes{1, 0}));
+    EXPECT_EQ(host_.control(endpoint_out, 3, 0, endpoint, 0).handshake, Handshake::ack);
+    EXPECT_EQ(host_.control(endpoint_in, 0, 0, endpoint, 2).data, (Bytes{1, 0}));
   }
-  EXPECT_EQ(host.bulk_out(numbered(5)), Handshake::stall);
-  EXPECT_EQ(host.bulk_in().handshake, Handshake::stall);
+  EXPECT_EQ(host_.bulk_out(numbered(5)), Handshake::stall);
+  EXPECT_EQ(host_.bulk_in().handshake, Handshake::stall);
   Bytes none;
   bool data1 = false;
-  EXPECT_EQ(host.usb.in(1, none, data1), Handshake::stall);
+  EXPECT_EQ(host_.usb.in(1, none, data1), Handshake::stall);
   for (const std::uint16_t endpoint : std::array<std::uint16_t, 3>{out(), in(), 0x81}) {
-    EXPECT_EQ(host.control(endpoint_out, 1, 0, endpoint, 0).handshake, Handshake::ack);
-    EXPECT_EQ(host.control(endpoint_in, 0, 0, endpoint, 2).data, (Bytes{0, 0}));
+    EXPECT_EQ(host_.control(endpoint_out, 1, 0, endpoint, 0).handshake, Handshake::ack);
+    EXPECT_EQ(host_.control(endpoint_in, 0, 0, endpoint, 2).data, (Bytes{0, 0}));
   }
-  host.clear_toggles();
-  EXPECT_EQ(host.usb.in(1, none, data1), Handshake::nak);
+  host_.clear_toggles();
+  EXPECT_EQ(host_.usb.in(1, none, data1), Handshake::nak);
   Bytes got;
   for (int i = 0; i < 3; ++i) {
-    const auto packet = host.bulk_in();
+    const auto packet = host_.bulk_in();
     got.insert(got.end(), packet.data.begin(), packet.data.end());
   }
   EXPECT_EQ(got, numbered(70, 5));
-  for (unsigned i = 0; i < 5; ++i) ASSERT_EQ(host.bulk_out(numbered(64, i)), Handshake::ack);
-  EXPECT_EQ(read_all(host).size(), 5u + 5 * 64u);
-  EXPECT_EQ(host.usb.sequence_errors, 0);
-  EXPECT_EQ(host.serial.counters().resynchronised, 0u);
+  for (unsigned i = 0; i < 5; ++i) ASSERT_EQ(host_.bulk_out(numbered(64, i)), Handshake::ack);
+  EXPECT_EQ(read_all(host_).size(), 5u + 5 * 64u);
+  EXPECT_EQ(host_.usb.sequence_errors, 0);
+  EXPECT_EQ(host_.serial.counters().resynchronised, 0u);
 }
 
 TEST_P(UsbFunctions, ClearFeatureAndSetInterfaceRestartToggles) {
   for (const bool by_interface : {false, true}) {
-    ASSERT_TRUE(host.enumerate());
+    ASSERT_TRUE(host_.enumerate());
     Bytes sent;
     for (unsigned round = 0; round < 9; ++round) {
       for (unsigned i = 0; i <= round % 3; ++i) {
         const Bytes packet = numbered(10 + round, i);
-        ASSERT_EQ(host.bulk_out(packet), Handshake::ack);
+        ASSERT_EQ(host_.bulk_out(packet), Handshake::ack);
         sent.insert(sent.end(), packet.begin(), packet.end());
-        host.serial.write(packet);
-        host.serve();
-        ASSERT_EQ(host.bulk_in().data, packet);
+        host_.serial.write(packet);
+        host_.serve();
+        ASSERT_EQ(host_.bulk_in().data, packet);
       }
       if (by_interface) {
-        ASSERT_EQ(host.control(interface_out, 11, 0, out() - 1, 0).handshake, Handshake::ack);
+        ASSERT_EQ(host_.control(interface_out, 11, 0, out() - 1, 0).handshake, Handshake::ack);
       } else {
-        ASSERT_EQ(host.control(endpoint_out, 1, 0, out(), 0).handshake, Handshake::ack);
-        ASSERT_EQ(host.control(endpoint_out, 1, 0, in(), 0).handshake, Handshake::ack);
+        ASSERT_EQ(host_.control(endpoint_out, 1, 0, out(), 0).handshake, Handshake::ack);
+        ASSERT_EQ(host_.control(endpoint_out, 1, 0, in(), 0).handshake, Handshake::ack);
       }
-      host.clear_toggles();
+      host_.clear_toggles();
     }
-    EXPECT_EQ(read_all(host), sent);
-    EXPECT_EQ(host.usb.sequence_errors, 0);
+    EXPECT_EQ(read_all(host_), sent);
+    EXPECT_EQ(host_.usb.sequence_errors, 0);
   }
 }
 
@@ -478,70 +478,70 @@ TEST(UsbControl, GarbageNeverWedgesIt) {
 
 TEST_P(UsbFunctions, BytesArriveOnceAndInOrder) {
   std::mt19937_64 random(7);
-  ASSERT_TRUE(host.enumerate());
+  ASSERT_TRUE(host_.enumerate());
   ASSERT_NO_FATAL_FAILURE(speak());
   Bytes to_device, at_device, to_host_bytes, at_host;
   for (int round = 0; round < scaled(20000); ++round) {
-    if (random() % 32 == 0) host.frame(static_cast<std::uint32_t>(random() % 800));
+    if (random() % 32 == 0) host_.frame(static_cast<std::uint32_t>(random() % 800));
     const auto in_size = static_cast<std::size_t>(random() % 3 == 0 ? 64 : random() % 65);
-    if (host.serial.available() + in_size < 3000) {
+    if (host_.serial.available() + in_size < 3000) {
       const Bytes packet = numbered(in_size, static_cast<unsigned>(random() % 26));
       // The device may not have looked since the last one: there are two buffers.
-      const Handshake answer = host.bulk_out(packet, random() % 3 != 0);
+      const Handshake answer = host_.bulk_out(packet, random() % 3 != 0);
       if (answer == Handshake::ack)
         to_device.insert(to_device.end(), packet.begin(), packet.end());
       else
-        host.serve();
+        host_.serve();
     }
     if (random() % 4 == 0) {
       Bytes buffer(random() % 300);
-      const std::size_t count = host.serial.read(buffer);
+      const std::size_t count = host_.serial.read(buffer);
       at_device.insert(at_device.end(), buffer.begin(),
                        buffer.begin() + static_cast<std::ptrdiff_t>(count));
     }
     const Bytes out = numbered(random() % 100, static_cast<unsigned>(random() % 26));
-    const std::size_t room = host.serial.room();
-    const std::size_t taken = host.serial.write(out);
+    const std::size_t room = host_.serial.room();
+    const std::size_t taken = host_.serial.write(out);
     ASSERT_EQ(taken, std::min(out.size(), room));
     to_host_bytes.insert(to_host_bytes.end(), out.begin(),
                          out.begin() + static_cast<std::ptrdiff_t>(taken));
-    if (random() % 2 == 0) host.serve();
+    if (random() % 2 == 0) host_.serve();
     for (std::uint64_t i = random() % 4; i > 0; --i) {
-      const auto packet = host.bulk_in(random() % 2 == 0);
+      const auto packet = host_.bulk_in(random() % 2 == 0);
       at_host.insert(at_host.end(), packet.data.begin(), packet.data.end());
     }
   }
-  host.frame();
+  host_.frame();
   for (int i = 0; i < 200; ++i) {
-    const auto packet = host.bulk_in();
+    const auto packet = host_.bulk_in();
     at_host.insert(at_host.end(), packet.data.begin(), packet.data.end());
   }
-  const Bytes rest = read_all(host);
+  const Bytes rest = read_all(host_);
   at_device.insert(at_device.end(), rest.begin(), rest.end());
   EXPECT_EQ(at_device, to_device);
   EXPECT_EQ(at_host, to_host_bytes);
-  const UsbCounters counters = host.serial.counters();
+  const UsbCounters counters = host_.serial.counters();
   EXPECT_EQ(counters.bytes_dropped, 0u);
   EXPECT_EQ(counters.resynchronised, 0u);
   EXPECT_GT(counters.packets_received, 1000u);
 }
 
 TEST_P(UsbFunctions, AnEmptyPacketFollowsWholeOnes) {
-  ASSERT_TRUE(host.enumerate());
+  ASSERT_TRUE(host_.enumerate());
   ASSERT_NO_FATAL_FAILURE(speak());
   for (const std::size_t size : {1u, 63u, 64u, 65u, 127u, 128u, 129u, 640u, 2048u}) {
     const Bytes sent = numbered(size);
-    ASSERT_EQ(host.serial.write(sent), size);
-    host.serve();
+    ASSERT_EQ(host_.serial.write(sent), size);
+    host_.serve();
     Bytes got;
-    for (;;) {  // as a host reads: up to a short packet
-      const auto packet = host.bulk_in();
+    for (;;) {  // as a host_ reads: up to a short packet
+      const auto packet = host_.bulk_in();
       ASSERT_EQ(packet.handshake, Handshake::ack) << size << " bytes, " << got.size() << " come";
       got.insert(got.end(), packet.data.begin(), packet.data.end());
       if (packet.data.size() < 64) break;
     }
     EXPECT_EQ(got, sent);
-    EXPECT_EQ(host.bulk_in().handshake, Handshake::nak);
+    EXPECT_EQ(host_.bulk_in().handshake, Handshake::nak);
   }
 }
 

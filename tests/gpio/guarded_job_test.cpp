@@ -29,8 +29,10 @@ job::Profile fast_lamp() { return test::lamp_profile(500); }
 job::Job dense_job(std::size_t points) {
   points::PointCloud cloud;
   cloud.reserve(points);
-  for (std::size_t i = 0; i < points; ++i)
-    cloud.push_back({static_cast<double>(i % 100) * 0.1, static_cast<double>(i / 100) * 0.1, 0});
+  for (std::size_t i = 0; i < points; ++i) {
+    const std::size_t column = i % 100, row = i / 100;
+    cloud.push_back({static_cast<double>(column) * 0.1, static_cast<double>(row) * 0.1, 0});
+  }
   return test::job_for(cloud, fast_lamp(), test::JoinMode::free);
 }
 

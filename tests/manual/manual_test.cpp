@@ -96,7 +96,7 @@ TEST(ManPage, OfTheProgramIsComplete) {
     apps.push_back(command);
     for (const CLI::App* app : apps)
       for (const CLI::Option* option : options_of(*app))
-        for (std::string name : names_of(*option)) {
+        for (const std::string& name : names_of(*option)) {
           std::string typed;
           for (const char c : name) typed += c == '-' ? std::string("\\-") : std::string(1, c);
           EXPECT_THAT(page, HasSubstr("\\fB" + typed + "\\fR")) << command->get_name();

@@ -101,9 +101,11 @@ class Hand {
   void key(Key key) { jogger.take(key_event(Event::Kind::key_down, key)); }
   /// Turns the wheel for so long, a click every 30 ms.
   void keep_turning(int clicks, double ms) {
-    for (double t = 0; t < ms; t += 30) {
+    constexpr double interval_ms = 30;
+    while (ms > 0) {
       turn(clicks);
-      run_ms(std::min(30.0, ms - t));
+      run_ms(std::min(interval_ms, ms));
+      ms -= interval_ms;
     }
   }
   /// The position is the board's and the drives', no light was seen.

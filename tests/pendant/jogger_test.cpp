@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <random>
 #include <regex>
 
@@ -325,8 +326,9 @@ TEST(Keyboard, a_key_is_a_step_and_held_it_goes_on_smoothly) {
     std::vector<double> places;
     for (int i = 0; i < static_cast<int>(1.5 * hz); ++i) {
       hand.jogger.press("right");
-      const double jitter = static_cast<double>(random() % 10);
-      for (double t = 0; t < 1000 / hz + jitter - 5; t += 2) {
+      const double jitter = static_cast<double>(random() % 10) - 5;
+      const auto rounds = static_cast<int>(std::ceil((1000 / hz + jitter) / 2));
+      for (int round = 0; round < rounds; ++round) {
         hand.run_ms(2);
         places.push_back(hand.x());
       }

@@ -108,7 +108,7 @@ class Threemf : public ::testing::Test {
     return write_model(model_text(resources, build));
   }
   std::filesystem::path write_model(const std::string& text) const {
-    const auto file = folder_.write("a.3mf", "");
+    auto file = folder_.write("a.3mf", "");
     const Archive archive(file);
     archive.add("[Content_Types].xml", "<Types/>");
     archive.add("_rels/.rels", relations("/3D/3dmodel.model"));

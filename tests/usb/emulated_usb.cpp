@@ -111,7 +111,7 @@ EmulatedUsb::~EmulatedUsb() {
 
 std::string EmulatedUsb::real_path(const std::string& path) const {
   gchar* const root = umockdev_testbed_get_root_dir(testbed_);
-  const std::string real = root + path;
+  std::string real = root + path;
   g_free(root);
   return real;
 }

@@ -14,10 +14,12 @@
 
 #include "tests/flash/loader_model.hpp"
 
-// umockdev's types, which are GObject's: its header is for C.
+// umockdev's types, which are GObject's and have its names: its header is for C.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 struct _UMockdevTestbed;
 struct _UMockdevIoctlBase;
 struct _UMockdevIoctlClient;
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace lamplock::usb::test {
 
