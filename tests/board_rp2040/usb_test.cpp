@@ -534,7 +534,7 @@ TEST_P(UsbFunctions, AnEmptyPacketFollowsWholeOnes) {
     ASSERT_EQ(host_.serial.write(sent), size);
     host_.serve();
     Bytes got;
-    for (;;) {  // as a host_ reads: up to a short packet
+    for (;;) {  // as a host reads: up to a short packet
       const auto packet = host_.bulk_in();
       ASSERT_EQ(packet.handshake, Handshake::ack) << size << " bytes, " << got.size() << " come";
       got.insert(got.end(), packet.data.begin(), packet.data.end());
