@@ -1,6 +1,7 @@
 // docs/wiring.md says what the table of pins says: pin by pin, for every map.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <sstream>
 #include <string>
@@ -27,6 +28,7 @@ std::vector<Row> table_of(const std::string& page, const std::string& heading) {
   std::getline(lines, line);
   std::vector<Row> rows;
   while (std::getline(lines, line) && line.rfind("## ", 0) != 0) {
+    line = trimmed(line);  // a table of a list is indented
     if (line.rfind('|', 0) != 0) continue;
     std::istringstream cells(line.substr(1));
     Row row;
@@ -80,6 +82,60 @@ TEST_P(WiringMap, ThePageHasEveryPinAsTheTableHasIt) {
     EXPECT_EQ(rows[i][5], off_level(use)) << use.name;
     EXPECT_NE(rows[i][6], "") << use.name;
   }
+}
+
+/// "12, 16" as numbers.
+std::vector<int> numbers_of(const std::string& cell) {
+  std::istringstream parts(cell);
+  std::vector<int> numbers;
+  for (std::string part; std::getline(parts, part, ',');) numbers.push_back(std::stoi(part));
+  return numbers;
+}
+
+/// Ground among the contacts of the Pico (Raspberry Pi Pico Datasheet, 2.1).
+bool is_ground(int contact) {
+  constexpr std::array<int, 7> grounds{3, 8, 13, 18, 23, 28, 38};
+  return std::find(grounds.begin(), grounds.end(), contact) != grounds.end();
+}
+
+TEST(Readme, ItsWiringIsThatOfTheMapOfANewBoard) {
+  const std::vector<Row> rows =
+      table_of(test::read_repository_file("README.md"), "From board to first job");
+  ASSERT_EQ(rows.size(), 8u);
+  std::size_t grounds = 0;
+  for (const Row& row : rows) {
+    ASSERT_EQ(row.size(), 4u) << row[0];
+    const std::vector<int> pins_there = numbers_of(row[0]);
+    if (row[1] == "-") {
+      for (const int pin : pins_there) EXPECT_TRUE(is_ground(pin)) << pin;
+      ++grounds;
+      continue;
+    }
+    const std::vector<int> gpios = numbers_of(row[1]);
+    ASSERT_EQ(gpios.size(), pins_there.size()) << row[0];
+    std::string names;
+    for (std::size_t i = 0; i < gpios.size(); ++i) {
+      EXPECT_EQ(contacts.at(static_cast<std::size_t>(gpios[i])), pins_there[i]) << row[0];
+      for (const PinUse& use : pins(PinMap::glass))
+        if (use.gpio == gpios[i]) names += (names.empty() ? "" : ", ") + std::string(use.name);
+    }
+    EXPECT_EQ(row[2], names);
+  }
+  EXPECT_EQ(grounds, 1u);
+}
+
+/// The checks of a first job must be those of the board, not of the virtual one.
+TEST(Readme, StepsOfAFirstJobNameTheBoard) {
+  const std::string page = test::read_repository_file("README.md");
+  const std::size_t begin = page.find("4. **Tell it the machine.**");
+  const std::string steps = page.substr(begin, page.find("\n## ", begin) - begin);
+  std::size_t commands = 0;
+  for (std::size_t at = steps.find("`lamplock "); at != std::string::npos;
+       at = steps.find("`lamplock ", at + 1), ++commands) {
+    const std::string command = steps.substr(at + 1, steps.find('`', at + 1) - at - 1);
+    EXPECT_NE(command.find("--board auto"), std::string::npos) << command;
+  }
+  EXPECT_EQ(commands, 4u);
 }
 
 TEST(Safety, ThePageHasTheTimesOfTheFirmware) {
