@@ -90,7 +90,7 @@ void JogSession::look_for_pendant(bool must_be) {
 
 void JogSession::use(const pendant::HidInfo& info) {
   const pendant::Variant variant{choice_.map.hb04_keys};
-  pendant_.emplace(*info.id, pendant::open_pendant(info), variant);
+  pendant_.emplace(*info.id, pendant::open_pendant(info), pendant::open_pendant(info), variant);
   pendant_name_ = info.id->name;
   pendant_lost_ = false;
   if (jogger_) jogger_->use_pendant(pendant_->has_switch());

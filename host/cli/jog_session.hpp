@@ -34,8 +34,7 @@ struct JogChoice {
 class JogSession {
  public:
   /// Asks the board for its limits and looks for a pendant. Throws Error: no_device (no answer, no
-  /// such pendant, no permission), job_failed (not at rest, reports in inches), bad_input (nothing
-  /// to jog with).
+  /// such pendant, no permission), job_failed (not at rest, reports in inches).
   JogSession(BoardLink& board, const JogChoice& choice, Guarding& guarding, Console& console);
   /// Whatever happened: the machine is told to stop.
   ~JogSession();

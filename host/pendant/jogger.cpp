@@ -18,8 +18,10 @@ namespace realtime = link::realtime;
 constexpr std::string_view axis_letters = "XYZA";
 /// A wheel that has not turned for so long is let go.
 constexpr Time wheel_silence = 250ms;
-/// A ring with a spring tells changes alone: it is held until it says otherwise or is gone.
-constexpr Time for_ever = 24h;
+/// A ring with a spring tells changes alone: nobody knows a hand that holds it still from a
+/// receiver that has died in its socket. A hand that holds on for longer moves it a little and goes
+/// on.
+constexpr Time longest_spring = 30s;
 constexpr double most_of_spring = 7;
 constexpr double percent = 0.01;
 /// Reports that must say that the machine rests: one may have been on its way already.
@@ -199,7 +201,7 @@ void Jogger::turn_spring(int place) {
   if (place == 0) return stream_.stop();
   if (axis() < 0) return note("choose an axis first");
   jog_on(axis(), place > 0 ? 1 : -1, map_.feed_mm_min * std::abs(place) / most_of_spring,
-         talk_.now() + for_ever);
+         talk_.now() + longest_spring);
 }
 
 void Jogger::turn_override(int clicks, std::uint8_t more, std::uint8_t less) {

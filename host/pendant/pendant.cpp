@@ -27,15 +27,11 @@ Events Pendant::poll() {
 }
 
 void Pendant::show(const Display& display, Time now) {
-  if (to_show_.empty() && shown_ != display && (!shown_ || now - shown_at_ >= display_interval)) {
-    shown_ = display;
-    shown_at_ = now;
-    for (const FeatureReport& report : decoder_->display(display)) to_show_.push_back(report);
-  }
-  if (to_show_.empty()) return;
-  // What a display does not take is not worth a second try: the next one comes soon.
-  device_->send_feature(to_show_.front());
-  to_show_.pop_front();
+  if (shown_ == display || (shown_ && now - shown_at_ < display_interval) || !writer_.idle())
+    return;
+  shown_ = display;
+  shown_at_ = now;
+  writer_.write(decoder_->display(display));
 }
 
 std::vector<HidInfo> find_pendants(const std::string& option) {

@@ -1,41 +1,42 @@
 // A pendant that is plugged in: its device and its language together.
 //
 // In:  an open device; what its display shall show. Out: events, in order; its loss.
-// Who: `lamplock jog`. Never waits. A display takes several reports, each a transfer of some ms:
-// one
-//      goes out with each round, so that nobody waits for a display while the machine moves.
+// Who: `lamplock jog`. Never waits, for a display least of all (display_writer.hpp).
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <optional>
 
 #include "host/pendant/board_talk.hpp"
 #include "host/pendant/decoder.hpp"
+#include "host/pendant/display_writer.hpp"
 #include "host/pendant/hid.hpp"
 
 namespace lamplock::pendant {
 
 class Pendant {
  public:
-  Pendant(const PendantId& id, std::unique_ptr<HidDevice> device, const Variant& variant)
-      : id_(id), device_(std::move(device)), decoder_(make_decoder(id.kind, variant)) {}
+  /// `device` is read; `display`, the same one opened once more, is written to.
+  Pendant(const PendantId& id, std::unique_ptr<HidDevice> device,
+          std::unique_ptr<HidDevice> display, const Variant& variant)
+      : device_(std::move(device)),
+        decoder_(make_decoder(id.kind, variant)),
+        writer_(std::move(display)) {}
 
-  const PendantId& id() const { return id_; }
   /// What has happened since the last call.
   Events poll();
-  /// Shows this, if it has changed, ten times a second at most; `now` is any clock's.
+  /// Shows this, if it has changed, ten times a second at most and when the display has what it was
+  /// shown before; `now` is any clock's.
   void show(const Display& display, Time now);
   bool gone() const { return device_->gone(); }
   bool has_switch() const { return decoder_->has_switch(); }
 
  private:
-  const PendantId& id_;
   std::unique_ptr<HidDevice> device_;
   std::unique_ptr<Decoder> decoder_;
   std::optional<Display> shown_;
   Time shown_at_{};
-  std::deque<FeatureReport> to_show_;
+  DisplayWriter writer_;
 };
 
 /// Those that may be used: all, or those of this option ("hb04"), in the order of list_pendants().

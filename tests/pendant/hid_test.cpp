@@ -4,7 +4,12 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
 #include <thread>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/pendant/pendant.hpp"
@@ -33,7 +38,7 @@ TEST(Hidapi, a_pendant_is_found_read_shown_to_and_lost) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].path, HidBench::node);
   EXPECT_TRUE(find_pendants("whb04b").empty());
-  Pendant pendant(*found[0].id, open_pendant(found[0]), {});
+  Pendant pendant(*found[0].id, open_pendant(found[0]), open_pendant(found[0]), {});
   EXPECT_TRUE(pendant.poll().empty());
   bench.send({4, 0, 0, 0x12, 0xfe, 0x33});
   EXPECT_THAT(wait_for_events(pendant),
@@ -41,7 +46,10 @@ TEST(Hidapi, a_pendant_is_found_read_shown_to_and_lost) {
   Display display;
   display.work_mm = {1, 2, 3, 0};
   for (int i = 0; i < 20; ++i) pendant.show(display, Time(i));
-  EXPECT_EQ(bench.shown(), make_decoder(Kind::hb04)->display(display)) << "once, all of it";
+  const std::vector<FeatureReport> wanted = make_decoder(Kind::hb04)->display(display);
+  for (int i = 0; i < 2000 && bench.shown().size() < wanted.size(); ++i)
+    std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(bench.shown(), wanted) << "once, all of it";
   bench.unplug();
   EXPECT_TRUE(wait_for_events(pendant).empty());
   EXPECT_TRUE(pendant.gone());
@@ -80,6 +88,57 @@ TEST(Hidapi, without_permission_it_says_what_to_do) {
   EXPECT_EQ(exit, Exit::no_device);
   EXPECT_THAT(text, HasSubstr("XHC WHB04B"));
   EXPECT_THAT(text, HasSubstr("60-lamplock.rules"));
+}
+
+/// A device whose display hangs until it is let go.
+class HangingDevice final : public HidDevice {
+ public:
+  struct Display {
+    std::mutex hangs{};
+    std::atomic<int> begun{0}, taken{0};
+  };
+  explicit HangingDevice(std::shared_ptr<Display> display) : display_(std::move(display)) {}
+  std::size_t read(std::span<std::uint8_t> report, std::chrono::milliseconds) override {
+    constexpr std::array<std::uint8_t, 6> x_axis{4, 0, 0, 0x11, 0, 0};
+    std::copy(x_axis.begin(), x_axis.end(), report.begin());
+    return std::exchange(told_, true) ? 0 : x_axis.size();
+  }
+  bool send_feature(std::span<const std::uint8_t>) override {
+    ++display_->begun;
+    const std::lock_guard wait(display_->hangs);
+    ++display_->taken;
+    return true;
+  }
+  bool gone() const override { return false; }
+
+ private:
+  std::shared_ptr<Display> display_;
+  bool told_ = false;
+};
+
+TEST(PendantDisplay, one_that_hangs_holds_nobody) {
+  const auto display = std::make_shared<HangingDevice::Display>();
+  std::unique_lock hang(display->hangs);
+  {
+    Pendant pendant(pendant_ids[0], std::make_unique<HangingDevice>(display),
+                    std::make_unique<HangingDevice>(display), {});
+    Display shown;
+    pendant.show(shown, 1s);
+    while (display->begun == 0) std::this_thread::sleep_for(1ms);
+    // If any of these waited for the display the test would not end.
+    EXPECT_THAT(pendant.poll(), ElementsAre(selector_event(Selector::x)));
+    for (int i = 0; i < 100; ++i) {
+      shown.feed_mm_min = i;
+      pendant.show(shown, std::chrono::seconds(2 + i));
+    }
+  }
+  EXPECT_EQ(display->taken, 0);
+  hang.unlock();
+  const auto reports = static_cast<int>(make_decoder(Kind::hb04)->display({}).size());
+  while (display->taken < reports) std::this_thread::sleep_for(1ms);
+  // The thread lets go of the device at its end.
+  while (display.use_count() > 1) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(display->taken, reports) << "the display that hung, and none of those behind it";
 }
 
 TEST(Hidapi, one_that_has_gone_meanwhile_is_an_error) {

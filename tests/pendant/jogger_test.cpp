@@ -192,6 +192,20 @@ TEST(Continuous, a_ring_with_a_spring_is_held_until_it_is_let_go) {
   EXPECT_LE(hand.x() - at, longest_way(20, 0.05));
 }
 
+TEST(Continuous, a_ring_that_says_nothing_more_is_not_held_for_ever) {
+  Hand hand(map_with(420));
+  hand.select(Selector::x);
+  hand.jogger.take(count_event(Event::Kind::spring, 1));
+  hand.run_ms(29'900);
+  EXPECT_NEAR(hand.x(), 29.9, 0.5) << "1 mm/s";
+  hand.run_ms(1000);
+  ASSERT_TRUE(hand.come_to_rest());
+  EXPECT_NEAR(hand.x(), 30, 0.5);
+  hand.jogger.take(count_event(Event::Kind::spring, 2));
+  hand.run_ms(1000);
+  EXPECT_GT(hand.x(), 31);
+}
+
 TEST(Continuous, stops_inside_the_work_space) {
   Hand hand(map_with(12'000));
   hand.jogger.set_mode(Mode::continuous);
