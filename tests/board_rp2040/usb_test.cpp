@@ -41,7 +41,7 @@ TEST(UsbControl, EnumeratesLikeLinux) {
   host.reset();
   const auto first = host.control(to_host, 6, 0x0100, 0, 64);
   const Bytes device = {18,   1,    0x01, 0x02, 0xEF, 0x02, 0x01, 64, 0x09,
-                        0x12, 0x01, 0x00, 0x10, 0x00, 1,    2,    3,  1};
+                        0x12, 0x01, 0x00, 0x11, 0x00, 1,    2,    3,  1};
   EXPECT_EQ(first.data, device);
   host.reset();
   ASSERT_EQ(host.control(0, 5, 42, 0, 0).handshake, Handshake::ack);
@@ -122,6 +122,27 @@ TEST(UsbControl, TellsWindowsOfWinUsb) {
     EXPECT_EQ(host.control(0xC0, 0x4D, 0, 7, 10).data, Bytes(set.begin(), set.begin() + 10));
     EXPECT_EQ(host.control(0xC0, 0x4D, 0, 7, 4096).data, set);
   }
+}
+
+// What Windows has learned of a version must stay true of it.
+TEST(UsbControl, ChangedDescriptorsHaveANewVersion) {
+  UsbHost host;
+  host.reset();
+  std::uint64_t sum = 14'695'981'039'346'656'037u;  // FNV-1a, 64 bits
+  const auto add = [&sum](const Bytes& bytes) {
+    for (const std::uint8_t byte : bytes) sum = (sum ^ byte) * 1'099'511'628'211u;
+  };
+  Bytes device = host.control(to_host, 6, 0x0100, 0, 18).data;
+  ASSERT_EQ(device.size(), 18u);
+  const int version = device[12] | device[13] << 8;
+  device[12] = device[13] = 0;
+  add(device);
+  add(host.control(to_host, 6, 0x0200, 0, 255).data);
+  add(host.control(to_host, 6, 0x0F00, 0, 255).data);
+  add(host.control(0xC0, 0x4D, 0, 7, 4096).data);
+  EXPECT_EQ(version, 0x0011);
+  EXPECT_EQ(sum, 10'939'475'691'639'477'757u)
+      << "raise device_version, then state both numbers here";
 }
 
 TEST(UsbControl, AddressTakesEffectAfterTheStatusStage) {

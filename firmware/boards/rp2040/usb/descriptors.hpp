@@ -23,8 +23,9 @@ namespace lamplock::rp2040::usb {
 /// A product that is given away needs an identifier of its own (https://pid.codes).
 inline constexpr std::uint16_t vendor_id = 0x1209;
 inline constexpr std::uint16_t product_id = 0x0001;
-/// Version of the device in binary-coded decimal.
-inline constexpr std::uint16_t device_version = 0x0010;
+/// Version of the device in binary-coded decimal; greater with every change of these descriptors,
+/// for Windows keeps what it has learned of a device under its numbers and this.
+inline constexpr std::uint16_t device_version = 0x0011;
 
 inline constexpr std::uint16_t language_us_english = 0x0409;
 inline constexpr std::size_t serial_number_size = 16;  ///< characters
