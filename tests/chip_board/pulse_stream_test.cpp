@@ -104,17 +104,18 @@ TEST(ChipPulseStream, ChatterOverTheOtherFunctionDisturbsNoJob) {
   }
 }
 
+// From its first line on, though it polls in the packet of a line, as senders do.
 TEST(ChipPulseStream, TheSerialPortIsHeardAgainASecondAfterTheStream) {
   FunctionRig rig(chip_profile(), UsbFunction::vendor);
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
   rig.open_both();
   rig.heard_beside(UsbFunction::serial);
-  rig.say_beside("$I\n", UsbFunction::serial);
+  rig.say_beside("$I\n?", UsbFunction::serial);
   rig.run(100 * ps_per_ms);
   EXPECT_EQ(rig.heard_beside(UsbFunction::serial), "");
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
   rig.run(1100 * ps_per_ms);
-  rig.say_beside("$I\n", UsbFunction::serial);
+  rig.say_beside("$I\n?", UsbFunction::serial);
   rig.run(100 * ps_per_ms);
   EXPECT_THAT(rig.heard_beside(UsbFunction::serial), HasSubstr("[VER:"));
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:")) << "the stream is never refused at rest";
