@@ -51,4 +51,8 @@ std::unique_ptr<link::Transport> open_board(const std::string& board) {
   return std::make_unique<link::SerialTransport>(board);
 }
 
+std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
+  return options.is_simulated() ? nullptr : open_board(options.board);
+}
+
 }  // namespace lamplock::cli
