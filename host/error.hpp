@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace lamplock {
 
@@ -13,10 +14,14 @@ enum class Exit : int { done = 0, job_failed = 1, bad_input = 2, no_device = 3, 
 class Error : public std::runtime_error {
  public:
   Error(Exit exit, const std::string& where, const std::string& what, const std::string& remedy)
-      : std::runtime_error("error: " + where + ": " + what + "; " + remedy), exit_(exit) {}
+      : std::runtime_error(std::string(prefix) + where + ": " + what + "; " + remedy),
+        exit_(exit) {}
   Exit exit() const { return exit_; }
+  /// `WHERE: WHAT; REMEDY`, as part of another line. Lives as long as the error.
+  std::string_view message() const { return std::string_view(what()).substr(prefix.size()); }
 
  private:
+  static constexpr std::string_view prefix = "error: ";
   Exit exit_;
 };
 

@@ -1,6 +1,6 @@
 #include "host/cli/board_link.hpp"
 
-#include "host/cli/run_job.hpp"
+#include "host/cli/board_port.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "sim/world/limit_settings.hpp"
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <string_view>
 
 #include "host/error.hpp"
 #include "host/link/serial_transport.hpp"
@@ -27,9 +26,7 @@ std::unique_ptr<link::Transport> open_any() {
     const bool in_use = board.problem.empty() && link::stream_interface(board);
     if (ports.empty() || in_use) throw;
     auto port = std::make_unique<link::SerialTransport>(ports.front());
-    constexpr std::string_view prefix = "error: ";
-    fmt::print(stderr, "warning: {}; talking over {} meanwhile\n",
-               std::string_view(error.what()).substr(prefix.size()), ports.front());
+    fmt::print(stderr, "warning: {}; talking over {} meanwhile\n", error.message(), ports.front());
     return port;
   }
 }
@@ -52,6 +49,10 @@ std::unique_ptr<link::Transport> open_board(const std::string& board) {
   const bool path = board.find('/') != std::string::npos;
   if (!path && sim::parse_tcp_address(board)) return std::make_unique<link::TcpTransport>(board);
   return std::make_unique<link::SerialTransport>(board);
+}
+
+std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
+  return options.is_simulated() ? nullptr : open_board(options.board);
 }
 
 }  // namespace lamplock::cli

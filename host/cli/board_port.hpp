@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "host/cli/board_options.hpp"
 #include "host/link/transport.hpp"
 
 namespace lamplock::cli {
@@ -24,5 +25,8 @@ std::optional<std::string> usb_serial(const std::string& board);
 /// Opens a board that is not simulated. Throws Error: no_device, or bad_input where the name fits
 /// several.
 std::unique_ptr<link::Transport> open_board(const std::string& board);
+
+/// The same of a choice; nothing for simulated boards.
+std::unique_ptr<link::Transport> open_port(const BoardOptions& options);
 
 }  // namespace lamplock::cli

@@ -1,21 +1,14 @@
 // `lamplock console`: a terminal to a board, for people and for scripts.
 #include <memory>
 
-#include "host/cli/board_link.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/guarding.hpp"
+#include "host/cli/guarded_board.hpp"
 #include "host/cli/keyboard.hpp"
-#include "host/cli/options.hpp"
 #include "host/link/line_console.hpp"
 
 namespace lamplock::cli {
 namespace {
-
-struct Options {
-  BoardOptions board;
-  MachineOptions machine;
-};
 
 /// A simulated board runs while we wait: about as fast as a real one when somebody sits there.
 constexpr std::chrono::milliseconds pace{20};
@@ -29,42 +22,39 @@ void take_typed(link::LineConsole& talk, Console& console, const std::string& li
   }
 }
 
-Exit by_hand(BoardLink& board, Guarding& guarding, Console& console) {
-  link::LineConsole talk(board.port(), false,
+Exit by_hand(GuardedBoard& board, Console& console) {
+  link::LineConsole talk(board.link.port(), false,
                          [&console](const std::string& text) { console.line(text); });
   Keyboard keyboard;
-  const auto wait = board.simulated() != nullptr ? pace : std::chrono::milliseconds(0);
+  const auto wait = board.link.simulated() != nullptr ? pace : std::chrono::milliseconds(0);
   while (!keyboard.ended()) {
     for (const std::string& line : keyboard.lines(wait)) take_typed(talk, console, line);
     talk.step();
-    guarding.look(board.port());
+    board.guarding.look(board.link.port());
   }
   return Exit::done;
 }
 
 /// The first error or alarm ends it: what follows may count on the line that failed.
-Exit in_order(BoardLink& board, Guarding& guarding, Console& console) {
-  link::LineConsole talk(board.port(), true,
+Exit in_order(GuardedBoard& board, Console& console) {
+  link::LineConsole talk(board.link.port(), true,
                          [&console](const std::string& text) { console.line(text); });
   Keyboard keyboard;
   while (!talk.failure() && !(keyboard.ended() && talk.done())) {
     if (!keyboard.ended())
       for (const std::string& line : keyboard.lines(std::chrono::milliseconds(0))) talk.type(line);
     talk.step();
-    guarding.look(board.port());
+    board.guarding.look(board.link.port());
   }
   if (!talk.failure()) return Exit::done;
   throw Error(Exit::job_failed, fmt::format("line {}", talk.failure()->line), talk.failure()->text,
               "nothing behind it was sent");
 }
 
-Exit talk(const Options& options) {
+Exit talk(const BoardChoice& choice) {
   Console console(false);
-  BoardLink board(options.board, options.machine.profile().settings);
-  Guarding guarding(options.board, board.port().transport());
-  guarding.begin(gpio::Work::motion);
-  return Keyboard::at_terminal() ? by_hand(board, guarding, console)
-                                 : in_order(board, guarding, console);
+  GuardedBoard board(choice);
+  return Keyboard::at_terminal() ? by_hand(board, console) : in_order(board, console);
 }
 
 }  // namespace
@@ -84,10 +74,9 @@ void add_console(CLI::App& program, Action& action) {
       "which is an error of the command. A simulated board starts with the settings of --machine.\n"
       "Example:\n  lamplock console --board /dev/ttyACM0\n"
       "  echo '$$' | lamplock console --board virtual");
-  const auto options = std::make_shared<Options>();
-  options->board.add_choice(*app);
-  options->machine.add_machine(*app);
-  app->callback([options, &action] { action = [options] { return talk(*options); }; });
+  const auto choice = std::make_shared<BoardChoice>();
+  choice->add(*app);
+  app->callback([choice, &action] { action = [choice] { return talk(*choice); }; });
 }
 
 }  // namespace lamplock::cli

@@ -1,9 +1,11 @@
 // `lamplock engrave`: from a file to shots, all in one.
 #include <memory>
 
+#include "host/cli/board_port.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/origin.hpp"
+#include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"
 
 namespace lamplock::cli {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "host/cli/board_options.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/job_points.hpp"

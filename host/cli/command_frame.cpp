@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <memory>
 
+#include "host/cli/board_port.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/origin.hpp"
 #include "host/cli/prepare.hpp"
+#include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"
 #include "host/units.hpp"
 

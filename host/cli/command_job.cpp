@@ -4,6 +4,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/job_points.hpp"
+#include "host/cli/mode_name.hpp"
 #include "host/cli/outputs.hpp"
 #include "host/cli/prepare.hpp"
 #include "host/cli/staged_file.hpp"

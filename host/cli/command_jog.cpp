@@ -2,18 +2,15 @@
 #include <array>
 #include <memory>
 
-#include "host/cli/board_link.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/guarded_board.hpp"
 #include "host/cli/jog_session.hpp"
-#include "host/cli/options.hpp"
 
 namespace lamplock::cli {
 namespace {
 
-struct Options {
-  BoardOptions board;
-  MachineOptions machine;
+struct Options : BoardChoice {
   std::string pendant = "auto";
   std::optional<std::string> mode;
   std::optional<double> feed_mm_min, step_mm;
@@ -53,10 +50,8 @@ Json document_of(const JogSession& session) {
 Exit jog(const Options& options) {
   Console console(options.board.json);
   const JogChoice choice = choice_of(options);
-  BoardLink board(options.board, options.machine.profile().settings);
-  Guarding guarding(options.board, board.port().transport());
-  guarding.begin(gpio::Work::motion);
-  JogSession session(board, choice, guarding, console);
+  GuardedBoard board(options);
+  JogSession session(board, choice, console);
   session.run();
   console.document(document_of(session));
   return session.interrupted() ? Exit::interrupted : Exit::done;
@@ -104,8 +99,7 @@ void add_jog(CLI::App& program, Action& action) {
       "Example:\n  lamplock jog --board /dev/ttyACM0 --step 0.01\n"
       "  lamplock jog --board virtual --pendant none");
   const auto options = std::make_shared<Options>();
-  options->board.add_choice(*app);
-  options->machine.add_machine(*app);
+  options->add(*app);
   add_options(*app, options);
   app->callback([options, &action] { action = [options] { return jog(*options); }; });
 }

@@ -5,11 +5,13 @@
 
 #include "host/cli/board_files.hpp"
 #include "host/cli/board_link.hpp"
+#include "host/cli/board_port.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/guarding.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
+#include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/operator.hpp"

@@ -4,6 +4,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/engraving.hpp"
+#include "host/cli/machine_options.hpp"
 #include "host/cli/outputs.hpp"
 #include "host/cli/point_file.hpp"
 #include "host/cli/prepare.hpp"

@@ -2,8 +2,10 @@
 #include <memory>
 #include <utility>
 
+#include "host/cli/board_port.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/job_points.hpp"
+#include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"
 #include "host/cli/run_program.hpp"
 #include "host/cli/run_rows.hpp"

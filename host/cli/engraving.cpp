@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "host/cli/options.hpp"
 #include "host/cli/outputs.hpp"
 #include "host/cli/parameter_options.hpp"
 #include "host/cli/prepare.hpp"

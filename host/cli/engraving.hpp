@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/cli/console.hpp"
-#include "host/cli/run_job.hpp"
+#include "host/cli/work.hpp"
 #include "host/glass/description.hpp"
 #include "host/glass/volume.hpp"
 

@@ -1,5 +1,6 @@
 #include "host/cli/flash_file.hpp"
 
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,14 @@
 #include "host/flash/uf2.hpp"
 
 namespace lamplock::cli {
+namespace {
+
+/// EI_MAG0 to EI_MAG3 (System V Application Binary Interface, "ELF Identification").
+constexpr std::string_view elf_magic =
+    "\x7f"
+    "ELF";
+
+}  // namespace
 
 FlashFile read_flash_file(const std::string& name) {
   const std::string file = image_path(name, uf2_image_name, "flash");
@@ -16,6 +25,9 @@ FlashFile read_flash_file(const std::string& name) {
   std::vector<flash::Part> parts;
   if (flash::is_uf2(bytes)) {
     parts = flash::read_uf2(bytes, file);
+  } else if (!bytes.starts_with(elf_magic)) {
+    // A plain binary neither says where it belongs nor which chip it is for.
+    refuse(file, "is neither a UF2 nor an ELF file", "give lamplock-rp2040.uf2 or .elf");
   } else {
     sim::chip::Image image = read_image(file);
     parts.reserve(image.parts.size());

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <string>
 
-#include "host/cli/run_job.hpp"
+#include "host/cli/work.hpp"
 #include "host/points/point.hpp"
 #include "host/report/report.hpp"
 

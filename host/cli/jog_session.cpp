@@ -34,14 +34,13 @@ pendant::JogLimits limits_of(link::LinePort& port) {
 
 }  // namespace
 
-JogSession::JogSession(BoardLink& board, const JogChoice& choice, Guarding& guarding,
-                       Console& console)
-    : board_(board), choice_(choice), guarding_(guarding), screen_(console) {
+JogSession::JogSession(GuardedBoard& board, const JogChoice& choice, Console& console)
+    : board_(board.link), guarding_(board.guarding), choice_(choice), screen_(console) {
   const bool with_pendant = choice.pendant != "none";
   if (with_pendant) look_for_pendant(choice.pendant != "auto");
   // Without a terminal keys come from a pipe, unless there is a pendant: its user has none then.
   if (Keyboard::at_terminal() || !pendant_) terminal_.emplace();
-  jogger_.emplace(board.port(), limits_of(board.port()), choice.map);
+  jogger_.emplace(board.link.port(), limits_of(board.link.port()), choice.map);
   if (choice.step_mm) jogger_->choose_step(*choice.step_mm);
   if (pendant_) jogger_->use_pendant(pendant_->has_switch());
   jogger_->set_mode(

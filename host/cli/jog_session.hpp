@@ -12,8 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "host/cli/board_link.hpp"
-#include "host/cli/guarding.hpp"
+#include "host/cli/guarded_board.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/jog_screen.hpp"
 #include "host/cli/raw_terminal.hpp"
@@ -35,7 +34,7 @@ class JogSession {
  public:
   /// Asks the board for its limits and looks for a pendant. Throws Error: no_device (no answer, no
   /// such pendant, no permission), job_failed (not at rest, reports in inches).
-  JogSession(BoardLink& board, const JogChoice& choice, Guarding& guarding, Console& console);
+  JogSession(GuardedBoard& board, const JogChoice& choice, Console& console);
   /// Whatever happened: the machine is told to stop.
   ~JogSession();
   JogSession(const JogSession&) = delete;
@@ -64,8 +63,8 @@ class JogSession {
   void pass_time();
 
   BoardLink& board_;
-  const JogChoice& choice_;
   Guarding& guarding_;
+  const JogChoice& choice_;
   Interrupt interrupt_;
   std::optional<RawTerminal> terminal_;
   pendant::TerminalKeys keys_;

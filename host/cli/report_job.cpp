@@ -1,4 +1,5 @@
-// How a job ended, told and reported (declared in run_job.hpp).
+#include "host/cli/report_job.hpp"
+
 #include <fmt/format.h>
 
 #include <chrono>
@@ -8,7 +9,6 @@
 
 #include "host/cli/guarding.hpp"
 #include "host/cli/report_folder.hpp"
-#include "host/cli/run_job.hpp"
 #include "host/report/statistics.hpp"
 #include "host/report/summary.hpp"
 
@@ -28,35 +28,28 @@ Exit tell_failure(const std::exception_ptr& error) {
   return Exit::job_failed;
 }
 
+std::string go_on_options(const link::JobResult& result) {
+  return link::go_on_options(result.status.first_unfired, result.flashes_fired);
+}
+
 std::string go_on_text(const link::JobResult& result) {
-  return "go on with " + link::go_on_options(result.status.first_unfired, result.flashes_fired);
+  return "go on with " + go_on_options(result);
+}
+
+/// What has ended it on its way; `before_it`: what the user does first.
+[[noreturn]] void throw_broken_off(const Outcome& outcome, const BoardOptions& options,
+                                   const std::string& what, const std::string& before_it) {
+  throw Error(Exit::job_failed, options.board, what,
+              fmt::format("{} and {}", before_it, go_on_text(outcome.result)));
 }
 
 }  // namespace
 
-std::string end_name(const Outcome& outcome) {
-  if (outcome.error) return "failed";
-  switch (outcome.result.end) {
-    case JobEnd::done:
-      return "done";
-    case JobEnd::stopped:
-      return "stopped";
-    case JobEnd::alarm:
-      return "alarm";
-    case JobEnd::lost:
-      return "lost";
-    case JobEnd::restarted:
-      return "restarted";
-  }
-  return "unknown";
-}
-
 Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
   const report::Report report = report::evaluate(outcome.run);
   if (end_name(outcome) != "done")  // known even if the report cannot be written
-    console.say(
-        "first point not fired: {} ({})", outcome.result.status.first_unfired,
-        link::go_on_options(outcome.result.status.first_unfired, outcome.result.flashes_fired));
+    console.say("first point not fired: {} ({})", outcome.result.status.first_unfired,
+                go_on_options(outcome.result));
   console.line("");
   console.text(report::summary(report));
   if (!options.report.empty()) {
@@ -89,6 +82,7 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
   if (outcome.error) return tell_failure(outcome.error);
   const link::JobResult& result = outcome.result;
   const std::uint32_t next = result.status.first_unfired;
+  const std::string heard_of = fmt::format("the last {} heard of is {}", item, next);
   switch (result.end) {
     case JobEnd::done:
       return Exit::done;
@@ -102,21 +96,16 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
       const bool estop = result.status.state == wire::MachineState::estop;
       const std::string what =
           estop ? "e-stop" : fmt::format("alarm {}", static_cast<int>(result.status.alarm));
-      throw Error(Exit::job_failed, options.board, fmt::format("{} before {} {}", what, item, next),
-                  "clear it and " + go_on_text(result));
+      throw_broken_off(outcome, options, fmt::format("{} before {} {}", what, item, next),
+                       "clear it");
     }
     case JobEnd::lost:
-      throw Error(Exit::job_failed, options.board,
-                  fmt::format("connection lost, so that the machine could not be stopped; the last "
-                              "{} heard of is {}",
-                              item, next),
-                  "see that it stands, check the cable and " + go_on_text(result));
+      throw_broken_off(outcome, options,
+                       "connection lost, so that the machine could not be stopped; " + heard_of,
+                       "see that it stands, check the cable");
     case JobEnd::restarted:
-      throw Error(Exit::job_failed, options.board,
-                  fmt::format("the machine has restarted, its position is lost; the last {} "
-                              "heard of is {}",
-                              item, next),
-                  "home it and " + go_on_text(result));
+      throw_broken_off(outcome, options,
+                       "the machine has restarted, its position is lost; " + heard_of, "home it");
   }
   return Exit::job_failed;
 }

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "host/cli/board_files.hpp"
-#include "host/cli/board_port.hpp"
 #include "host/cli/boards.hpp"
 #include "host/cli/foresight.hpp"
 #include "host/cli/guarding.hpp"
@@ -19,6 +18,7 @@
 #include "host/cli/motion_plot_file.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/steering.hpp"
+#include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "host/units.hpp"
@@ -265,20 +265,6 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
 }
 
 }  // namespace
-
-std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
-  return options.is_simulated() ? nullptr : open_board(options.board);
-}
-
-void take_off_fired(Work& work, const BoardOptions& options) {
-  if (options.fired == 0 || options.from >= work.job.targets.size()) return;
-  motion::Target& target = work.job.targets[options.from];
-  if (options.fired >= target.shots)
-    throw Error(Exit::bad_input, fmt::format("--fired {}", options.fired),
-                fmt::format("point {} has {} flashes", options.from, target.shots),
-                "give fewer, or go on at the next point");
-  target.shots = static_cast<std::uint8_t>(target.shots - options.fired);
-}
 
 Outcome run_job(const Work& work, const BoardOptions& options,
                 std::unique_ptr<link::Transport> port, Console& console) {

@@ -1,5 +1,8 @@
 #include "host/cli/run_rows.hpp"
 
+#include "host/cli/report_job.hpp"
+#include "host/cli/run_job.hpp"
+
 #include <array>
 #include <chrono>
 #include <utility>

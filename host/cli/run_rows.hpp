@@ -7,7 +7,7 @@
 
 #include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
-#include "host/cli/run_job.hpp"
+#include "host/cli/work.hpp"
 #include "host/error.hpp"
 #include "host/link/transport.hpp"
 

@@ -26,10 +26,12 @@ bool is_loader_drive(const std::filesystem::path& folder);
 std::vector<std::filesystem::path> find_loader_drives(
     const std::vector<std::filesystem::path>& roots);
 
+/// Writes a file through to the device; what went wrong, if anything did.
+using WriteFile = std::function<std::error_code(const std::filesystem::path&, std::string_view)>;
+
 /// What copying needs of the system.
 struct DriveActions {
-  /// Writes a file through to the device; what went wrong, if anything did.
-  std::function<std::error_code(const std::filesystem::path&, std::string_view)> write;
+  WriteFile write;
   std::function<void(std::chrono::milliseconds)> sleep;
   std::function<std::chrono::milliseconds()> now;
   /// The board runs again: a drive that was mounted by hand may still seem to be there.

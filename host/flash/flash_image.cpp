@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "host/error.hpp"
+#include "shared/boards/boot2_crc32.hpp"
 #include "shared/boards/pico_flash.hpp"
-#include "sim/chip/rom/crc32.hpp"
 
 namespace lamplock::flash {
 namespace {
@@ -45,7 +45,7 @@ void check_boot_code(const FlashImage& image, const std::string& where) {
   const std::span<const std::uint8_t> bytes = image.sectors.front().bytes;
   std::uint32_t stored = 0;
   for (std::size_t i = 4; i-- > 0;) stored = stored << 8 | bytes[code_size + i];
-  if (sim::chip::boot2_crc32(bytes.first(code_size)) != stored)
+  if (boards::boot2_crc32(bytes.first(code_size)) != stored)
     refuse(where, "has boot code with a wrong checksum: the chip would not start it", remedy);
 }
 

@@ -6,7 +6,6 @@
 
 #include "host/error.hpp"
 #include "host/flash/board_dialog.hpp"
-#include "host/flash/drive.hpp"
 #include "host/flash/target.hpp"
 #include "host/flash/uf2.hpp"
 
@@ -37,13 +36,6 @@ auto poll(usb::Bus& bus, milliseconds time, Look&& look) -> decltype(look()) {
     if (bus.now() >= end) return {};
     bus.sleep(look_again);
   }
-}
-
-/// An error's text as part of another line.
-std::string without_prefix(std::string_view text) {
-  constexpr std::string_view prefix = "error: ";
-  if (text.starts_with(prefix)) text.remove_prefix(prefix.size());
-  return std::string(text);
 }
 
 }  // namespace
@@ -80,13 +72,8 @@ UpdateReport Update::run_on_drive(const std::filesystem::path& drive) {
   if (const auto board = poll(site_.bus, settling_time, [&] { return new_board(); })) {
     report_.board = *board;
     ask_version();
-  } else if (copy_doubt_) {
-    throw Error(
-        Exit::job_failed, drive.string(),
-        fmt::format("broke off or restarted in the last write ({}), and no new board is seen",
-                    copy_doubt_.message()),
-        take_in_hand);
   } else {
+    refuse_broken_copy(drive.string());
     report_.version_problem = "the drive has gone, and no new board is seen on the bus";
   }
   return report_;
@@ -153,7 +140,7 @@ std::filesystem::path Update::wait_for_drive(const DeviceInfo& loader) {
 
 void Update::flash_over_drive(const std::filesystem::path& drive) {
   DriveActions actions;
-  actions.write = write_through;
+  actions.write = site_.write_file;
   actions.sleep = [&](milliseconds time) { site_.bus.sleep(time); };
   actions.now = [&] { return site_.bus.now(); };
   actions.board_is_back = [&] { return new_board().has_value(); };
@@ -187,6 +174,7 @@ void Update::wait_for_board(const std::string& place) {
     came_back_as_loader = came_back_as_loader || (left && loader);
     return came_back_as_loader ? DeviceInfo{} : find_at(site_.bus, Kind::board, place);
   });
+  if (!board || came_back_as_loader) refuse_broken_copy("board");
   if (came_back_as_loader)
     throw Error(Exit::job_failed, "board", "has the image and does not start it",
                 "check that the image is one for this board, then flash again");
@@ -197,6 +185,16 @@ void Update::wait_for_board(const std::string& place) {
   report_.board = *board;
 }
 
+/// The board does not run, and its copy may not have come to its end.
+void Update::refuse_broken_copy(const std::string& where) const {
+  if (!copy_doubt_) return;
+  throw Error(Exit::job_failed, where,
+              fmt::format("the copy broke off or the board restarted in the last write ({}), and "
+                          "the board is not seen with lamplock",
+                          copy_doubt_.message()),
+              take_in_hand);
+}
+
 /// The port is made, and opened to users, some time after the device has come.
 void Update::ask_version() {
   const auto version_now = poll(site_.bus, settling_time, [&]() -> std::optional<std::string> {
@@ -204,7 +202,7 @@ void Update::ask_version() {
       const auto transport = site_.ports.open(report_.board);
       return version(*transport);
     } catch (const Error& error) {
-      report_.version_problem = without_prefix(error.what());
+      report_.version_problem = error.message();
       return std::nullopt;
     }
   });

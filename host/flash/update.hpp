@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host/flash/board_ports.hpp"
+#include "host/flash/drive.hpp"
 #include "host/flash/flash_image.hpp"
 #include "host/flash/flasher.hpp"
 #include "host/usb/known_devices.hpp"
@@ -47,6 +48,7 @@ struct UpdateSite {
   usb::Bus& bus;
   BoardPorts& ports;
   std::vector<std::filesystem::path> drive_roots{};  ///< where drives are mounted
+  WriteFile write_file = write_through;              ///< to one of them
 };
 
 /// One update.
@@ -66,6 +68,7 @@ class Update {
   void flash_over_drive(const std::filesystem::path& drive);
   std::filesystem::path wait_for_drive(const usb::DeviceInfo& loader);
   void wait_for_board(const std::string& place);
+  void refuse_broken_copy(const std::string& where) const;
   void ask_version();
   std::set<std::string> boards();
   std::optional<usb::DeviceInfo> new_board();

@@ -529,7 +529,7 @@ void JobSender::throw_not_stopped() {
   try {
     throw_reason();
   } catch (const Error& error) {
-    throw Error(error.exit(), where, fmt::format("{} after '{}'", what, error.what()), remedy);
+    throw Error(error.exit(), where, fmt::format("{} after '{}'", what, error.message()), remedy);
   } catch (const std::exception& error) {
     throw Error(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.what()), remedy);
   }

@@ -91,7 +91,7 @@ std::uint32_t SceneBrightness::read_texture(const std::string& name) {
   try {
     bitmap = picture(name);
   } catch (const Error& error) {
-    unread_.push_back(fmt::format("{} ({})", name, error.what()));
+    unread_.push_back(fmt::format("{} ({})", name, error.message()));
     return Brightness::no_texture;
   }
   names_.push_back(name);

@@ -31,8 +31,6 @@ class ZipArchive {
   /// nothing but repetition.
   explicit ZipArchive(const std::filesystem::path& file);
 
-  const std::vector<ZipPart>& parts() const { return parts_; }
-
   /// The bytes of a part. Throws Error (bad_input) if there is none of that name, if it is
   /// encrypted, packed by a method unknown to minizip or damaged (CRC).
   std::string unpacked(const std::string& name) const;

@@ -275,21 +275,62 @@ Starts stretches(std::size_t points, std::size_t pass) {
   return starts;
 }
 
+/// How far a way has come that is gone point by point.
+struct Ride {
+  PlanState state{};
+  long beats = 0;
+};
+
+/// A stretch was planned from any speed to any other, with some points on either side that stay.
+/// The speeds that it is really come into and left with may make the whole order longer all the
+/// same: such stretches become again what they were `before`.
+void take_back_waste(std::span<const Point> before, std::span<Point> order, const Starts& starts,
+                     const BeatModel& model) {
+  const auto go = [&model](Ride& ride, std::span<const Point> path, std::size_t to) {
+    if (to > 0) ride.beats += model.step(ride.state, path[to - 1], path[to]);
+  };
+  Ride chosen;
+  for (std::size_t s = 0; s + 1 < starts.size(); ++s) {
+    const std::size_t end = starts[s + 1];
+    Ride was = chosen, now = chosen;
+    std::size_t i = starts[s];
+    for (; i < end; ++i) {
+      go(now, order, i);
+      go(was, before, i);
+    }
+    const Ride was_there = was, now_there = now;
+    // What is behind is the same until its own turn.
+    for (; i < before.size() && was.state != now.state; ++i) {
+      go(now, before, i);
+      go(was, before, i);
+    }
+    const bool wastes = now.beats > was.beats;
+    chosen = wastes ? was_there : now_there;
+    if (wastes)
+      std::copy(before.begin() + static_cast<std::ptrdiff_t>(starts[s]),
+                before.begin() + static_cast<std::ptrdiff_t>(end),
+                order.begin() + static_cast<std::ptrdiff_t>(starts[s]));
+  }
+}
+
 }  // namespace
 
 void anneal(points::PointCloud& order, const BeatModel& model, double tangent, double asked_a_point,
             unsigned threads, const std::function<void(std::size_t)>& progress) {
   constexpr std::size_t fewest_points = 5 * window;
   for (std::size_t pass = 0; pass < passes; ++pass) {
+    const points::PointCloud before = order;
+    const Starts starts = stretches(order.size(), pass);
     const auto work = [&](std::span<Point> path) {
       if (path.size() < fewest_points) return;
       const auto asks = static_cast<std::size_t>(asked_a_point * static_cast<double>(path.size()) /
                                                  static_cast<double>(passes));
       permute(path, Stretch(path, model, tangent, asks, pass).run());
     };
-    for_each_layer(order, stretches(order.size(), pass), threads, work, [&](std::size_t done) {
+    for_each_layer(order, starts, threads, work, [&](std::size_t done) {
       if (progress) progress((pass * order.size() + done) / passes);
     });
+    take_back_waste(before, order, starts, model);
   }
 }
 

@@ -7,7 +7,9 @@
 // anything. Here points change places across layers too, as long as none gets behind one that
 // shadows it, and exchanges that waste a little are made as well, ever fewer of them. The order is
 // taken a stretch of some thousand points at a time, whose ends stay as they are: so stretches are
-// independent of each other, and points that cannot meet are never compared.
+// independent of each other, and points that cannot meet are never compared. A stretch with which
+// the whole order would take more beats, since it is not come into at the speed it was planned for,
+// is taken back.
 #pragma once
 
 #include <cstddef>

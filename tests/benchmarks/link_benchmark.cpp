@@ -1,6 +1,6 @@
 // What the link of the flash image carries, over the serial port and over the pulse stream: bytes
 // of frames that the firmware has parsed, and points of a job at a 4 kHz lamp. Numbers of the table
-// in docs/wire-format.md, in simulated time.
+// in docs/testing.md, in simulated time.
 #include <benchmark/benchmark.h>
 
 #include <array>

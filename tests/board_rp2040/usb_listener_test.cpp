@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstring>
 #include <random>
 #include <string>
 #include <string_view>
@@ -27,8 +29,11 @@ struct Ear {
   /// A packet that ends a line.
   Verdict hear(Function from, bool tied = false) { return say(from, "?\n", tied); }
   Verdict say(Function from, std::string_view text, bool tied = false) {
-    return listener.packet(from, static_cast<std::uint32_t>(text.size()),
-                           static_cast<std::uint8_t>(text.back()), now_us, tied);
+    std::array<std::uint32_t, 16> words{};
+    std::memcpy(words.data(), text.data(), text.size());
+    return listener.packet(
+        from, rp2040::usb::tail_of(words.data(), static_cast<std::uint32_t>(text.size())), now_us,
+        tied);
   }
   void pass(std::uint32_t us) { now_us += us; }
 
@@ -99,7 +104,14 @@ TEST(UsbListener, WhatBeganInDroppedBytesIsMarked) {
   for (const Case& one :
        {Case{"G1X", Verdict::take_over_broken}, Case{"$I\n", Verdict::take_over},
         Case{"\r", Verdict::take_over}, Case{"?", Verdict::take_over},
-        Case{"G1X?", Verdict::take_over_broken}, Case{"\x02\x45\x03", Verdict::take_over}}) {
+        Case{"G1X?", Verdict::take_over_broken}, Case{"\x02\x45\x03", Verdict::take_over},
+        // A real-time byte or flow control behind a line or frame belongs to neither.
+        Case{"$I\n?", Verdict::take_over}, Case{"$I\r~\x18\x80", Verdict::take_over},
+        Case{"\x02\x45\x03?", Verdict::take_over}, Case{"$I\n\x11", Verdict::take_over},
+        Case{"\x13", Verdict::take_over}, Case{"?!~?", Verdict::take_over},
+        Case{"$I\nG1X?", Verdict::take_over_broken},
+        Case{"$I\n\x02\x45", Verdict::take_over_broken},
+        Case{"\x02\x45\x03$I", Verdict::take_over_broken}}) {
     Ear ear;
     ear.hear(stream);
     ASSERT_EQ(ear.say(serial, one.dropped), Verdict::drop);
@@ -172,6 +184,23 @@ TEST(UsbFunctionsTogether, HalfALineAndHalfAnAnswerEndWithTheirConnection) {
   EXPECT_EQ(heard(host), "0\n") << "and the generation tells that it is no end of a line";
   host.serve();
   EXPECT_EQ(ask(host, 3), "");
+}
+
+// A sender polls in the packet of its line: when it is heard again, its next line is whole.
+TEST(UsbFunctionsTogether, TheFirstLineOfWhoIsHeardAnewIsWhole) {
+  for (const std::string_view before : {"$I\n?", "?$I\n~?", "\x02\x45\x03?"}) {
+    for (const bool was_heard : {false, true}) {
+      UsbHost host;
+      ASSERT_TRUE(host.enumerate());
+      if (!was_heard) say(host, 3, "$G\n");
+      say(host, 2, before);
+      say(host, 3, "$G\n");
+      heard(host);
+      host.usb.now_us += Listener::idle_lease_us;
+      say(host, 2, "$I\n?");
+      EXPECT_EQ(heard(host), "$I\n?") << before;
+    }
+  }
 }
 
 // The core looks at the generation, then reads; in between the interrupt may bring a new host.

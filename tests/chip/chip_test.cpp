@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "sim/chip/rom/crc32.hpp"
+#include "shared/boards/boot2_crc32.hpp"
 
 namespace lamplock::sim::chip {
 namespace {
@@ -29,7 +29,7 @@ class ChipTest : public testing::Test {
     ImagePart boot2{0x1000'0000, std::vector<std::uint8_t>(256)};
     boot2.bytes[0] = 0xfe;
     boot2.bytes[1] = 0xe7;
-    const std::uint32_t crc = boot2_crc32(std::span(boot2.bytes).first(252));
+    const std::uint32_t crc = boards::boot2_crc32(std::span(boot2.bytes).first(252));
     for (std::size_t i = 0; i < 4; ++i)
       boot2.bytes[252 + i] = static_cast<std::uint8_t>(crc >> 8 * i);
     chip_.load({{boot2}, {}}, "test");

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "shared/boards/boot2_crc32.hpp"
 #include "sim/chip/chip.hpp"
-#include "sim/chip/rom/crc32.hpp"
 #include "sim/chip/usb_host/usb_host.hpp"
 #include "sim/chip/usb_host/vendor_host.hpp"
 
@@ -254,7 +254,7 @@ TEST_F(RomUsb, FlashesAProgramThatThenRuns) {
   std::memcpy(program.data(), code.data(), sizeof code);
   const std::array<std::uint32_t, 2> words = {sram + 0x100, 0x600d'f00d};
   std::memcpy(program.data() + 8, words.data(), sizeof words);
-  const std::uint32_t crc = boot2_crc32(std::span(program).first(252));
+  const std::uint32_t crc = boards::boot2_crc32(std::span(program).first(252));
   std::memcpy(program.data() + 252, &crc, 4);
 
   ASSERT_EQ(order(Command::exit_xip, {}), End::done);

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/chip/rom/crc32.hpp"
+#include "shared/boards/boot2_crc32.hpp"
 
 namespace lamplock::test {
 
@@ -38,7 +38,7 @@ inline std::vector<std::uint8_t> tiny_image(const std::vector<std::uint16_t>& th
     }
   std::vector<std::uint8_t> image(256, 0);
   std::memcpy(image.data(), code.data(), 2 * code.size());
-  const std::uint32_t crc = sim::chip::boot2_crc32(std::span(image).first(252));
+  const std::uint32_t crc = boards::boot2_crc32(std::span(image).first(252));
   std::memcpy(&image[252], &crc, sizeof crc);
   return image;
 }

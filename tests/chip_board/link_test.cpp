@@ -1,6 +1,6 @@
 // The USB cable: garbage moves nothing, pulled and plugged in a job it costs only time; the boot
 // loader starts at rest only.
-#include "tests/chip_board/chip_rig.hpp"
+#include "tests/chip_board/cable_trouble.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -16,24 +16,14 @@ TEST(ChipLink, GarbageNeverMovesNorFires) {
   std::array<std::uint8_t, 1024> bytes;
   std::size_t sent = 0;
   for (int i = 0; i < scaled(300); ++i) {
-    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    fill_with_noise(bytes, random);
     sent += rig.board.write(bytes);
     rig.run(ps_per_ms);
     rig.listen();
   }
   EXPECT_GT(sent, static_cast<std::size_t>(scaled(100)) * 1000);
-  EXPECT_TRUE(rig.monitor.nothing_happened());
-  EXPECT_FALSE(rig.energy.any_high_within(0, rig.now()));
   EXPECT_EQ(rig.board.stored_settings(), before);
-  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
-  // And it still listens.
-  for (int i = 0; i < 500 && rig.board.usb_host().unsent() != 0; ++i) {
-    rig.run(ps_per_ms);
-    rig.listen();
-  }
-  rig.run(20 * ps_per_ms);
-  rig.answer("$I");  // ends whatever line or frame the garbage has begun
-  EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
+  expect_garbage_did_nothing(rig);
   const job::Job job = job::make_job(chip_points(30, 1), profile, {});
   RunningJob running(rig, job, 1);
   EXPECT_EQ(running.finish(), link::JobEnd::done);
@@ -43,40 +33,16 @@ TEST(ChipLink, GarbageNeverMovesNorFires) {
 
 TEST(ChipLink, PulledAndPluggedInAJobAtRandomMoments) {
   const job::Profile profile = chip_profile();
-  std::mt19937_64 random(5);
-  const auto up_to = [&random](Picoseconds most) {
-    return std::uniform_int_distribution<Picoseconds>(0, most)(random);
-  };
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
-  int cuts = 0;
-  for (int round = 0; round < scaled(4); ++round) {
-    SCOPED_TRACE(testing::Message() << "round " << round);
-    const job::Job job = job::make_job(chip_points(80, random()), profile, {});
-    const std::size_t fired = rig.shots().size();
-    RunningJob running(rig, job, static_cast<std::uint32_t>(round + 1));
-    // From the very begin of the job on.
-    Picoseconds at = rig.now() + up_to(60 * ps_per_ms);
-    for (int i = 0; i < 3; ++i) {
-      const bool suspend = (round + i) % 2 == 1;
-      running.cable.at(at, [&rig, &cuts, suspend] {
-        if (!rig.board.usb_host().enumerated()) return;
-        ++cuts;
-        suspend ? rig.board.usb_host().suspend() : rig.board.usb_host().unplug();
-      });
-      at += 5 * ps_per_ms + up_to(40 * ps_per_ms);
-      running.cable.at(at, [&rig] {
-        if (rig.board.usb_host().suspended()) rig.board.usb_host().resume();
-        if (!rig.board.usb_host().plugged()) rig.board.usb_host().plug();
-      });
-      at += 30 * ps_per_ms + up_to(60 * ps_per_ms);
-    }
-    ASSERT_EQ(running.finish(), link::JobEnd::done);
-    ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job, fired));
-    EXPECT_EQ(rig.monitor.violation(profile.settings), "");
-  }
-  EXPECT_GT(cuts, scaled(4));
-  expect_no_violations(rig);
+  sim::chip::UsbHost& host = rig.board.usb_host();
+  CableCuts cuts{.seed = 5, .longest_wait = 60 * ps_per_ms};
+  cuts.pull = [&host](int cut) { cut % 2 == 1 ? host.suspend() : host.unplug(); };
+  cuts.plug = [&host] {
+    if (host.suspended()) host.resume();
+    if (!host.plugged()) host.plug();
+  };
+  run_jobs_with_cuts(rig, profile, cuts);
 }
 
 TEST(ChipLink, HalfALineIsNotFinishedByANewConnection) {

@@ -2,7 +2,7 @@
 // whatever the serial port says meanwhile; the dead man, the cable and what Windows asks.
 #include <algorithm>
 
-#include "tests/chip_board/chip_rig.hpp"
+#include "tests/chip_board/cable_trouble.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -104,58 +104,38 @@ TEST(ChipPulseStream, ChatterOverTheOtherFunctionDisturbsNoJob) {
   }
 }
 
+// From its first line on, though it polls in the packet of a line, as senders do.
 TEST(ChipPulseStream, TheSerialPortIsHeardAgainASecondAfterTheStream) {
   FunctionRig rig(chip_profile(), UsbFunction::vendor);
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
   rig.open_both();
   rig.heard_beside(UsbFunction::serial);
-  rig.say_beside("$I\n", UsbFunction::serial);
+  rig.say_beside("$I\n?", UsbFunction::serial);
   rig.run(100 * ps_per_ms);
   EXPECT_EQ(rig.heard_beside(UsbFunction::serial), "");
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
   rig.run(1100 * ps_per_ms);
-  rig.say_beside("$I\n", UsbFunction::serial);
+  rig.say_beside("$I\n?", UsbFunction::serial);
   rig.run(100 * ps_per_ms);
   EXPECT_THAT(rig.heard_beside(UsbFunction::serial), HasSubstr("[VER:"));
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:")) << "the stream is never refused at rest";
 }
 
+// Somebody looks what has been plugged in, before the job's host is back, and goes on so.
 TEST(ChipPulseStream, PulledAndPluggedInAJobAtRandomMoments) {
   const job::Profile profile = chip_profile();
-  std::mt19937_64 random(15);
-  const auto up_to = [&random](Picoseconds most) {
-    return std::uniform_int_distribution<Picoseconds>(0, most)(random);
-  };
   FunctionRig rig(profile, UsbFunction::vendor);
   rig.open_both();
-  int cuts = 0;
-  for (int round = 0; round < scaled(4); ++round) {
-    SCOPED_TRACE(testing::Message() << "round " << round);
-    const job::Job job = job::make_job(chip_points(80, random()), profile, {});
-    const std::size_t fired = rig.shots().size();
-    RunningJob running(rig, job, static_cast<std::uint32_t>(round + 1));
-    ASSERT_TRUE(running.run_until_fired(1));
-    Picoseconds at = rig.now() + up_to(40 * ps_per_ms);
-    for (int i = 0; i < 3; ++i) {
-      running.cable.at(at, [&rig, &cuts] {
-        if (!rig.host().enumerated()) return;
-        ++cuts;
-        rig.host().unplug();
-      });
-      at += 5 * ps_per_ms + up_to(40 * ps_per_ms);
-      running.cable.at(at, [&rig] { rig.host().plug(); });
-      // Somebody looks what has been plugged in, before the job's host is back, and goes on so.
-      for (int word = 0; word < 20; ++word)
-        running.cable.at(at + (5 + word) * ps_per_ms,
-                         [&] { rig.say_beside(chatter(random), UsbFunction::serial); });
-      at += 60 * ps_per_ms + up_to(60 * ps_per_ms);
-    }
-    ASSERT_EQ(running.finish(), link::JobEnd::done);
-    ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job, fired));
-    EXPECT_EQ(rig.monitor.violation(profile.settings), "");
-  }
-  EXPECT_GT(cuts, scaled(4));
-  expect_no_violations(rig);
+  std::mt19937_64 random(16);
+  CableCuts cuts{.seed = 15, .first_after_shots = 1, .longest_wait = 40 * ps_per_ms};
+  cuts.pull = [&rig](int) { rig.host().unplug(); };
+  cuts.plug = [&rig] { rig.host().plug(); };
+  cuts.beside = [&](ChipCable& cable, Picoseconds back) {
+    for (int word = 0; word < 20; ++word)
+      cable.at(back + (5 + word) * ps_per_ms,
+               [&] { rig.say_beside(chatter(random), UsbFunction::serial); });
+  };
+  run_jobs_with_cuts(rig, profile, cuts);
 }
 
 TEST(ChipPulseStream, ASilentHostIsADeadManAndTheSerialPortCanAskLater) {
@@ -225,19 +205,14 @@ TEST(ChipPulseStream, GarbageNeverMovesNorFires) {
   std::array<std::uint8_t, 512> bytes;
   for (int i = 0; i < scaled(200); ++i) {
     for (const UsbFunction function : {UsbFunction::serial, UsbFunction::vendor}) {
-      for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+      fill_with_noise(bytes, random);
       rig.host().write(bytes, function);
     }
     rig.run(ps_per_ms);
     rig.heard_beside(UsbFunction::serial);
     rig.heard_beside(UsbFunction::vendor);
   }
-  EXPECT_TRUE(rig.monitor.nothing_happened());
-  EXPECT_FALSE(rig.energy.any_high_within(0, rig.now()));
-  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
-  rig.run(50 * ps_per_ms);
-  rig.answer("$I");  // ends whatever the garbage has begun
-  EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
+  expect_garbage_did_nothing(rig);
   expect_no_violations(rig);
 }
 

@@ -25,6 +25,12 @@ TEST(FlashCommand, ExplainsItself) {
   }
 }
 
+/// An image that would start, as it stands in the flash.
+std::string flash_begin() {
+  const auto bytes = flash::test::noise_image(4'096, 1).sectors.front().bytes;
+  return {bytes.begin(), bytes.end()};
+}
+
 TEST(FlashCommand, ImagesAreRefusedBeforeAnyBoardIsLookedFor) {
   const Folder folder;
   const std::string good = flash::write_uf2(flash::test::noise_image(9'000, 1));
@@ -32,7 +38,8 @@ TEST(FlashCommand, ImagesAreRefusedBeforeAnyBoardIsLookedFor) {
       {folder / "missing.uf2", "missing.uf2"},
       {folder.write("half.uf2", good.substr(0, good.size() - 100)), "whole UF2 blocks"},
       {folder.write("lost.uf2", good.substr(0, good.size() - 512)), "block 0: announces"},
-      {folder.write("text.uf2", "no image at all"), "ELF"},
+      {folder.write("text.uf2", "no image at all"), "neither a UF2 nor an ELF file; give"},
+      {folder.write("plain.bin", flash_begin()), "neither a UF2 nor an ELF file; give"},
       {folder.write("empty.uf2", ""), "empty"}};
   for (const auto& [file, words] : all) {
     const Finished refused = run({"flash", file, "--serial", no_serial});
@@ -40,6 +47,7 @@ TEST(FlashCommand, ImagesAreRefusedBeforeAnyBoardIsLookedFor) {
     EXPECT_EQ(refused.out, "");
     EXPECT_THAT(refused.err, MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+\n"));
     EXPECT_THAT(refused.err, HasSubstr(words));
+    EXPECT_EQ(refused.err.find("or .bin"), std::string::npos) << refused.err;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "tests/flash/board_model.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "host/error.hpp"
@@ -109,11 +110,23 @@ void BusModel::restart(BoardModel& board, bool into_loader) {
 
 namespace {
 
-/// The ROM takes a file that was copied to the drive, and restarts: the drive vanishes.
+/// The blocks of a file, if all that they announce are there.
+std::optional<std::vector<Part>> whole_uf2(const std::filesystem::path& file) {
+  try {
+    return read_uf2(read_file(file), "copy");
+  } catch (const Uf2Error&) {
+    return std::nullopt;
+  }
+}
+
+/// The ROM takes a file that was copied to the drive, and restarts: the drive vanishes. It waits
+/// for the rest of one that has broken off.
 bool take_copy(BoardModel& board) {
   const std::filesystem::path file = board.drive / "LAMPLOCK.UF2";
   if (board.drive.empty() || !std::filesystem::exists(file)) return false;
-  for (const Part& part : read_uf2(read_file(file), "copy"))
+  const auto parts = whole_uf2(file);
+  if (!parts) return false;
+  for (const Part& part : *parts)
     std::copy(part.bytes.begin(), part.bytes.end(),
               board.flash.bytes.begin() + (part.address - flash_base));
   std::filesystem::remove_all(board.drive);

@@ -2,8 +2,10 @@
 #include "host/flash/drive.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cerrno>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -124,6 +126,40 @@ TEST_F(DriveTest, WhatStaysIsAnError) {
 TEST(WriteThrough, TellsWhatTheSystemSays) {
   EXPECT_EQ(write_through("/dev/full", "uf2").value(), ENOSPC);
   EXPECT_EQ(write_through("/nowhere/at/all", "uf2").value(), ENOENT);
+  const lamplock::test::TemporaryFolder folder;
+  EXPECT_EQ(write_through(folder.file(""), "uf2").value(), EISDIR);
+}
+
+/// No file grows beyond so many bytes meanwhile; the write across the limit is a short one
+/// (setrlimit(2), write(2)).
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~FileLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(WriteThrough, AShortWriteIsNotTakenForAll) {
+  const lamplock::test::TemporaryFolder folder;
+  std::error_code failure;
+  {
+    const FileLimit limit(1000);
+    failure = write_through(folder.file("file"), std::string(3000, 'x'));
+  }
+  EXPECT_EQ(failure.value(), EFBIG);
+  EXPECT_EQ(fs::file_size(folder.file("file")), 1000u);
 }
 
 }  // namespace

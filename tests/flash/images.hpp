@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "host/flash/flash_image.hpp"
-#include "sim/chip/rom/crc32.hpp"
+#include "shared/boards/boot2_crc32.hpp"
 
 namespace lamplock::flash::test {
 
 /// Writes the checksum behind the boot code at the begin of these bytes.
 inline void stamp(std::span<std::uint8_t> flash) {
-  const std::uint32_t crc = sim::chip::boot2_crc32(flash.first(252));
+  const std::uint32_t crc = boards::boot2_crc32(flash.first(252));
   for (std::size_t i = 0; i < 4; ++i) flash[252 + i] = static_cast<std::uint8_t>(crc >> 8 * i);
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 namespace lamplock::flash {
 namespace {
 
+namespace fs = std::filesystem;
 using test::BoardModel;
 
 class UpdateTest : public testing::Test {
@@ -170,6 +172,107 @@ TEST_F(UpdateTest, ADriveThatIsGivenNeedsNoBus) {
   const UpdateReport unseen =
       Update({bus_, ports_, {}}, old_, {}).run_on_drive(folder.file("drive"));
   EXPECT_NE(unseen.version_problem.find("no new board"), std::string::npos);
+  EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+}
+
+/// A board in its loader whose drive is written to, over a system that says at last that the drive
+/// has gone.
+class BrokenCopyTest : public UpdateTest {
+ protected:
+  BrokenCopyTest() { mount(drive_); }
+  static std::error_code gone() { return {EIO, std::generic_category()}; }
+  /// Only so much of the file comes through.
+  static void write_part(const fs::path& file, std::string_view bytes, std::size_t size) {
+    EXPECT_FALSE(write_through(file, bytes.substr(0, size)));
+  }
+  void pull_cable() {
+    fs::remove_all(drive_);
+    board().back_at = std::chrono::hours(1);
+  }
+  UpdateReport copy(const WriteFile& write) {
+    return Update({bus_, ports_, {}, write}, image_, {}).run_on_drive(drive_);
+  }
+  /// The same, found by itself since the loader may not be used over USB.
+  UpdateReport copy_for_want_of_permission(const WriteFile& write) {
+    board().loader_problem = "no permission";
+    return Update({bus_, ports_, {folder_.file("media")}, write}, image_, {}).run("");
+  }
+  /// What both say where a copy must fail.
+  std::vector<std::string> both_refused(const WriteFile& write) {
+    std::vector<std::string> texts;
+    for (const auto way : {&BrokenCopyTest::copy, &BrokenCopyTest::copy_for_want_of_permission}) {
+      board() = {};
+      put(board(), old_);
+      mount(drive_);
+      try {
+        (this->*way)(write);
+        ADD_FAILURE() << "no error";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.exit(), Exit::job_failed) << error.what();
+        texts.emplace_back(error.message());
+      }
+    }
+    return texts;
+  }
+
+  lamplock::test::TemporaryFolder folder_;
+  const fs::path drive_ = folder_.file("media/RPI-RP2");
+};
+
+TEST_F(BrokenCopyTest, IsSuccessIfTheBoardIsSeenAgain) {
+  // The board restarts in the last write: all of it is there.
+  const WriteFile restarts = [this](const fs::path& file, std::string_view bytes) {
+    write_part(file, bytes, bytes.size());
+    bus_.sleep(std::chrono::milliseconds(0));
+    EXPECT_FALSE(fs::exists(drive_));
+    return gone();
+  };
+  EXPECT_EQ(copy(restarts).version, version_of(image_));
+  board() = {};
+  put(board(), old_);
+  mount(drive_);
+  EXPECT_EQ(copy_for_want_of_permission(restarts).version, version_of(image_));
+}
+
+TEST_F(BrokenCopyTest, IsAnErrorIfTheBoardIsNotSeenAgain) {
+  for (const std::string& text : both_refused([this](const fs::path&file, std::string_view bytes) {
+         write_part(file, bytes, bytes.size() / 2);
+         pull_cable();
+         return gone();
+       })) {
+    EXPECT_NE(text.find("broke off"), std::string::npos) << text;
+    EXPECT_NE(text.find("BOOTSEL"), std::string::npos) << text;
+    EXPECT_EQ(text.find("has the image"), std::string::npos) << text;
+  }
+}
+
+TEST_F(BrokenCopyTest, IsAnErrorIfTheBoardComesUpInItsLoader) {
+  for (const std::string& text : both_refused([this](const fs::path&file, std::string_view bytes) {
+         write_part(file, bytes, bytes.size() / 2);
+         pull_cable();
+         board().back_at = bus_.now() + std::chrono::seconds(1);
+         return gone();
+       })) {
+    EXPECT_NE(text.find("broke off"), std::string::npos) << text;
+    EXPECT_EQ(text.find("has the image"), std::string::npos) << text;
+  }
+}
+
+// Half a file, and the drive is still there: the loader waits for the rest.
+TEST_F(BrokenCopyTest, IsAnErrorIfTheDriveStays) {
+  for (const std::string& text : both_refused([](const fs::path&file, std::string_view bytes) {
+         write_part(file, bytes, bytes.size() / 2);
+         return gone();
+       }))
+    EXPECT_NE(text.find("broke off"), std::string::npos) << text;
+  for (const int why : {EACCES, EROFS, ENOSPC}) {
+    const std::error_code error(why, std::generic_category());
+    for (const std::string& text :
+         both_refused([error](const fs::path&, std::string_view) { return error; })) {
+      EXPECT_NE(text.find("cannot write to the drive: " + error.message()), std::string::npos)
+          << text;
+    }
+  }
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 #include <span>
+#include <vector>
 
 #include "host/bench/orders.hpp"
 #include "host/order/cone.hpp"
@@ -55,6 +56,43 @@ TEST(Anneal, KeepsThePointsAndTheRuleAndWastesNoMore) {
     EXPECT_TRUE(test::is_permutation_of(order, before)) << i;
     EXPECT_FALSE(order::first_shadowed(order, options.half_angle_deg)) << i;
     EXPECT_LE(slow_machine().beats(order), slow_machine().beats(before)) << i;
+  }
+}
+
+// Several stretches, each of which knows nothing of the speeds at its ends.
+TEST(Anneal, SeamsBetweenStretchesWasteNothing) {
+  for (const bench::OrderCloud& cloud : bench::order_clouds(15'000)) {
+    order::OrderOptions options;
+    options.layer_mm = cloud.layer_mm;
+    const PointCloud before = order::order(cloud.points, Ordering::layers, options);
+    for (const double asked : {0.02, 1.0}) {
+      PointCloud order = before;
+      order::anneal(order, slow_machine(), order::cone_tangent(options.half_angle_deg), asked, 2,
+                    {});
+      EXPECT_TRUE(test::is_permutation_of(order, before)) << cloud.name;
+      EXPECT_LE(slow_machine().beats(order), slow_machine().beats(before)) << cloud.name;
+    }
+  }
+}
+
+// Wide ways along a line: how fast the first ones are gone is felt far behind the points that stay.
+// The first seeds are those that wasted beats when a stretch was believed what it says of itself.
+TEST(Anneal, AnOrderFromRestWastesNoMore) {
+  const BeatModel model({{2000, 2000, 2000}, {8000, 8000, 8000}, 0.01});
+  std::vector<unsigned> seeds{723, 1663, 1953, 2150};
+  for (int i = 0; i < test::scaled(100); ++i) seeds.push_back(static_cast<unsigned>(10'000 + i));
+  for (const unsigned seed : seeds) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<> moved(-1, 1);
+    PointCloud before;
+    for (int i = 0; i < 40; ++i) {
+      const double x = 4 * (i + moved(random)), y = 0.4 * moved(random);
+      before.push_back({x, y, 0});
+    }
+    PointCloud order = before;
+    order::anneal(order, model, 0.36, 2, 1, {});
+    EXPECT_TRUE(test::is_permutation_of(order, before)) << seed;
+    EXPECT_LE(model.beats(order), model.beats(before)) << seed;
   }
 }
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "sim/chip/rom/crc32.hpp"
+#include "shared/boards/boot2_crc32.hpp"
 #include "sim/chip/rom/rom_reboot.hpp"
 
 namespace lamplock::sim::chip {
@@ -124,7 +124,7 @@ void BootRom::boot_check(Context& c) {
   if (spent < timing_.boot2_checksum) c.spend(timing_.boot2_checksum - spent);
   std::uint32_t wanted = 0;
   for (std::uint32_t i = 4; i-- > 0;) wanted = wanted << 8 | boot2[boot2_size - 4 + i];
-  if (boot2_crc32(std::span(boot2).first(boot2_size - 4)) == wanted) {
+  if (boards::boot2_crc32(std::span(boot2).first(boot2_size - 4)) == wanted) {
     c.leave();
     return;
   }

@@ -49,6 +49,31 @@ enum class Verdict : std::uint8_t {
   drop
 };
 
+/// How a packet ends, as the parser of the stream would see it (shared/wire/framing.hpp).
+enum class Tail : std::uint8_t {
+  ended,  ///< with a line or a frame
+  open,   ///< inside one
+  none    ///< nothing in it belongs to either: what was open before still is
+};
+
+/// What a byte at the end of a packet says. Real-time bytes and flow control come between lines or
+/// in the middle of one: nothing is new, and the byte before them has to be asked. Those that a
+/// line drops besides (NUL, 0xb0 and above) may be data of a frame and pass for an open one.
+constexpr Tail tail_of(std::uint8_t byte) {
+  if (wire::is_realtime(byte) || byte == wire::xon || byte == wire::xoff) return Tail::none;
+  return byte == '\n' || byte == '\r' || byte == wire::frame_end ? Tail::ended : Tail::open;
+}
+
+/// The same of the first `size` bytes of `words`. Frames have no byte that says nothing, so that
+/// the last one of a packet of a job is enough.
+inline Tail tail_of(const volatile std::uint32_t* words, std::uint32_t size) {
+  for (std::uint32_t i = size; i-- > 0;) {
+    const Tail tail = tail_of(static_cast<std::uint8_t>(words[i / 4] >> 8 * (i % 4)));
+    if (tail != Tail::none) return tail;
+  }
+  return Tail::none;
+}
+
 /// The choice.
 class Listener {
  public:
@@ -67,12 +92,11 @@ class Listener {
   /// Who gets the answers; the serial port if nobody has spoken.
   Function heard() const { return heard_; }
 
-  /// A packet of `size` bytes, not 0, came, `last` its last one. `tied`: a job is unfinished.
-  Verdict packet(Function from, std::uint32_t size, std::uint8_t last, std::uint32_t now_us,
-                 bool tied) {
+  /// A packet came, not an empty one. `tied`: a job is unfinished.
+  Verdict packet(Function from, Tail tail, std::uint32_t now_us, bool tied) {
     const bool begins = from != heard_ || !spoken_;
     const bool broken = in_the_middle_[index(from)];
-    in_the_middle_[index(from)] = leaves_open(broken, size, last);
+    if (tail != Tail::none) in_the_middle_[index(from)] = tail == Tail::open;
     if (begins && !may_begin(from, now_us - since_us_, tied)) return Verdict::drop;
     const bool other_was_heard = from != heard_;
     heard_ = from;
@@ -87,12 +111,6 @@ class Listener {
   bool may_begin(Function from, std::uint32_t silent_us, bool tied) const {
     if (tied) return from == job_of_ || silent_us >= job_lease_us;
     return from == Function::stream || !spoken_ || silent_us >= idle_lease_us;
-  }
-  /// Whether a line or frame goes on behind a packet, if one did before. A real-time byte alone
-  /// comes between lines or in the middle of one: nothing is new.
-  static bool leaves_open(bool open, std::uint32_t size, std::uint8_t last) {
-    if (size == 1 && wire::is_realtime(last)) return open;
-    return last != '\n' && last != '\r' && last != wire::frame_end;
   }
 
   Function heard_ = Function::serial;

@@ -1,0 +1,23 @@
+#include "host/cli/outcome.hpp"
+
+namespace lamplock::cli {
+
+std::string end_name(const Outcome& outcome) {
+  using link::JobEnd;
+  if (outcome.error) return "failed";
+  switch (outcome.result.end) {
+    case JobEnd::done:
+      return "done";
+    case JobEnd::stopped:
+      return "stopped";
+    case JobEnd::alarm:
+      return "alarm";
+    case JobEnd::lost:
+      return "lost";
+    case JobEnd::restarted:
+      return "restarted";
+  }
+  return "unknown";
+}
+
+}  // namespace lamplock::cli

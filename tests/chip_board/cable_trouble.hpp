@@ -1,0 +1,79 @@
+// What each of the board's ways over USB must bear: garbage, and a cable that is pulled and plugged
+// in again in jobs. How it is pulled, and what is said meanwhile, is the test's.
+#pragma once
+
+#include <functional>
+#include <random>
+#include <span>
+
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+
+inline void fill_with_noise(std::span<std::uint8_t> bytes, std::mt19937_64& random) {
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+}
+
+/// Garbage has done nothing, and the board still listens.
+inline void expect_garbage_did_nothing(ChipRig& rig) {
+  EXPECT_TRUE(rig.monitor.nothing_happened());
+  EXPECT_FALSE(rig.energy.any_high_within(0, rig.now()));
+  EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
+  const auto unsent = [&host = rig.board.usb_host()] {
+    return host.unsent(sim::chip::UsbFunction::serial) +
+           host.unsent(sim::chip::UsbFunction::vendor);
+  };
+  for (int i = 0; i < 500 && unsent() != 0; ++i) {
+    rig.run(ps_per_ms);
+    rig.listen();
+  }
+  rig.run(50 * ps_per_ms);
+  rig.answer("$I");  // ends whatever line or frame the garbage has begun
+  EXPECT_THAT(rig.answer("$I"), testing::HasSubstr("[VER:"));
+}
+
+/// How a cable is pulled in a job.
+struct CableCuts {
+  std::uint64_t seed = 0;
+  std::size_t first_after_shots = 0;    ///< no cut before so many were fired; 0: from the begin on
+  std::function<void(int cut)> pull{};  ///< numbers of cuts count from 0 over all jobs
+  std::function<void()> plug{};
+  Picoseconds longest_wait = 0;  ///< to the first cut
+  /// Adds what else happens when the cable is back, at `back`.
+  std::function<void(ChipCable& cable, Picoseconds back)> beside{};
+};
+
+/// Jobs with three cuts each at random moments: each is done, every point fired once.
+inline void run_jobs_with_cuts(ChipRig& rig, const job::Profile& profile, const CableCuts& cuts) {
+  std::mt19937_64 random(cuts.seed);
+  const auto up_to = [&random](Picoseconds most) {
+    return std::uniform_int_distribution<Picoseconds>(0, most)(random);
+  };
+  int cut = 0, pulled = 0;
+  for (int round = 0; round < scaled(4); ++round) {
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    const job::Job job = job::make_job(chip_points(80, random()), profile, {});
+    const std::size_t fired = rig.shots().size();
+    RunningJob running(rig, job, static_cast<std::uint32_t>(round + 1));
+    ASSERT_TRUE(running.run_until_fired(cuts.first_after_shots));
+    Picoseconds at = rig.now() + up_to(cuts.longest_wait);
+    for (int i = 0; i < 3; ++i, ++cut) {
+      running.cable.at(at, [&rig, &cuts, &pulled, cut] {
+        if (!rig.board.usb_host().enumerated()) return;
+        ++pulled;
+        cuts.pull(cut);
+      });
+      at += 5 * ps_per_ms + up_to(40 * ps_per_ms);
+      running.cable.at(at, cuts.plug);
+      if (cuts.beside) cuts.beside(running.cable, at);
+      at += 30 * ps_per_ms + up_to(60 * ps_per_ms);
+    }
+    ASSERT_EQ(running.finish(), link::JobEnd::done);
+    ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job, fired));
+    EXPECT_EQ(rig.monitor.violation(profile.settings), "");
+  }
+  EXPECT_GT(pulled, scaled(4));
+  expect_no_violations(rig);
+}
+
+}  // namespace lamplock::test
