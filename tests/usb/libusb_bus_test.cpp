@@ -18,6 +18,7 @@
 #include "host/usb/known_devices.hpp"
 #include "tests/flash/images.hpp"
 #include "tests/usb/emulated_usb.hpp"
+#include "tests/usb/loader_calls.hpp"
 
 namespace lamplock::usb {
 namespace {
@@ -137,7 +138,8 @@ TEST_F(LibusbBusTest, ImageGoesThroughTheKernelsCalls) {
   FlashModel flash;
   LoaderModel model(flash);
   const EmulatedDevice loader = test::emulated_loader();
-  usb_->attach(loader, model);
+  test::LoaderCalls calls(model);
+  usb_->attach(loader, calls);
   usb_->add(loader);
   LibusbBus bus;
   const std::vector<DeviceInfo> devices = bus.devices();
@@ -165,7 +167,8 @@ TEST_F(LibusbBusTest, TransfersEndAsTheyShould) {
   FlashModel flash;
   LoaderModel model(flash, {.refused_command = 0, .status = 8});
   const EmulatedDevice loader = test::emulated_loader();
-  usb_->attach(loader, model);
+  test::LoaderCalls calls(model);
+  usb_->attach(loader, calls);
   usb_->add(loader);
   LibusbBus bus;
   const auto devices = bus.devices();
