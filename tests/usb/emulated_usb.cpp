@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <umockdev.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <span>
@@ -73,6 +75,20 @@ EmulatedDevice emulated_board() {
           "E661640843322A2B"};
 }
 
+EmulatedDevice emulated_old_board() {
+  namespace board = rp2040::usb;
+  constexpr std::size_t stream_size = 9 + 7 + 7;  // the interface is the last, with two endpoints
+  constexpr std::size_t size = board::configuration_size - stream_size;
+  std::array<std::uint8_t, size> configuration{};
+  std::copy_n(board::configuration_descriptor.begin(), size, configuration.begin());
+  configuration[2] = board::low_byte(size);
+  configuration[3] = board::high_byte(size);
+  configuration[4] = board::stream_interface;  // so many are before it
+  EmulatedDevice old = emulated_board();
+  old.descriptors = hex_of(board::device_descriptor) + hex_of(configuration);
+  return old;
+}
+
 EmulatedDevice emulated_pendant(std::uint16_t vendor, std::uint16_t product) {
   return {"1-1",
           7,
@@ -86,7 +102,8 @@ EmulatedDevice emulated_pendant(std::uint16_t vendor, std::uint16_t product) {
 
 EmulatedUsb::EmulatedUsb() : testbed_(umockdev_testbed_new()) {
   // So that a process without root's rights finds its way, and may listen for events there.
-  ::chmod(real_path("").c_str(), 0777);
+  for (const char* const path : {"", "/ioctl", "/ioctl/_default"})
+    ::chmod(real_path(path).c_str(), 0777);
 }
 
 EmulatedUsb::~EmulatedUsb() {

@@ -32,6 +32,8 @@ struct EmulatedDevice {
 EmulatedDevice emulated_loader();
 /// Those of a board that runs lamplock, of its own tables.
 EmulatedDevice emulated_board();
+/// The same with a firmware from before the pulse stream had an interface of its own.
+EmulatedDevice emulated_old_board();
 /// With one HID interface and these numbers.
 EmulatedDevice emulated_pendant(std::uint16_t vendor, std::uint16_t product);
 
