@@ -15,12 +15,16 @@
 namespace lamplock::cli {
 namespace {
 
-/// The pulse stream needs a permission that a serial port may have already.
+/// The pulse stream needs a permission that a serial port may have already. One that another
+/// program has is an error: that program may be in the middle of a job.
 std::unique_ptr<link::Transport> open_any() {
   const auto bus = std::make_shared<usb::LibusbBus>();
   const usb::DeviceInfo board = link::find_board(*bus, "");
   try {
-    return std::make_unique<link::UsbTransport>(bus, board);
+    auto stream = std::make_unique<link::UsbTransport>(bus, board);
+    fmt::print(stderr, "board {} (USB {}): talking over its pulse stream\n", board.serial,
+               board.place);
+    return stream;
   } catch (const Error& error) {
     const auto ports = usb::Sysfs().serial_ports(board.place);
     const bool in_use = board.problem.empty() && link::stream_interface(board);

@@ -13,7 +13,8 @@
 
 namespace lamplock::cli {
 
-/// The board that is plugged in: its pulse stream, or its serial port if that may not be opened.
+/// The board that is plugged in: its pulse stream, or its serial port if that may not be opened or
+/// the firmware has none. A line on stderr tells which.
 inline constexpr const char* auto_board = "auto";
 /// The pulse stream of the only board; with ":SERIAL" behind it, of that one.
 inline constexpr const char* usb_board = "usb";

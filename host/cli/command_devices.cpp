@@ -23,7 +23,7 @@ Json as_json(const DeviceRow& row) {
 void say(Console& console, const DeviceRow& row) {
   const auto shown = [](const std::string& value) { return value.empty() ? "-" : value; };
   console.say("{:<12} {:<26} {:<18} {:<8} {:<15} {}", row.kind, row.name, shown(row.serial),
-              shown(row.place), shown(row.node), row.problem.empty() ? row.use : "not usable yet");
+              shown(row.place), shown(row.node), row.use.empty() ? "not usable yet" : row.use);
   if (!row.problem.empty()) console.say("  {}", row.problem);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "host/link/usb_transport.hpp"
 #include "host/usb/access.hpp"
 #include "host/usb/known_devices.hpp"
 
@@ -13,16 +14,29 @@ namespace fs = std::filesystem;
 using usb::DeviceInfo;
 using usb::Kind;
 
+void add(std::string& list, const char* separator, const std::string& more) {
+  if (!list.empty() && !more.empty()) list += separator;
+  list += more;
+}
+
+/// Two ways lead to a board, each with a driver or permission of its own; one is enough.
 DeviceRow board_row(const DeviceInfo& device, const usb::Sysfs& sysfs) {
   DeviceRow row{"board", device.name, device.serial, device.place, "", "", ""};
+  if (link::stream_interface(device)) {
+    if (device.problem.empty()) row.use = "--board usb:" + device.serial;
+    row.problem = device.problem;
+  }
   const std::vector<std::string> ports = sysfs.serial_ports(device.place);
   if (ports.empty()) {
-    row.problem = "the system has made no serial port for it; check that the kernel has cdc_acm";
+    add(row.problem, "; ",
+        "the system has made no serial port for it, which lamplock flash and other programs need; "
+        "load the kernel's driver: sudo modprobe cdc_acm");
     return row;
   }
   row.node = ports.front();
-  row.use = "--board " + row.node + ", lamplock flash";
-  row.problem = usb::access_problem(row.node).text();
+  const usb::AccessProblem problem = usb::access_problem(row.node);
+  if (!problem) add(row.use, ", ", "--board " + row.node + ", lamplock flash");
+  add(row.problem, "; ", problem.text());
   return row;
 }
 
@@ -32,18 +46,14 @@ DeviceRow loader_row(const DeviceInfo& device) {
           device.serial,
           device.place,
           "",
-          "lamplock flash",
+          device.problem.empty() ? "lamplock flash" : "",
           device.problem};
 }
 
 DeviceRow pendant_row(const DeviceInfo& device, const usb::Sysfs& sysfs) {
-  DeviceRow row{"pendant",
-                std::string(usb::known_device(device).name),
-                device.serial,
-                device.place,
-                "",
-                "lamplock jog",
-                ""};
+  DeviceRow row{
+      "pendant", std::string(usb::known_device(device).name), device.serial, device.place, "", "",
+      ""};
   const std::vector<std::string> nodes = sysfs.hid_nodes(device.place);
   if (nodes.empty()) {
     row.problem = "the system has made no hidraw node for it; check that the kernel has hidraw";
@@ -51,6 +61,7 @@ DeviceRow pendant_row(const DeviceInfo& device, const usb::Sysfs& sysfs) {
   }
   row.node = nodes.front();
   row.problem = usb::access_problem(row.node).text();
+  if (row.problem.empty()) row.use = "lamplock jog";
   return row;
 }
 
@@ -61,10 +72,10 @@ std::vector<DeviceRow> gpio_rows(const fs::path& nodes) {
   for (fs::directory_iterator at(nodes, failure), end; !failure && at != end;
        at.increment(failure)) {
     const std::string name = at->path().filename().string();
-    if (name.starts_with("gpiochip"))
-      rows.push_back({"GPIO", name, "", "", at->path().string(),
-                      "inputs and outputs of this computer",
-                      usb::access_problem(at->path()).text()});
+    if (!name.starts_with("gpiochip")) continue;
+    const std::string problem = usb::access_problem(at->path()).text();
+    rows.push_back({"GPIO", name, "", "", at->path().string(),
+                    problem.empty() ? "inputs and outputs of this computer" : "", problem});
   }
   std::sort(rows.begin(), rows.end(),
             [](const DeviceRow& a, const DeviceRow& b) { return a.node < b.node; });

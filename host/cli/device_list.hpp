@@ -19,7 +19,7 @@ struct DeviceRow {
   std::string serial;   ///< empty if it has none
   std::string place;    ///< on the bus; empty for GPIO
   std::string node;     ///< what to give to commands: /dev/ttyACM0; empty if there is none
-  std::string use;      ///< what can be done with it
+  std::string use;      ///< what can be done with it as it is; empty: nothing yet
   std::string problem;  ///< what is missing, with the remedy; empty: nothing
 };
 

@@ -5,14 +5,15 @@
 
 namespace lamplock::link {
 
-void Connection::send(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+std::vector<std::uint8_t> Connection::encode(const wire::FrameHeader& header,
+                                             std::span<const std::uint8_t> payload) {
   std::array<std::uint8_t, wire::max_content> content{};
   wire::ByteWriter writer(content);
   wire::write_header(writer, header);
   writer.put_bytes(payload);
-  std::array<std::uint8_t, wire::max_frame> frame{};
-  const std::size_t size = wire::encode_frame(writer.written(), frame);
-  out_.insert(out_.end(), frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(size));
+  std::vector<std::uint8_t> frame(wire::max_frame);
+  frame.resize(wire::encode_frame(writer.written(), frame));
+  return frame;
 }
 
 void Connection::send_query(std::uint32_t session, std::uint32_t tag) {

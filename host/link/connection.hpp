@@ -36,8 +36,16 @@ class Connection {
  public:
   explicit Connection(Transport& transport) : transport_(transport) {}
 
-  /// Queues a frame; flush() sends it.
-  void send(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  /// A frame as it goes on the wire, to be sent now or again later.
+  static std::vector<std::uint8_t> encode(const wire::FrameHeader& header,
+                                          std::span<const std::uint8_t> payload);
+  /// Queues a frame, flush() sends it.
+  void send(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+    send(encode(header, payload));
+  }
+  void send(std::span<const std::uint8_t> frame) {
+    out_.insert(out_.end(), frame.begin(), frame.end());
+  }
   /// Queues a QUERY with this tag.
   void send_query(std::uint32_t session, std::uint32_t tag);
 

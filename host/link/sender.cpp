@@ -22,10 +22,11 @@ using std::chrono::microseconds;
 constexpr std::size_t most_points_per_frame = 64;
 /// Bytes handed to the transport ahead: more would only delay a hold.
 constexpr std::size_t most_backlog = 2 * wire::max_frame;
-/// Payload on its way and not acknowledged. A port keeps 4 KB between two looks of a machine that
-/// plans meanwhile, and drops what is more (firmware/boards/rp2040/usb/usb_serial.hpp); headers,
-/// escapes and questions take the rest.
-constexpr std::size_t most_on_the_way = 3072;
+/// Bytes of frames on their way and not acknowledged. A port keeps 4 KiB between two looks of a
+/// machine that plans meanwhile, and drops what is more
+/// (firmware/boards/rp2040/usb/usb_serial.hpp); the rest is for questions and commands, of some 40
+/// bytes at most.
+constexpr std::size_t most_on_the_way = 4096 - 512;
 constexpr microseconds reconnect_interval{200'000};
 /// How long the machine may take to come to rest after the last shot or a stop.
 constexpr microseconds rest_timeout{10'000'000};
@@ -417,7 +418,7 @@ void JobSender::stream() {
     if (cursor_ == frames_.size() && !build_frame()) return;
     const Frame& frame = frames_[cursor_];
     if (!has_room(frame)) return;
-    connection_.send({frame.type, session_, frame.number}, frame.payload);
+    connection_.send(frame.bytes);
     if (frame.number <= written_) ++resent_;
     written_ = std::max(written_, frame.number);
     ++cursor_;
@@ -426,8 +427,8 @@ void JobSender::stream() {
 
 /// The machine can take it, with all that it has not acknowledged before it.
 bool JobSender::has_room(const Frame& frame) const {
-  std::size_t on_the_way = frame.payload.size();
-  for (std::size_t i = 0; i < cursor_; ++i) on_the_way += frames_[i].payload.size();
+  std::size_t on_the_way = frame.bytes.size();
+  for (std::size_t i = 0; i < cursor_; ++i) on_the_way += frames_[i].bytes.size();
   if (on_the_way > most_on_the_way) return false;
   if (frame.end_index > std::size_t{status_.received} + status_.free_points) return false;
   return frame.end_places <= places_ + status_.free_runs || !job_.is_rows();
@@ -436,17 +437,18 @@ bool JobSender::has_room(const Frame& frame) const {
 /// Builds the next frame; false if the window is full or everything has been built.
 bool JobSender::build_frame() {
   if (end_built_ || frames_.size() >= options_.window_frames) return false;
-  Frame frame{wire::FrameType::data, built_ + 1, 0, 0,
-              encoder_.next(wire::max_payload, frame_points_)};
-  if (frame.payload.empty()) {
-    frame.type = wire::FrameType::end;
-    frame.payload.resize(sizeof(std::uint32_t));
-    wire::ByteWriter out(frame.payload);
+  wire::FrameType type = wire::FrameType::data;
+  std::vector<std::uint8_t> payload = encoder_.next(wire::max_payload, frame_points_);
+  if (payload.empty()) {
+    type = wire::FrameType::end;
+    payload.resize(sizeof(std::uint32_t));
+    wire::ByteWriter out(payload);
     out.put(static_cast<std::uint32_t>(job_.size()));
     end_built_ = true;
   }
-  frame.end_index = encoder_.index();
-  frame.end_places = encoder_.places();
+  const std::uint32_t number = built_ + 1;
+  Frame frame{number, encoder_.index(), encoder_.places(),
+              Connection::encode({type, session_, number}, payload)};
   frames_.push_back(std::move(frame));
   ++built_;
   return true;

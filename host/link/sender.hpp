@@ -117,11 +117,10 @@ class JobSender {
 
   /// A frame on its way: DATA or END.
   struct Frame {
-    wire::FrameType type;
     std::uint32_t number;
-    std::size_t end_index;     ///< after its last point or line
-    std::uint64_t end_places;  ///< of the table of runs, with all frames before
-    std::vector<std::uint8_t> payload;
+    std::size_t end_index;            ///< after its last point or line
+    std::uint64_t end_places;         ///< of the table of runs, with all frames before
+    std::vector<std::uint8_t> bytes;  ///< as it goes on the wire
   };
   /// A QUERY on its way and the number of the DATA frame that would have followed it.
   struct Barrier {

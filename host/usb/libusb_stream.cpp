@@ -20,8 +20,9 @@ constexpr std::size_t out_count = 4;
 constexpr std::size_t most_received = std::size_t{1} << 16;
 /// Cancelled transfers come back at once, unless the kernel is in trouble.
 constexpr std::chrono::seconds longest_end{2};
-/// What was taken still leaves, a last hold or reset among it; a board takes it within ms.
-constexpr std::chrono::milliseconds longest_farewell{200};
+/// What was taken still leaves, a last hold or reset among it: a board takes it within ms, unless
+/// the computer is busy.
+constexpr std::chrono::milliseconds longest_farewell{500};
 
 timeval to_timeval(std::chrono::microseconds time) {
   constexpr std::int64_t us_per_s = 1'000'000;
@@ -91,10 +92,11 @@ class LibusbStream final : public Stream {
 
   void wait(std::chrono::microseconds time) override {
     const Clock::time_point end = Clock::now() + time;
-    for (;;) {
+    handle_events({});
+    while (received_.empty() && alive_) {
       const auto left = std::chrono::duration_cast<std::chrono::microseconds>(end - Clock::now());
-      handle_events(std::max(left, std::chrono::microseconds(0)));
-      if (!received_.empty() || !alive_ || left.count() <= 0) return;
+      if (left.count() <= 0) return;
+      handle_events(left);
     }
   }
 
@@ -150,6 +152,8 @@ class LibusbStream final : public Stream {
     if (slot == nullptr) return;
     slot->busy = false;
     slot->owner->judge(*transfer);
+    // What the kernel has taken back by itself is done to libusb.
+    if (transfer->actual_length < transfer->length) slot->owner->alive_ = false;
   }
   /// Whatever is not done is the end: gone, stalled, failed.
   void judge(const libusb_transfer& transfer) {

@@ -180,6 +180,56 @@ TEST(Sender, LostFramesCostOnlyThemselves) {
   EXPECT_LT(result.resent, 14u * 3 * 16);
 }
 
+/// Looks at its port every 30 ms, as a machine that plans; the port drops what it cannot keep.
+class RarelyLooking final : public FaultyTransport {
+ public:
+  RarelyLooking() : FaultyTransport({}, 1) { points_per_ms = 40; }
+  std::size_t most_kept = 0, dropped = 0;
+
+ private:
+  static constexpr std::size_t port_size = 4096;  // firmware/boards/rp2040/usb/usb_serial.hpp
+  void machine_receive(std::span<const std::uint8_t> bytes) override {
+    const std::size_t count = std::min(bytes.size(), port_size - kept_.size());
+    kept_.insert(kept_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
+    dropped += bytes.size() - count;
+    most_kept = std::max(most_kept, kept_.size());
+  }
+  void machine_run() override {
+    if (now() % 1ms == 0us) machine.fire(points_per_ms);
+    if (now() % 30ms != 0us) return;
+    link.receive(kept_, machine);
+    kept_.clear();
+    link.poll(machine);
+  }
+  std::vector<std::uint8_t> kept_;
+};
+
+/// Back and forth by steps whose deltas are bytes that cannot stand for themselves.
+job::Job job_of_escapes(std::size_t points) {
+  constexpr std::int32_t there = 126;  // '~'; back it is 0x82, of the real-time block
+  job::Job job;
+  job.header.points_total = static_cast<std::uint32_t>(points);
+  for (std::size_t i = 0; i < points; ++i) {
+    motion::Target target;
+    for (std::size_t axis = 0; axis < 3; ++axis) target.steps[axis] = i % 2 == 0 ? there : 0;
+    job.targets.push_back(target);
+  }
+  return job;
+}
+
+TEST(Sender, APortKeepsWhatIsOnItsWayWithEveryEscape) {
+  for (const job::Job& job : {job_of_escapes(5'000), random_job(5'000, 9)}) {
+    RarelyLooking board;
+    const JobResult result = JobSender(board, job, fixed_session()).run();
+    EXPECT_EQ(result.end, JobEnd::done);
+    EXPECT_EQ(board.dropped, 0u);
+    EXPECT_EQ(result.resent, 0u);
+    EXPECT_EQ(result.status.link, wire::LinkCounters{});
+    EXPECT_GT(board.most_kept, 2'048u) << "the port is put to use";
+    expect_each_once(board, job);
+  }
+}
+
 TEST(Sender, StartsInTheMiddle) {
   auto board = cable();
   const job::Job job = random_job(3000, 4);

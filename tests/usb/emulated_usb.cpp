@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <umockdev.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -17,8 +17,6 @@
 
 namespace lamplock::usb::test {
 namespace {
-
-constexpr std::chrono::milliseconds no_time{0};
 
 std::string hex_of(std::span<const std::uint8_t> bytes) {
   std::string text;
@@ -38,24 +36,13 @@ std::string node_of(const EmulatedDevice& device) {
   return fmt::format("bus/usb/001/{:03}", device.address);
 }
 
-gboolean handle_call(UMockdevIoctlBase*, UMockdevIoctlClient* client, EmulatedUsb* usb) {
-  return usb->call(client) ? TRUE : FALSE;
-}
-
-/// The kernel's status of a transfer (usb error codes of its documentation).
-int status_of(TransferEnd end) {
-  switch (end) {
-    case TransferEnd::done:
-      return 0;
-    case TransferEnd::stalled:
-      return -EPIPE;
-    case TransferEnd::gone:
-      return -ENODEV;
-    case TransferEnd::overflow:
-      return -EOVERFLOW;
-    default:
-      return -EIO;
-  }
+gboolean handle_call(UMockdevIoctlBase*, UMockdevIoctlClient* client, CallHandler* handler) {
+  // The caller is a thread of this process: its pointers are ours.
+  void* const argument = *reinterpret_cast<void**>(umockdev_ioctl_client_get_arg(client)->data);
+  const auto error = handler->call(umockdev_ioctl_client_get_request(client), argument);
+  if (!error) return FALSE;
+  umockdev_ioctl_client_complete(client, *error == 0 ? 0 : -1, *error);
+  return TRUE;
 }
 
 }  // namespace
@@ -88,6 +75,20 @@ EmulatedDevice emulated_board() {
           "E661640843322A2B"};
 }
 
+EmulatedDevice emulated_old_board() {
+  namespace board = rp2040::usb;
+  constexpr std::size_t stream_size = 9 + 7 + 7;  // the interface is the last, with two endpoints
+  constexpr std::size_t size = board::configuration_size - stream_size;
+  std::array<std::uint8_t, size> configuration{};
+  std::copy_n(board::configuration_descriptor.begin(), size, configuration.begin());
+  configuration[2] = board::low_byte(size);
+  configuration[3] = board::high_byte(size);
+  configuration[4] = board::stream_interface;  // so many are before it
+  EmulatedDevice old = emulated_board();
+  old.descriptors = hex_of(board::device_descriptor) + hex_of(configuration);
+  return old;
+}
+
 EmulatedDevice emulated_pendant(std::uint16_t vendor, std::uint16_t product) {
   return {"1-1",
           7,
@@ -101,11 +102,12 @@ EmulatedDevice emulated_pendant(std::uint16_t vendor, std::uint16_t product) {
 
 EmulatedUsb::EmulatedUsb() : testbed_(umockdev_testbed_new()) {
   // So that a process without root's rights finds its way, and may listen for events there.
-  ::chmod(real_path("").c_str(), 0777);
+  for (const char* const path : {"", "/ioctl", "/ioctl/_default"})
+    ::chmod(real_path(path).c_str(), 0777);
 }
 
 EmulatedUsb::~EmulatedUsb() {
-  if (handler_ != nullptr) g_object_unref(handler_);
+  for (UMockdevIoctlBase* const handler : handlers_) g_object_unref(handler);
   g_object_unref(testbed_);
 }
 
@@ -143,79 +145,23 @@ void EmulatedUsb::add_below(const EmulatedDevice& device, unsigned interface,
     throw std::runtime_error(error->message);
 }
 
-void EmulatedUsb::attach(const EmulatedDevice& device, flash::test::LoaderModel& model) {
-  model_ = &model;
-  handler_ = umockdev_ioctl_base_new();
-  g_object_connect(handler_, "signal-after::handle-ioctl", handle_call, this, nullptr);
+void EmulatedUsb::remove(const EmulatedDevice& device) {
+  umockdev_testbed_remove_device(testbed_, ("/sys" + path_of(device)).c_str());
+}
+
+void EmulatedUsb::attach(const EmulatedDevice& device, CallHandler& handler) {
+  handlers_.push_back(umockdev_ioctl_base_new());
+  g_object_connect(handlers_.back(), "signal-after::handle-ioctl", handle_call, &handler, nullptr);
   GError* error = nullptr;
-  if (umockdev_testbed_attach_ioctl(testbed_, ("/dev/" + node_of(device)).c_str(), handler_,
+  if (umockdev_testbed_attach_ioctl(testbed_, ("/dev/" + node_of(device)).c_str(), handlers_.back(),
                                     &error) == 0)
     throw std::runtime_error(error->message);
 }
 
-/// A transfer is over at once, or waits until it is taken back.
-void EmulatedUsb::submit(usbdevfs_urb& urb) {
-  constexpr int setup_size = 8;
-  auto* const bytes = static_cast<std::uint8_t*>(urb.buffer);
-  Transfer moved;
-  if (urb.type == USBDEVFS_URB_TYPE_CONTROL) {
-    const auto half = [&](int at) {
-      return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
-    };
-    moved = model_->control(
-        {bytes[0], bytes[1], half(2), half(4)},
-        {bytes + setup_size, static_cast<std::size_t>(urb.buffer_length - setup_size)}, no_time);
-  } else {
-    const std::span<std::uint8_t> data(bytes, static_cast<std::size_t>(urb.buffer_length));
-    moved = (urb.endpoint & direction_in) != 0 ? model_->bulk_in(urb.endpoint, data, no_time)
-                                               : model_->bulk_out(urb.endpoint, data, no_time);
-  }
-  urb.actual_length = static_cast<int>(moved.size);
-  urb.status = status_of(moved.end);
-  (moved.end == TransferEnd::timed_out ? waiting_ : done_).push_back(&urb);
-}
-
-bool EmulatedUsb::call(UMockdevIoctlClient* client) {
-  // The caller is a thread of this process: its pointers are ours.
-  void* const argument = *reinterpret_cast<void**>(umockdev_ioctl_client_get_arg(client)->data);
-  const auto answer = [&](int error) {
-    umockdev_ioctl_client_complete(client, error == 0 ? 0 : -1, error);
-    return true;
-  };
-  switch (umockdev_ioctl_client_get_request(client)) {
-    case USBDEVFS_GET_CAPABILITIES:
-      *static_cast<std::uint32_t*>(argument) = USBDEVFS_CAP_BULK_CONTINUATION |
-                                               USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
-                                               USBDEVFS_CAP_ZERO_PACKET;
-      return answer(0);
-    case USBDEVFS_CLAIMINTERFACE:
-      return answer(model_->claim(0) == TransferEnd::done ? 0 : EBUSY);
-    case USBDEVFS_RELEASEINTERFACE:
-      return answer(0);
-    case USBDEVFS_CLEAR_HALT:
-      model_->clear_halt(static_cast<std::uint8_t>(*static_cast<unsigned*>(argument)));
-      return answer(0);
-    case USBDEVFS_SUBMITURB:
-      if (model_->gone()) return answer(ENODEV);
-      submit(*static_cast<usbdevfs_urb*>(argument));
-      return answer(0);
-    case USBDEVFS_REAPURB:
-    case USBDEVFS_REAPURBNDELAY:
-      if (done_.empty()) return answer(EAGAIN);
-      *static_cast<void**>(argument) = done_.front();
-      done_.pop_front();
-      return answer(0);
-    case USBDEVFS_DISCARDURB: {
-      const auto found = std::find(waiting_.begin(), waiting_.end(), argument);
-      if (found == waiting_.end()) return answer(EINVAL);
-      (*found)->status = -ENOENT;
-      done_.push_back(*found);
-      waiting_.erase(found);
-      return answer(0);
-    }
-    default:
-      return false;
-  }
+void EmulatedUsb::set_node(const EmulatedDevice& device, const std::string& file) {
+  const std::filesystem::path node = real_path("/dev/" + node_of(device));
+  std::filesystem::remove(node);
+  std::filesystem::create_symlink(file, node);
 }
 
 }  // namespace lamplock::usb::test

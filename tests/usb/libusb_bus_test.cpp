@@ -2,13 +2,12 @@
 // through the kernel's calls.
 #include "host/usb/libusb_bus.hpp"
 
-#include <grp.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,7 +16,9 @@
 #include "host/flash/flasher.hpp"
 #include "host/usb/known_devices.hpp"
 #include "tests/flash/images.hpp"
+#include "tests/usb/as_nobody.hpp"
 #include "tests/usb/emulated_usb.hpp"
+#include "tests/usb/loader_calls.hpp"
 
 namespace lamplock::usb {
 namespace {
@@ -64,14 +65,9 @@ TEST_F(LibusbBusTest, DevicesAreListedWithTextsAndInterfaces) {
   EXPECT_EQ(loader.interfaces, LoaderModel::info(true).interfaces);
 }
 
-/// What lists look like for somebody without rights.
+/// How many of these texts are missing in lists for somebody without rights.
 int problems_for_nobody(const std::vector<std::string>& wanted) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    constexpr unsigned nobody = 65'534;
-    if (::geteuid() == 0 &&
-        (::setgroups(0, nullptr) != 0 || ::setgid(nobody) != 0 || ::setuid(nobody) != 0))
-      ::_exit(100);
+  return test::as_nobody([&] {
     LibusbBus bus;
     int missing = 0;
     const std::vector<DeviceRow> rows = cli::list_devices(bus);
@@ -82,11 +78,8 @@ int problems_for_nobody(const std::vector<std::string>& wanted) {
                              })
                      ? 0
                      : 1;
-    ::_exit(missing);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 200;
+    return missing;
+  });
 }
 
 TEST_F(LibusbBusTest, MissingPermissionsAreToldWithTheirRemedy) {
@@ -120,24 +113,61 @@ TEST_F(LibusbBusTest, ListHasPortsPendantsAndWhatIsMissing) {
   LibusbBus bus;
   std::vector<DeviceRow> rows = cli::list_devices(bus);
   ASSERT_GE(rows.size(), 2u);
+  EXPECT_EQ(rows[0].use, "--board usb:E661640843322A2B") << "its pulse stream needs no driver";
   EXPECT_NE(rows[0].problem.find("no serial port"), std::string::npos);
+  EXPECT_NE(rows[0].problem.find("modprobe cdc_acm"), std::string::npos);
+  EXPECT_EQ(rows[1].use, "");
   EXPECT_NE(rows[1].problem.find("no hidraw node"), std::string::npos);
   usb_->add_below(board, 0, "tty", "tty/ttyACM3", "ttyACM3");
   usb_->add_below(pendant, 0, "hidraw", "0003:10CE:EB93.0001/hidraw/hidraw2", "hidraw2");
   rows = cli::list_devices(bus);
   EXPECT_EQ(rows[0].kind, "board");
   EXPECT_EQ(rows[0].node, "/dev/ttyACM3");
+  EXPECT_EQ(rows[0].use, "--board usb:E661640843322A2B, --board /dev/ttyACM3, lamplock flash");
   EXPECT_EQ(rows[0].problem, "");
   EXPECT_EQ(rows[1].kind, "pendant");
+  EXPECT_EQ(rows[1].use, "lamplock jog");
   EXPECT_EQ(rows[1].name, "XHC WHB04B");
   EXPECT_EQ(rows[1].node, "/dev/hidraw2");
+}
+
+/// Either way to a board is enough; what the other one lacks is told.
+TEST_F(LibusbBusTest, ABoardIsUsableByTheWayThatIsThere) {
+  const EmulatedDevice board = test::emulated_board();
+  usb_->add(board);
+  usb_->add_below(board, 0, "tty", "tty/ttyACM0", "ttyACM0");
+  LibusbBus bus;
+  std::filesystem::remove(usb_->real_path("/dev/bus/usb/001/006"));
+  DeviceRow row = cli::list_devices(bus).at(0);
+  EXPECT_EQ(row.use, "--board /dev/ttyACM0, lamplock flash");
+  EXPECT_NE(row.problem.find("there is no /dev/bus/usb/001/006"), std::string::npos);
+  std::filesystem::remove(usb_->real_path("/dev/ttyACM0"));
+  row = cli::list_devices(bus).at(0);
+  EXPECT_EQ(row.use, "");
+  EXPECT_NE(row.problem.find("there is no /dev/bus/usb/001/006"), std::string::npos);
+  EXPECT_NE(row.problem.find("there is no /dev/ttyACM0"), std::string::npos);
+}
+
+TEST_F(LibusbBusTest, ABoardWithOldFirmwareHasItsPortAlone) {
+  const EmulatedDevice board = test::emulated_old_board();
+  usb_->add(board);
+  LibusbBus bus;
+  DeviceRow row = cli::list_devices(bus).at(0);
+  EXPECT_EQ(row.kind, "board");
+  EXPECT_EQ(row.use, "");
+  EXPECT_NE(row.problem.find("no serial port"), std::string::npos);
+  usb_->add_below(board, 0, "tty", "tty/ttyACM0", "ttyACM0");
+  row = cli::list_devices(bus).at(0);
+  EXPECT_EQ(row.use, "--board /dev/ttyACM0, lamplock flash");
+  EXPECT_EQ(row.problem, "");
 }
 
 TEST_F(LibusbBusTest, ImageGoesThroughTheKernelsCalls) {
   FlashModel flash;
   LoaderModel model(flash);
   const EmulatedDevice loader = test::emulated_loader();
-  usb_->attach(loader, model);
+  test::LoaderCalls calls(model);
+  usb_->attach(loader, calls);
   usb_->add(loader);
   LibusbBus bus;
   const std::vector<DeviceInfo> devices = bus.devices();
@@ -165,7 +195,8 @@ TEST_F(LibusbBusTest, TransfersEndAsTheyShould) {
   FlashModel flash;
   LoaderModel model(flash, {.refused_command = 0, .status = 8});
   const EmulatedDevice loader = test::emulated_loader();
-  usb_->attach(loader, model);
+  test::LoaderCalls calls(model);
+  usb_->attach(loader, calls);
   usb_->add(loader);
   LibusbBus bus;
   const auto devices = bus.devices();
