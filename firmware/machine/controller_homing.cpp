@@ -48,6 +48,7 @@ GcodeError Controller::begin_homing(std::string_view axes) {
   if (state_ == MachineState::alarm) unlock();
   state_ = MachineState::home;
   stopped_ = false;
+  use_overrides();
   return GcodeError::none;
 }
 
@@ -104,6 +105,7 @@ void Controller::end_homing() {
   const Masked masked(mask_);
   guard_.drop();
   homing_.end();
+  use_overrides();
   end_program();
   reader_.lose_position();
   state_ = MachineState::idle;

@@ -198,7 +198,7 @@ void JogStream::feed() {
   send(way, run.speed_mm_s * s_per_min, duration);
 }
 
-/// The machine is slower than we think: somebody has changed its feed override, or holds it.
+/// The machine is slower than we think: it is another one than its settings say, or busy.
 bool JogStream::too_far_ahead() const {
   const std::vector<double>& place = talk_.machine().status.position;
   if (place.size() != stood_at_mm_.size()) return true;

@@ -148,7 +148,7 @@ TEST(Continuous, an_axis_moves_no_faster_than_it_can) {
   EXPECT_LE(hand.x() - at, longest_way(10, 0.05));
 }
 
-/// Somebody has slowed it down, or it is another one than its settings say: places tell.
+/// It is another one than its settings say: places tell.
 TEST(Continuous, what_is_ahead_is_bounded_by_where_the_machine_is) {
   job::Profile slow = Hand::plain_profile();
   job::state_setting(slow, settings::Id::max_rate_x, 600, "test");
