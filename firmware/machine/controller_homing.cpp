@@ -7,7 +7,6 @@ namespace {
 using settings::Id;
 using wire::MachineState;
 
-constexpr std::string_view axis_letters = "XYZA";
 constexpr AxisSet every_axis = (1u << max_axes) - 1;
 
 /// The settings of a machine whose axis A is what the sides of a gantry are apart.

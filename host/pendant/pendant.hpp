@@ -19,9 +19,8 @@ namespace lamplock::pendant {
 class Pendant {
  public:
   Pendant(const PendantId& id, std::unique_ptr<HidDevice> device, const Variant& variant)
-      : id_(id), device_(std::move(device)), decoder_(make_decoder(id.kind, variant)) {}
+      : device_(std::move(device)), decoder_(make_decoder(id.kind, variant)) {}
 
-  const PendantId& id() const { return id_; }
   /// What has happened since the last call.
   Events poll();
   /// Shows this, if it has changed, ten times a second at most; `now` is any clock's.
@@ -30,7 +29,6 @@ class Pendant {
   bool has_switch() const { return decoder_->has_switch(); }
 
  private:
-  const PendantId& id_;
   std::unique_ptr<HidDevice> device_;
   std::unique_ptr<Decoder> decoder_;
   std::optional<Display> shown_;
