@@ -7,11 +7,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 namespace lamplock {
 
 /// Most axes a machine can have: X Y Z A.
 inline constexpr int max_axes = 4;
+inline constexpr std::string_view axis_letters = "XYZA";
 
 /// Nominal length of a tick.
 inline constexpr std::uint32_t tick_ns = 1000;

@@ -311,6 +311,7 @@ void Controller::raise_alarm(std::uint8_t number) {
   parking_.end();
   drop_homing();
   drop_open_line();
+  use_overrides();
 }
 
 void Controller::unlock() {

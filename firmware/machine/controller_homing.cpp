@@ -7,7 +7,6 @@ namespace {
 using settings::Id;
 using wire::MachineState;
 
-constexpr std::string_view axis_letters = "XYZA";
 constexpr AxisSet every_axis = (1u << max_axes) - 1;
 
 /// The settings of a machine whose axis A is what the sides of a gantry are apart.
@@ -48,6 +47,7 @@ GcodeError Controller::begin_homing(std::string_view axes) {
   if (state_ == MachineState::alarm) unlock();
   state_ = MachineState::home;
   stopped_ = false;
+  use_overrides();
   return GcodeError::none;
 }
 
@@ -104,6 +104,7 @@ void Controller::end_homing() {
   const Masked masked(mask_);
   guard_.drop();
   homing_.end();
+  use_overrides();
   end_program();
   reader_.lose_position();
   state_ = MachineState::idle;

@@ -22,6 +22,7 @@ void Controller::begin_probe() {
   if (((inputs_ & set_of(Input::probe)) != 0) == wanted) return raise_alarm(alarm_probe_state);
   guard_.watch(set_of(Input::probe), wanted);
   reader_.begin_probe();
+  use_overrides();
 }
 
 bool Controller::end_probe() {
@@ -34,6 +35,10 @@ bool Controller::end_probe() {
   }
   const bool failed = !probe_.met && reader_.probe_must_meet();
   reader_.end_probe(rest, values_);
+  {
+    const Masked masked(mask_);
+    use_overrides();
+  }
   tell_offsets(probe_line, probe_line + 1);
   if (!failed) return true;
   const Masked masked(mask_);

@@ -260,8 +260,11 @@ GcodeError Controller::begin_jog(std::string_view line) {
   const bool goes_on = jogging_ && (state_ == MachineState::run || state_ == MachineState::idle);
   if ((!free && !goes_on) || !start_program()) return GcodeError::not_idle;
   const program::Fault fault = reader_.begin_jog(line, values_, work_space_);
-  if (!fault) jogging_ = true;
-  return fault.error;
+  if (fault) return fault.error;
+  const Masked masked(mask_);
+  jogging_ = true;
+  use_overrides();
+  return GcodeError::none;
 }
 
 /// Nothing is under way, or nothing of it goes on.
@@ -284,8 +287,10 @@ void Controller::end_program() {
   if (rows_.active()) return settle_rows();
   if (!program_.begun() || !program_.idle()) return;
   if (reader_.line_open() || state_ != MachineState::run || job_) return;
-  jogging_ = false;
   state_ = MachineState::idle;
+  if (!jogging_) return;
+  jogging_ = false;
+  use_overrides();
 }
 
 void Controller::settle_points() {

@@ -29,8 +29,13 @@ void Controller::end_overrides_of_program() {
   use_overrides();
 }
 
+/// As in grbl a jog, homing and a probe have the feed that they ask for (jog.c, limits.c and
+/// gcode.c of grbl 1.1h: PL_COND_FLAG_NO_FEED_OVERRIDE). Before and behind each of them the machine
+/// stands.
 void Controller::use_overrides() {
-  program_.set_overrides(overrides_.feed, overrides_.rapid, overrides_.spindle);
+  const bool own_feed = jogging_ || homing_.active() || reader_.probing();
+  program_.set_overrides(own_feed ? full_percent : overrides_.feed, overrides_.rapid,
+                         overrides_.spindle);
   runner_.set_overrides(overrides_.feed, overrides_.rapid);
 }
 

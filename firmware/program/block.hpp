@@ -48,8 +48,6 @@ enum class Group : std::uint8_t {
 /// Which command of the line gets its axis words.
 enum class AxisUse : std::uint8_t { nobody, motion, data, tool_length, rotation };
 
-inline constexpr std::string_view axis_letters = "XYZA";
-
 class Block {
  public:
   /// Sorts the words of a line for a machine of so many axes. A jog has fewer commands and words.

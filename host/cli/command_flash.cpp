@@ -1,6 +1,8 @@
 // `lamplock flash`: the firmware into a board.
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -8,6 +10,9 @@
 #include "host/cli/progress.hpp"
 #include "host/flash/drive.hpp"
 #include "host/flash/update.hpp"
+#include "host/gpio/board_lines.hpp"
+#include "host/gpio/host_lines.hpp"
+#include "host/gpio/line_table.hpp"
 #include "host/usb/libusb_bus.hpp"
 #include "host/usb/simulated_usb.hpp"
 
@@ -17,7 +22,7 @@ namespace {
 using flash::FlashProgress;
 
 struct Options {
-  std::string image, serial, drive, board = "usb";
+  std::string image, serial, drive, lines, board = "usb";
   bool json = false;
 };
 
@@ -28,7 +33,7 @@ class EmptyChip {
     chip_.power_on();
     bus_.sleep(start_time);
   }
-  flash::UpdateSite site() { return {bus_, ports_, {}}; }
+  flash::UpdateSite site() { return {bus_, ports_, {}, {}}; }
 
  private:
   /// The ROM looks for a program for half a second (RP2040 datasheet, 2.8.1.3).
@@ -42,8 +47,18 @@ class EmptyChip {
 struct ThisComputer {
   usb::LibusbBus bus;
   flash::SystemPorts ports;
-  flash::UpdateSite site() { return {bus, ports, flash::usual_drive_roots()}; }
+  flash::UpdateSite site(std::function<void()> pull_loader_lines) {
+    return {bus, ports, flash::usual_drive_roots(), std::move(pull_loader_lines)};
+  }
 };
+
+/// What pulls the pins RUN and BOOTSEL of the board; nothing without --lines. Throws Error.
+std::function<void()> loader_lines(const std::string& file) {
+  if (file.empty()) return {};
+  const gpio::LineTable table = gpio::read_line_table(file);
+  gpio::expect_loader_lines(table);
+  return [table] { gpio::enter_loader(*gpio::host_lines(), table, gpio::real_sleep); };
+}
 
 /// A bar for reading, one for writing.
 class FlashBar {
@@ -105,6 +120,7 @@ Exit flash_site(const flash::UpdateSite& site, const FlashFile& file, const Opti
 Exit flash_board(const Options& options) {
   Console console(options.json);
   const FlashFile file = read_flash_file(options.image);
+  std::function<void()> pull = loader_lines(options.lines);
   console.phase("image", fmt::format("{}, {} bytes", file.file, file.image.size));
   if (options.board == "chip") {
     EmptyChip chip;
@@ -113,7 +129,7 @@ Exit flash_board(const Options& options) {
     return exit;
   }
   ThisComputer computer;
-  return flash_site(computer.site(), file, options, console);
+  return flash_site(computer.site(std::move(pull)), file, options, console);
 }
 
 }  // namespace
@@ -124,7 +140,10 @@ void add_flash(CLI::App& program, Action& action) {
       "Takes a board that runs lamplock and is at rest, or one in its boot loader (BOOTSEL held\n"
       "while plugging in). Settings stay. What differs is written and read back; if anything cuts\n"
       "in, the board comes up in its boot loader and the command is given again.\n"
+      "With --lines a board that is silent or on no bus is reset into its boot loader by its "
+      "pins.\n"
       "Example:\n  lamplock flash\n  lamplock flash --serial E661640843322A2B\n"
+      "  lamplock flash --lines examples/lines.toml\n"
       "  lamplock flash new.uf2 --drive /media/$USER/RPI-RP2\n  lamplock flash --board chip");
   const auto options = std::make_shared<Options>();
   app->add_option("IMAGE", options->image,
@@ -141,6 +160,11 @@ void add_flash(CLI::App& program, Action& action) {
       ->check(CLI::IsMember({"usb", "chip"}))
       ->type_name("usb|chip")
       ->capture_default_str();
+  app->add_option("--lines", options->lines,
+                  "Lines of this computer at the board's pins RUN and BOOTSEL (TOML), see "
+                  "examples/lines.toml")
+      ->type_name("FILE")
+      ->excludes(drive);
   app->add_flag("--json", options->json, "Print the result as JSON on stdout");
   app->callback([options, drive, &action] {
     if (options->board == "chip" && !drive->empty())

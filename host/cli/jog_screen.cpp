@@ -11,7 +11,6 @@ using namespace std::chrono_literals;
 using pendant::Mode;
 
 constexpr auto draw_interval = 50ms;
-constexpr std::string_view axis_letters = "XYZA";
 constexpr std::array selector_names{"no axis", "X", "Y", "Z", "A", "B", "C", "feed", "power"};
 /// To the left edge, and clear (ECMA-48: EL).
 constexpr const char* clear_line = "\r\x1b[K";

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <vector>
 
 #include "host/error.hpp"
 
@@ -31,10 +30,15 @@ std::string name_of(const DeviceInfo& device) {
   return fmt::format("{}{} (USB {})", usb::known_device(device).name, serial, device.place);
 }
 
-DeviceInfo find_target(usb::Bus& bus, const std::string& serial) {
+std::vector<DeviceInfo> flashable(usb::Bus& bus) {
   std::vector<DeviceInfo> there;
   for (const DeviceInfo& device : bus.devices())
     if (can_be_flashed(device)) there.push_back(device);
+  return there;
+}
+
+DeviceInfo find_target(usb::Bus& bus, const std::string& serial) {
+  const std::vector<DeviceInfo> there = flashable(bus);
   std::vector<DeviceInfo> meant = there;
   if (!serial.empty())
     meant.erase(std::remove_if(meant.begin(), meant.end(),

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/usb/known_devices.hpp"
 #include "host/usb/usb.hpp"
@@ -14,6 +15,9 @@ namespace lamplock::flash {
 
 /// "lamplock board 0123 (USB 1-4.2)", as errors and lists name it.
 std::string name_of(const usb::DeviceInfo& device);
+
+/// Boards that run lamplock, and boot loaders.
+std::vector<usb::DeviceInfo> flashable(usb::Bus& bus);
 
 /// The only board or loader, or that with this serial number. Throws Error: no_device if there is
 /// none, bad_input if there are several to choose from.

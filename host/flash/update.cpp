@@ -48,7 +48,7 @@ void Update::step(const std::string& name, const std::string& what) const {
 }
 
 UpdateReport Update::run(const std::string& serial) {
-  const DeviceInfo target = find_target(site_.bus, serial);
+  const DeviceInfo target = find(serial);
   boards_before_ = boards();
   boards_before_.erase(target.place);
   DeviceInfo loader = target;
@@ -81,12 +81,37 @@ UpdateReport Update::run_on_drive(const std::filesystem::path& drive) {
 
 // --- from the running board to its loader ---
 
+/// What is to be flashed. A dead board is on no bus, and its lines bring it back; not where a
+/// number is asked for: every loader has the same one (docs/devices.md).
+DeviceInfo Update::find(const std::string& serial) {
+  if (!site_.pull_loader_lines || !serial.empty() || !flashable(site_.bus).empty())
+    return find_target(site_.bus, serial);
+  pull_loader_lines("no board is plugged in");
+  const auto loader = poll(site_.bus, enumeration_time, [&]() -> std::optional<DeviceInfo> {
+    const auto there = flashable(site_.bus);
+    return there.empty() ? std::nullopt : std::make_optional(there.front());
+  });
+  return loader ? wait_for_loader(loader->place) : find_target(site_.bus, serial);
+}
+
 void Update::stop_board(const DeviceInfo& board) {
   const std::string name = name_of(board);
   const auto transport = site_.ports.open(board);
-  report_.version_before = version_at_rest(*transport, name);
-  step("board", fmt::format("{}, version {}", name, report_.version_before));
-  enter_boot_loader(*transport, name);
+  try {
+    report_.version_before = version_at_rest(*transport, name);
+    step("board", fmt::format("{}, version {}", name, report_.version_before));
+    enter_boot_loader(*transport, name);
+  } catch (const Error& error) {
+    // One that is at work or refuses has said so. Of several boards the lines may be another's.
+    const bool silent = error.exit() == Exit::no_device;
+    if (!silent || !site_.pull_loader_lines || flashable(site_.bus).size() > 1) throw;
+    pull_loader_lines(name + " does not answer");
+  }
+}
+
+void Update::pull_loader_lines(const std::string& why) const {
+  site_.pull_loader_lines();
+  step("lines", why + ": the board was reset into its boot loader");
 }
 
 DeviceInfo Update::wait_for_loader(const std::string& place) {

@@ -5,8 +5,9 @@
 //      Error that says where the board is left.
 // Who: `lamplock flash`.
 //
-// A board with a job is left alone. Where the loader may not be used over USB the image is copied
-// to its drive, if that is mounted.
+// A board with a job is left alone. One that is silent, or not even on the bus, may be reset into
+// its loader by lines of the computer, if it cannot be another one than is meant. Where the loader
+// may not be used over USB the image is copied to its drive, if that is mounted.
 #pragma once
 
 #include <filesystem>
@@ -49,6 +50,9 @@ struct UpdateSite {
   BoardPorts& ports;
   std::vector<std::filesystem::path> drive_roots{};  ///< where drives are mounted
   WriteFile write_file = write_through;              ///< to one of them
+  /// Resets the board into its loader by its pins, which ends whatever it does; empty: not wired.
+  /// Throws Error.
+  std::function<void()> pull_loader_lines{};
 };
 
 /// One update.
@@ -62,7 +66,9 @@ class Update {
   UpdateReport run_on_drive(const std::filesystem::path& drive);
 
  private:
+  usb::DeviceInfo find(const std::string& serial);
   void stop_board(const usb::DeviceInfo& board);
+  void pull_loader_lines(const std::string& why) const;
   usb::DeviceInfo wait_for_loader(const std::string& place);
   void flash_over_usb(const usb::DeviceInfo& loader);
   void flash_over_drive(const std::filesystem::path& drive);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/gpio/later_signals.hpp"
 
 namespace lamplock::gpio {
 namespace {
@@ -40,18 +41,29 @@ const LineRequest& wired(const std::optional<LineRequest>& line, const char* rol
               fmt::format("wire one and add [{}] to the file", role));
 }
 
-}  // namespace
-
-void reset_board(Lines& lines, const LineTable& table, const Sleep& sleep) {
+void pulse_run(Lines& lines, const LineTable& table, const Sleep& sleep) {
   Pulled run(lines, wired(table.run, "run", "RUN"));
   sleep(reset_pulse);
   run.let_go();
 }
 
+}  // namespace
+
+void reset_board(Lines& lines, const LineTable& table, const Sleep& sleep) {
+  const LaterSignals signals_wait;
+  pulse_run(lines, table, sleep);
+}
+
+void expect_loader_lines(const LineTable& table) {
+  wired(table.run, "run", "RUN");
+  wired(table.bootsel, "bootsel", "BOOTSEL");
+}
+
 void enter_loader(Lines& lines, const LineTable& table, const Sleep& sleep) {
-  wired(table.run, "run", "RUN");  // before anything is pulled
+  expect_loader_lines(table);  // before anything is pulled
+  const LaterSignals signals_wait;
   Pulled bootsel(lines, wired(table.bootsel, "bootsel", "BOOTSEL"));
-  reset_board(lines, table, sleep);
+  pulse_run(lines, table, sleep);
   sleep(boot_select_hold);
   bootsel.let_go();
 }

@@ -3,7 +3,8 @@
 // In:  the lines, which of them are wired to the board. Out: a board that starts anew, with its
 //      firmware or in its boot loader. Nothing is asked before: whoever calls has seen that no job
 //      runs. Outputs of a board in reset are not driven, which is laser off (docs/wiring.md).
-// Who: `lamplock lines reset`, `lamplock flash`.
+//      Both pins are let go whatever happens: errors, and signals, which wait until then.
+// Who: `lamplock lines reset`, `lamplock lines loader`, `lamplock flash --lines`.
 #pragma once
 
 #include <chrono>
@@ -26,6 +27,9 @@ inline constexpr std::chrono::milliseconds boot_select_hold{500};
 /// Pulses RUN. Throws Error: bad_input (no line named for it), no_device (it cannot be had, or is
 /// gone).
 void reset_board(Lines& lines, const LineTable& table, const Sleep& sleep);
+
+/// Throws Error(bad_input) if one of the pins has no line.
+void expect_loader_lines(const LineTable& table);
 
 /// Pulses RUN while BOOTSEL is low: the board comes back in its boot loader. Throws as
 /// reset_board().

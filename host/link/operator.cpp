@@ -12,11 +12,11 @@
 #include "host/error.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/line_console.hpp"
+#include "shared/units.hpp"
 
 namespace lamplock::link {
 namespace {
 
-constexpr std::string_view axis_letters = "XYZA";
 /// Places are told with three decimals; a step may lie between them.
 constexpr double same_place_mm = 0.01;
 /// A dwell is answered when everything before it has been done.

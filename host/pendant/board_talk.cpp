@@ -87,7 +87,6 @@ void BoardTalk::take(const std::string& line, std::vector<Answered>& answers) {
 
 void BoardTalk::take_status(const link::BoardStatus& status) {
   machine_.status = status;
-  machine_.reported_at = now();
   ++machine_.reports;
   if (!status.work_offset.empty()) machine_.work_offset = status.work_offset;
   if (!status.overrides.empty()) machine_.overrides = status.overrides;
@@ -100,6 +99,12 @@ bool BoardTalk::answers() const { return now() - heard_at_ < silence; }
 std::size_t BoardTalk::unanswered(LineKind kind) const {
   return static_cast<std::size_t>(std::count_if(
       sent_.begin(), sent_.end(), [kind](const Answered& line) { return line.kind == kind; }));
+}
+
+bool BoardTalk::homing_unanswered() const {
+  return std::any_of(sent_.begin(), sent_.end(), [](const Answered& line) {
+    return line.line.starts_with("$H") || line.line.starts_with("$h");
+  });
 }
 
 }  // namespace lamplock::pendant

@@ -19,6 +19,9 @@ namespace lamplock::pendant {
 
 using Time = std::chrono::microseconds;
 
+/// Reports that must say that the machine stands: the first may have been on its way already.
+inline constexpr std::size_t sure_reports = 2;
+
 /// What a line was, for whoever gets its answer.
 enum class LineKind : std::uint8_t { jog, command };
 
@@ -34,7 +37,6 @@ struct MachineNow {
   link::BoardStatus status;         ///< the last report
   std::vector<double> work_offset;  ///< mm, of the last report that had one
   std::vector<int> overrides;       ///< likewise: feed, rapid, power, per cent
-  Time reported_at{};               ///< when it came
   std::size_t reports = 0;          ///< so many have come
 
   /// Machine or work coordinates, mm; empty before the first report.
@@ -67,6 +69,8 @@ class BoardTalk {
   bool answers() const;
   /// Lines that it has not answered yet.
   std::size_t unanswered(LineKind kind) const;
+  /// One of them is homing.
+  bool homing_unanswered() const;
   /// A line has begun to go and is not out as a whole.
   bool inside_line() const { return port_.inside_line(); }
   const MachineNow& machine() const { return machine_; }

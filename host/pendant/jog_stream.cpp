@@ -17,7 +17,6 @@ using namespace std::chrono_literals;
 using settings::Id;
 
 constexpr double s_per_min = 60;
-constexpr std::string_view axis_letters = "XYZA";
 
 /// Way sent ahead of the machine at a speed, and the length of an increment, as times: enough for a
 /// round of the loop and of the cable (16 ms behind slow adapters), and for planning.
@@ -32,8 +31,6 @@ constexpr double report_age_s = 0.15;
 constexpr double resolution_mm = 0.001;
 /// A cancel that had no effect is sent again.
 constexpr Time cancel_interval = 50ms;
-/// Reports that must say that the machine stands.
-constexpr std::size_t sure_reports = 2;
 
 double seconds(Time time) { return std::chrono::duration<double>(time).count(); }
 Time time_of(double s) { return Time(static_cast<Time::rep>(std::llround(s * 1e6))); }
@@ -159,8 +156,7 @@ void JogStream::keep_stopping() {
   send_cancel();
 }
 
-/// The machine stands when everything has been answered, and reports behind that say so: two, for
-/// the first may have been on its way already.
+/// The machine stands when everything has been answered, and reports behind that say so.
 void JogStream::look_whether_it_stands() {
   const MachineNow& machine = talk_.machine();
   if (talk_.unanswered(LineKind::jog) == 0) unanswered_.clear();
@@ -198,7 +194,7 @@ void JogStream::feed() {
   send(way, run.speed_mm_s * s_per_min, duration);
 }
 
-/// The machine is slower than we think: somebody has changed its feed override, or holds it.
+/// The machine is slower than we think: it is another one than its settings say, or busy.
 bool JogStream::too_far_ahead() const {
   const std::vector<double>& place = talk_.machine().status.position;
   if (place.size() != stood_at_mm_.size()) return true;

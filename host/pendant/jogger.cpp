@@ -15,7 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 namespace realtime = link::realtime;
 
-constexpr std::string_view axis_letters = "XYZA";
 /// A wheel that has not turned for so long is let go.
 constexpr Time wheel_silence = 250ms;
 /// A ring with a spring tells changes alone: nobody knows a hand that holds it still from a
@@ -24,8 +23,8 @@ constexpr Time wheel_silence = 250ms;
 constexpr Time longest_spring = 30s;
 constexpr double most_of_spring = 7;
 constexpr double percent = 0.01;
-/// Reports that must say that the machine rests: one may have been on its way already.
-constexpr std::size_t sure_reports = 2;
+/// What ends commands is sent again while they go on.
+constexpr Time ending_interval = 50ms;
 /// What was told is not told again before it has not come up for so long.
 constexpr Time note_interval = 2s;
 /// A click of the wheel as a knob is 1 %; a hasty turn is cut off.
@@ -92,13 +91,12 @@ void Jogger::press(const std::string& key) {
 
 void Jogger::let_go() {
   stream_.stop();
-  if (!macro_runs_) return;
-  // A macro moves by jogs or otherwise; homing ends by itself.
+  if (!commands_ && !homes()) return;
   macro_.clear();
   talk_.drop_lines();  // what was queued in this round
-  if (machine().status.is("Home")) return;
-  talk_.send_byte(realtime::jog_cancel);
-  talk_.send_byte(realtime::hold);
+  ending_ = true;
+  reports_at_ending_ = machine().reports;
+  end_commands();
 }
 
 void Jogger::poll() {
@@ -123,6 +121,7 @@ void Jogger::poll() {
   stream_.poll();
   continue_macro();
   settle_commands();
+  keep_ending();
 }
 
 void Jogger::choose_step(double step_mm) {
@@ -297,8 +296,7 @@ void Jogger::act(Action action) {
 bool Jogger::act_on_axes(Action action) {
   switch (action) {
     case Action::home:
-      if (!machine().status.is("Alarm") && !may_command()) return true;
-      send("$H");
+      if ((machine().status.is("Alarm") && !ending_) || may_command()) send("$H");
       return true;
     case Action::go_to_zero:
       go_somewhere("G90G21X0Y0");
@@ -361,25 +359,50 @@ void Jogger::set_zero(Action action) {
   if (may_command()) send("G10 L20 P1" + words);
 }
 
+/// The machine homes, or will when it reads what was sent.
+bool Jogger::homes() const { return machine().status.is("Home") || talk_.homing_unanswered(); }
+
+void Jogger::end_commands() {
+  ended_at_ = talk_.now();
+  // Nothing else ends homing (grbl 1.1), and where the machine is nobody knows before it is done.
+  if (homes()) return reset();
+  // A macro moves by jogs or otherwise; start-up lines run behind homing.
+  if (!macro_runs_ && !machine().status.is("Run")) return;
+  talk_.send_byte(realtime::jog_cancel);
+  talk_.send_byte(realtime::hold);
+}
+
+/// A line that was half out may have begun behind the byte that should have ended it, and a byte
+/// may be lost.
+void Jogger::keep_ending() {
+  if (!ending_) return;
+  const bool held =
+      machine().status.waits() && machine().reports >= reports_at_ending_ + sure_reports;
+  ending_ = commands_ && !held;
+  if (ending_ && talk_.now() - ended_at_ >= ending_interval) end_commands();
+}
+
 void Jogger::stop() {
   const link::BoardStatus& status = machine().status;
-  const bool macro = macro_runs_;
+  const bool ours = commands_;
   let_go();
   if (status.is("Jog") && !stream_.moves()) talk_.send_byte(realtime::jog_cancel);
-  if (status.is("Run") && !macro) talk_.send_byte(realtime::hold);
-  // Nothing else ends it (grbl 1.1).
-  if (status.is("Home")) reset();
+  if (status.is("Run") && !ours) talk_.send_byte(realtime::hold);
 }
 
 void Jogger::start_or_pause() {
   const link::BoardStatus& status = machine().status;
-  if (status.is("Jog") || stream_.moves()) return stop();
-  talk_.send_byte(status.is("Run") || status.is("Home") ? realtime::hold : realtime::resume);
+  // Homing does not obey a hold.
+  if (status.is("Jog") || homes() || stream_.moves()) return stop();
+  talk_.send_byte(status.is("Run") ? realtime::hold : realtime::resume);
 }
 
+/// What was sent counts as under way until reports say that the machine stands.
 void Jogger::reset() {
   macro_.clear();
-  commands_ = macro_runs_ = false;
+  macro_runs_ = false;
+  commands_ = true;
+  reports_then_ = machine().reports;
   stream_.stop();
   stream_.forget();
   talk_.forget_lines();

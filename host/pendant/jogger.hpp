@@ -38,7 +38,9 @@ class Jogger {
   void take(const Event& event);
   /// A key of a terminal was pressed, or repeats.
   void press(const std::string& key);
-  /// Whoever moves the machine has gone, or wants to: everything that moves ends.
+  /// Whoever moves the machine has gone, or wants to: everything that moves because of us ends.
+  /// Jogs are cancelled, homing is reset, what else moves is held; until reports say that it
+  /// stands.
   void let_go();
   /// One round: hears the board, sends what is due. Throws Error(no_device) as BoardTalk::poll().
   void poll();
@@ -71,6 +73,9 @@ class Jogger {
   void settle_commands();
   void begin_macro(std::size_t number);
   void continue_macro();
+  bool homes() const;
+  void end_commands();
+  void keep_ending();
   void stop();
   void start_or_pause();
   void reset();
@@ -100,7 +105,10 @@ class Jogger {
   bool commands_ = false;  ///< lines other than jogs were sent, and are not done
   bool macro_runs_ = false, quit_ = false;
   std::size_t reports_then_ = 0;  ///< when the last of them was sent or answered
-  std::size_t restarts_ = 0;      ///< of the board, that have been seen
+  bool ending_ = false;           ///< they shall not go on
+  Time ended_at_{};               ///< when the board was told last
+  std::size_t reports_at_ending_ = 0;
+  std::size_t restarts_ = 0;  ///< of the board, that have been seen
   std::vector<std::string> notes_;
   std::string last_note_;
   Time noted_at_{};

@@ -12,6 +12,7 @@ namespace {
 
 using testing::Each;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::StartsWith;
 
 constexpr double steps_per_mm = 200, accel_mm_s2 = 2000;
@@ -107,6 +108,37 @@ TEST_F(Jog, AnotherKeyAtOnce) {
   EXPECT_THAT(host_.answers(), Each("ok"));
   EXPECT_THAT(host_.ask("G90 G0 X0 Y0\nG4 P0\n", 10), ElementsAre("ok", "ok"));
   EXPECT_EQ(rig_.board.world().drives().position(), StepPosition{});
+}
+
+/// As in grbl: whoever moves by hand gets the feed that was asked for, whatever a program was
+/// slowed down to; the program is as before.
+TEST_F(Jog, TheFeedOverrideIsForPrograms) {
+  constexpr std::uint8_t minus_10 = 0x92, plus_10 = 0x91;
+  const auto change = [this](std::uint8_t byte, int times) {
+    for (int i = 0; i < times; ++i) host_.send(byte);
+  };
+  change(minus_10, 5);
+  host_.ask("$J=G90X40F3000\n");
+  host_.run_ms(200);
+  EXPECT_THAT(host_.status(), HasSubstr("|FS:3000,"));
+  change(plus_10, 10);
+  host_.run_ms(100);
+  EXPECT_THAT(host_.status(), HasSubstr("|FS:3000,"));
+  change(minus_10, 10);
+  wait_until_it_stands();
+  EXPECT_EQ(x_mm(), 40);
+  // One that is cancelled, too.
+  host_.ask("$J=G90X-40F3000\n");
+  host_.run_ms(100);
+  host_.send(jog_cancel);
+  wait_until_it_stands();
+  host_.ask("G90G1X0F3000\n");
+  host_.run_ms(200);
+  EXPECT_THAT(host_.status(), HasSubstr("|FS:1500,"));
+  host_.send(std::uint8_t{0x90});
+  host_.run_ms(100);
+  EXPECT_THAT(host_.status(), HasSubstr("|FS:3000,"));
+  ASSERT_TRUE(host_.stand());
 }
 
 /// As in grbl: nothing moves while a tool is changed, whoever asks; behind that the machine is not

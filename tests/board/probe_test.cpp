@@ -67,6 +67,26 @@ TEST(Probe, AwayFromTheContact) {
   EXPECT_THAT(p.ask("G38.3 Z-10\n"), ElementsAre("[PRB:0.000,0.000,-3.000:1]", "ok"));
 }
 
+/// As in grbl: what a probe tells depends on its speed, and that is the one that was asked for. The
+/// program behind it obeys.
+TEST(Probe, TheFeedOverrideIsNotForIt) {
+  Probing p;
+  const auto fastest = [&p](std::string_view lines) {
+    double highest = 0;
+    std::int32_t before = p.m.loads()[2];
+    p.m.host.send(lines);
+    for (int i = 0; i < 1000; ++i) {
+      p.m.host.run_ms(5);
+      highest = std::max(highest, std::abs(p.m.loads()[2] - before) / (5e-3 * steps_per_mm));
+      before = p.m.loads()[2];
+    }
+    return highest;
+  };
+  for (int i = 0; i < 5; ++i) p.m.host.send(std::uint8_t{0x92});  // -10 %
+  EXPECT_NEAR(fastest("G38.2 Z-10 F1200\n"), 20, 2);
+  EXPECT_NEAR(fastest("G1 Z5 F1200\n"), 10, 2);
+}
+
 TEST(Probe, AtItsOwnAngle) {
   Probing p;
   EXPECT_THAT(p.ask("G38.2 X6 Y-2 Z-6 F1200\n"), ElementsAre("[PRB:3.000,-1.000,-3.000:1]", "ok"));

@@ -65,6 +65,25 @@ TEST(FlashCommand, NoBoardIsStatus3AndWrongUsageStatus2) {
   EXPECT_EQ(run({"flash", image, "--board", "virtual"}).status, 2);
 }
 
+/// The file is read before anything else happens.
+TEST(FlashCommand, LinesAreThoseOfThePinsOrRefused) {
+  const Folder folder;
+  const std::string image =
+      folder.write("good.uf2", flash::write_uf2(flash::test::noise_image(9'000, 1)));
+  const std::string none = folder.write("none.toml", "[estop]\nline = \"GPIO17\"\n");
+  const Finished missing = run({"flash", image, "--serial", no_serial, "--lines", none});
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_THAT(missing.err, HasSubstr("names no line for the board's RUN pin"));
+  const std::string half = folder.write("half.toml", "[run]\nline = \"GPIO24\"\n");
+  EXPECT_THAT(run({"flash", image, "--serial", no_serial, "--lines", half}).err,
+              HasSubstr("BOOTSEL pin"));
+  EXPECT_EQ(run({"flash", image, "--lines", half, "--drive", "x"}).status, 2);
+  const std::string both =
+      folder.write("both.toml", "[run]\nline = \"GPIO24\"\n[bootsel]\nline = \"GPIO25\"\n");
+  // A number is named: no line is pulled for another board.
+  EXPECT_EQ(run({"flash", image, "--serial", no_serial, "--lines", both}).status, 3);
+}
+
 TEST(DevicesCommand, GivesAListToPrograms) {
   const Finished list = run({"devices", "--json"});
   EXPECT_EQ(list.status, 0) << list.err;

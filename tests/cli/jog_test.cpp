@@ -1,7 +1,15 @@
 // `lamplock jog`: keys in a terminal and from a pipe, with the virtual board.
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -24,6 +32,124 @@ TEST(JogCommand, moves_by_keys_in_a_terminal) {
   ASSERT_TRUE(terminal.wait_for("| step 0.5 mm | X |"));
   terminal.type("q");
   EXPECT_EQ(terminal.finish().status, 0);
+}
+
+/// A machine of another process, which goes on when the program under test is gone.
+class MovingMachine {
+ public:
+  MovingMachine() { listening = sim_.wait_for("listening"); }
+
+  /// A step that takes 20 s, at 1 mm/s.
+  std::vector<std::string> slow_step() const {
+    return {"jog", "--board", port_, "--pendant", "none", "--step", "20", "--feed", "60"};
+  }
+  /// What the machine says to somebody else who asks.
+  std::string status() const {
+    const int port = ::open(port_.c_str(), O_RDWR | O_NOCTTY);
+    termios modes{};
+    ::tcgetattr(port, &modes);
+    ::cfmakeraw(&modes);
+    ::tcsetattr(port, TCSANOW, &modes);
+    EXPECT_EQ(::write(port, "?", 1), 1);
+    std::string text;
+    pollfd watched{port, POLLIN, 0};
+    char byte = 0;
+    constexpr int longest_ms = 20'000;
+    while (text.find('>') == std::string::npos && ::poll(&watched, 1, longest_ms) > 0 &&
+           ::read(port, &byte, 1) == 1)
+      text += byte;
+    ::close(port);
+    return text.substr(std::min(text.find('<'), text.size()));
+  }
+  double x() const {
+    const std::string text = status(), field = "MPos:";
+    const auto at = text.find(field);
+    return at == std::string::npos ? -1 : std::strtod(text.c_str() + at + field.size(), nullptr);
+  }
+
+  bool listening = false;
+
+ private:
+  Folder folder_;
+  std::string port_ = folder_ / "port";
+  Running sim_{{"sim", "--pty", port_}};
+};
+
+/// Unlike those that a terminal begins with, so that "as before" says something.
+termios unusual_modes() {
+  InTerminal other({"--version"});
+  termios modes = other.modes();
+  other.finish();
+  modes.c_iflag ^= static_cast<tcflag_t>(IXANY | ICRNL);
+  modes.c_lflag |= static_cast<tcflag_t>(ECHONL | NOFLSH);
+  modes.c_cc[VERASE] = 8;
+  modes.c_cc[VMIN] = 3;
+  return modes;
+}
+
+void expect_same_modes(const termios& now, const termios& before) {
+  EXPECT_EQ(now.c_iflag, before.c_iflag);
+  EXPECT_EQ(now.c_oflag, before.c_oflag);
+  EXPECT_EQ(now.c_cflag, before.c_cflag);
+  EXPECT_EQ(now.c_lflag, before.c_lflag);
+  EXPECT_THAT(now.c_cc, testing::ElementsAreArray(before.c_cc));
+}
+
+/// Whatever ends the hand ends the motion; the terminal is as it was, if there still is one.
+TEST(JogAtItsEnd, the_machine_stands_and_the_terminal_is_as_before) {
+  const termios before = unusual_modes();
+  struct End {
+    const char* name;
+    int status;
+    std::function<void(InTerminal&)> act;
+  };
+  const std::vector<End> ends{{"Esc, then q", 0,
+                               [](InTerminal& jog) {
+                                 jog.type("\x1b");
+                                 EXPECT_TRUE(jog.wait_for("| Idle |"));
+                                 jog.type("q");
+                               }},
+                              {"Ctrl-C", 0, [](InTerminal& jog) { jog.type("\x03"); }},
+                              {"SIGINT", 130, [](InTerminal& jog) { jog.send_signal(SIGINT); }},
+                              {"SIGTERM", 130, [](InTerminal& jog) { jog.send_signal(SIGTERM); }},
+                              {"SIGHUP", 130, [](InTerminal& jog) { jog.send_signal(SIGHUP); }},
+                              {"hangup", 130, [](InTerminal& jog) { jog.hang_up(); }}};
+  for (const End& end : ends) {
+    SCOPED_TRACE(end.name);
+    const MovingMachine machine;
+    ASSERT_TRUE(machine.listening);
+    InTerminal jog(machine.slow_step(), before);
+    ASSERT_TRUE(jog.wait_for("| Idle |"));
+    const termios meanwhile = jog.modes();
+    EXPECT_EQ(meanwhile.c_lflag & static_cast<tcflag_t>(ICANON | ECHO | ISIG), 0u);
+    jog.type("\x1b[C");
+    ASSERT_TRUE(jog.wait_for("| Jog |"));
+    end.act(jog);
+    EXPECT_EQ(jog.finish().status, end.status);
+    if (std::string(end.name) != "hangup") expect_same_modes(jog.modes(), before);
+    EXPECT_THAT(machine.status(), HasSubstr("<Idle|"));
+    const double stands = machine.x();
+    EXPECT_GE(stands, 0);
+    EXPECT_LT(stands, 20);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_EQ(machine.x(), stands);
+  }
+}
+
+/// Nobody is left to stop it: the test above would see that.
+TEST(JogAtItsEnd, a_program_that_is_killed_leaves_a_step_to_its_end) {
+  const MovingMachine machine;
+  ASSERT_TRUE(machine.listening);
+  InTerminal jog(machine.slow_step());
+  ASSERT_TRUE(jog.wait_for("| Idle |"));
+  jog.type("\x1b[C");
+  ASSERT_TRUE(jog.wait_for("| Jog |"));
+  jog.send_signal(SIGKILL);
+  jog.finish();
+  EXPECT_THAT(machine.status(), HasSubstr("<Jog|"));
+  const double at = machine.x();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_GT(machine.x(), at);
 }
 
 /// Ctrl-C and Ctrl-D are keys.

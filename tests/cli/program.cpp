@@ -115,9 +115,15 @@ Finished Running::finish() {
   return {exit_of(status), out(), err()};
 }
 
-InTerminal::InTerminal(const std::vector<std::string>& arguments) {
+InTerminal::InTerminal(const std::vector<std::string>& arguments) { start(arguments, nullptr); }
+
+InTerminal::InTerminal(const std::vector<std::string>& arguments, const termios& modes) {
+  start(arguments, &modes);
+}
+
+void InTerminal::start(const std::vector<std::string>& arguments, const termios* modes) {
   const Words words(arguments);
-  process_ = ::forkpty(&terminal_, nullptr, nullptr, nullptr);
+  process_ = ::forkpty(&terminal_, nullptr, modes, nullptr);
   if (process_ != 0) return;
   ::execv(LAMPLOCK_PROGRAM, words.argv.data());
   ::_exit(127);
@@ -160,8 +166,21 @@ void InTerminal::type(const std::string& text) const {
   if (::write(terminal_, text.data(), text.size()) < 0) ::kill(process_, SIGKILL);
 }
 
+void InTerminal::send_signal(int signal) const { ::kill(process_, signal); }
+
+void InTerminal::hang_up() {
+  ::close(terminal_);
+  terminal_ = -1;
+}
+
+termios InTerminal::modes() const {
+  termios modes{};
+  ::tcgetattr(terminal_, &modes);
+  return modes;
+}
+
 Finished InTerminal::finish() {
-  while (read_more(1000)) {
+  while (terminal_ >= 0 && read_more(1000)) {
   }
   int status = 0;
   ::waitpid(process_, &status, 0);

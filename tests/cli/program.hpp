@@ -5,6 +5,8 @@
 #pragma once
 
 #include <sys/types.h>
+#include <termios.h>
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -63,6 +65,8 @@ class Running {
 class InTerminal {
  public:
   explicit InTerminal(const std::vector<std::string>& arguments);
+  /// In one with these modes.
+  InTerminal(const std::vector<std::string>& arguments, const termios& modes);
   ~InTerminal();
   InTerminal(const InTerminal&) = delete;
   InTerminal& operator=(const InTerminal&) = delete;
@@ -70,10 +74,16 @@ class InTerminal {
   /// Waits until it has shown this, after what was waited for before; false after some seconds.
   bool wait_for(const std::string& text);
   void type(const std::string& text) const;
+  void send_signal(int signal) const;
+  /// The window is closed, the line is cut: the terminal is gone.
+  void hang_up();
+  /// The modes of the terminal, as the program has set or left them.
+  termios modes() const;
   /// Waits for its end; what it has shown is in `out`.
   Finished finish();
 
  private:
+  void start(const std::vector<std::string>& arguments, const termios* modes);
   bool read_more(int wait_ms);
 
   int terminal_ = -1;

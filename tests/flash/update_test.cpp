@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <chrono>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -33,7 +35,7 @@ class UpdateTest : public testing::Test {
     return "1." + std::to_string(image.sectors.front().bytes[251]) + ":";
   }
   UpdateReport update(const std::string& serial = "") {
-    return Update({bus_, ports_, roots_}, image_, {}).run(serial);
+    return Update({bus_, ports_, roots_, pull_}, image_, {}).run(serial);
   }
   /// The error that an update must end with.
   std::string refused(Exit exit, const std::string& serial = "") {
@@ -59,6 +61,7 @@ class UpdateTest : public testing::Test {
   test::BusModel bus_;
   test::PortsModel ports_{bus_};
   std::vector<std::filesystem::path> roots_;
+  std::function<void()> pull_{};
 };
 
 TEST_F(UpdateTest, RunningBoardGetsTheImageAndTellsItsVersion) {
@@ -141,6 +144,86 @@ TEST_F(UpdateTest, ABoardThatDoesNotComeBackIsAnError) {
   EXPECT_EQ(update().version, version_of(image_));
 }
 
+/// RUN and BOOTSEL of the first board are wired to lines of the computer.
+class UpdateByLines : public UpdateTest {
+ protected:
+  UpdateByLines() {
+    pull_ = [this] {
+      ++pulled_;
+      bus_.restart(board(), !bootsel_broken_);
+      board().status = "Idle";  // it was the old firmware that was silent
+    };
+  }
+  void unplug() { board().back_at = std::chrono::hours(1); }
+  int pulled_ = 0;
+  bool bootsel_broken_ = false;
+};
+
+TEST_F(UpdateByLines, ABoardThatIsSilentIsResetIntoItsLoader) {
+  board().status = "";
+  EXPECT_EQ(update().version, version_of(image_));
+  EXPECT_EQ(pulled_, 1);
+  EXPECT_TRUE(test::holds(board().flash.bytes, image_));
+}
+
+TEST_F(UpdateByLines, OneThatIsNotEvenOnTheBusToo) {
+  unplug();
+  const UpdateReport report = update();
+  EXPECT_EQ(report.version, version_of(image_));
+  EXPECT_EQ(report.version_before, "");
+  EXPECT_EQ(pulled_, 1);
+}
+
+TEST_F(UpdateByLines, NothingIsPulledWhereItIsNotNeeded) {
+  update();
+  board().in_loader = true;
+  update();
+  EXPECT_EQ(pulled_, 0);
+}
+
+/// The lines end whatever the board does: one that works, or refuses, has said so.
+TEST_F(UpdateByLines, ABoardThatAnswersIsNeverReset) {
+  for (const char* status : {"Run", "Hold:0", "Jog", "Home"}) {
+    board().status = status;
+    refused(Exit::job_failed);
+  }
+  board().status = "Idle";
+  board().boot_error = 8;
+  refused(Exit::job_failed);
+  EXPECT_EQ(pulled_, 0);
+  EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+}
+
+/// Which of several boards is at the lines nobody knows, and the other one may be at work.
+TEST_F(UpdateByLines, NothingIsPulledWhereTheBoardMayBeAnother) {
+  bus_.boards.resize(2);
+  bus_.boards[1].place = "1-5";
+  bus_.boards[1].serial = "B1";
+  put(bus_.boards[1], old_);
+  bus_.boards[1].status = "";
+  EXPECT_NE(refused(Exit::no_device, "B1").find("does not answer"), std::string::npos);
+  refused(Exit::bad_input);
+  refused(Exit::no_device, "C1");
+  bus_.boards.pop_back();
+  unplug();
+  EXPECT_NE(refused(Exit::no_device, "A1").find("no board is plugged in"), std::string::npos);
+  EXPECT_EQ(pulled_, 0);
+}
+
+TEST_F(UpdateByLines, ALoaderThatDoesNotComeUpIsAnError) {
+  bootsel_broken_ = true;
+  board().status = "";
+  EXPECT_NE(refused(Exit::no_device).find("did not come up at USB 1-4"), std::string::npos);
+  unplug();
+  EXPECT_NE(refused(Exit::no_device).find("boot loader: did not come up"), std::string::npos);
+  unplug();
+  pull_ = [] { throw Error(Exit::no_device, "GPIO24", "is used by another", "end it"); };
+  EXPECT_NE(refused(Exit::no_device).find("GPIO24"), std::string::npos);
+  pull_ = [] {};
+  EXPECT_NE(refused(Exit::no_device).find("no board is plugged in"), std::string::npos);
+  EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+}
+
 TEST_F(UpdateTest, WithoutPermissionTheDriveIsUsedOrTheRemedyTold) {
   const lamplock::test::TemporaryFolder folder;
   roots_ = {folder.file("media")};
@@ -163,14 +246,14 @@ TEST_F(UpdateTest, ADriveThatIsGivenNeedsNoBus) {
   const lamplock::test::TemporaryFolder folder;
   mount(folder.file("drive"));
   const UpdateReport report =
-      Update({bus_, ports_, {}}, image_, {}).run_on_drive(folder.file("drive"));
+      Update({bus_, ports_, {}, {}}, image_, {}).run_on_drive(folder.file("drive"));
   EXPECT_EQ(report.version, version_of(image_));
   EXPECT_EQ(report.board.place, "1-4");
   // Nothing is seen of the board: the copy counts.
   mount(folder.file("drive"));
   board().firmware_starts = false;
   const UpdateReport unseen =
-      Update({bus_, ports_, {}}, old_, {}).run_on_drive(folder.file("drive"));
+      Update({bus_, ports_, {}, {}}, old_, {}).run_on_drive(folder.file("drive"));
   EXPECT_NE(unseen.version_problem.find("no new board"), std::string::npos);
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }

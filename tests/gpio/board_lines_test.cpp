@@ -3,6 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <thread>
 
 #include "host/error.hpp"
 #include "tests/error_of.hpp"
@@ -65,6 +72,80 @@ TEST(BoardLines, ALineThatIsLostIsToldAndTheOtherIsLetGo) {
   board.naps_until_unplugged = 1;
   EXPECT_THROW(enter_loader(board.lines, both_pins(), board.sleep()), Error);
   EXPECT_THAT(board.log, ElementsAre("BOOT down", "RUN down", "20 ms", "BOOT up"));
+}
+
+/// As a terminal, a shell or the system end or stop a program, in any thread.
+constexpr std::array outside{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGPIPE};
+
+/// In force before, and then again: notes how the pins are when the signal gets through.
+std::atomic<int> got_through{0};
+std::atomic<bool> run_was_up{false};
+ModelPins* watched_pins = nullptr;
+void get_through(int) {
+  ++got_through;
+  run_was_up = watched_pins->level("RUN") && watched_pins->level("BOOT");
+}
+
+TEST(BoardLines, SignalsWaitUntilThePinsAreLetGo) {
+  for (const int signal : outside) {
+    for (const auto pull : {reset_board, enter_loader}) {
+      Board board;
+      watched_pins = board.pins.get();
+      got_through = 0;
+      const auto before = std::signal(signal, get_through);
+      pull(board.lines, both_pins(), [&](std::chrono::milliseconds) {
+        EXPECT_FALSE(board.pins->level("RUN") && board.pins->level("BOOT"));
+        std::thread([signal] { ::raise(signal); }).join();
+        ::raise(signal);
+        EXPECT_EQ(got_through, 0) << signal;
+      });
+      EXPECT_EQ(got_through, 1) << signal;
+      EXPECT_TRUE(run_was_up) << signal;
+      ::raise(signal);
+      EXPECT_EQ(got_through, 2) << "as before";
+      std::signal(signal, before);
+    }
+  }
+}
+
+TEST(BoardLines, AnErrorBehindASignalLetsGoToo) {
+  Board board;
+  watched_pins = board.pins.get();
+  got_through = 0;
+  const auto before = std::signal(SIGTERM, get_through);
+  const Sleep fails = [](std::chrono::milliseconds) {
+    ::raise(SIGTERM);
+    throw Error(Exit::no_device, "test", "fails", "nothing");
+  };
+  EXPECT_THROW(enter_loader(board.lines, both_pins(), fails), Error);
+  EXPECT_EQ(got_through, 1);
+  EXPECT_TRUE(run_was_up);
+  std::signal(SIGTERM, before);
+}
+
+TEST(BoardLines, OneThatIsIgnoredStaysSo) {
+  Board board;
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  reset_board(board.lines, both_pins(), [](std::chrono::milliseconds) { ::raise(SIGHUP); });
+  EXPECT_EQ(std::signal(SIGHUP, before), SIG_IGN);
+}
+
+/// Nobody handles it: the program ends, behind the pulse.
+TEST(BoardLinesDeathTest, TheProgramEndsWhenTheBoardIsOutOfReset) {
+  const auto reset_and_kill = [](int signal) {
+    Board board;
+    board.pins->on_output = [](const std::string& place, bool level) {
+      std::fprintf(stderr, "%s %s, ", place.c_str(), level ? "up" : "down");
+    };
+    std::signal(signal, SIG_DFL);
+    enter_loader(board.lines, both_pins(),
+                 [signal](std::chrono::milliseconds) { ::kill(::getpid(), signal); });
+    ::_exit(0);
+  };
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    EXPECT_EXIT(reset_and_kill(signal), testing::KilledBySignal(signal),
+                "BOOT down, RUN down, RUN up, BOOT up");
+  }
 }
 
 TEST(BoardLines, NothingIsPulledWithoutBothPins) {

@@ -17,16 +17,19 @@ namespace lamplock::pendant {
 
 inline constexpr double steps_per_mm = 200, accel_mm_s2 = 2000;
 
-/// A cable that keeps what was written, takes as few bytes as told, and can be cut in a direction.
+/// A cable that keeps what was written, takes as few bytes as told, loses some, and can be cut in a
+/// direction.
 class ListenedCable final : public link::Transport {
  public:
   explicit ListenedCable(sim::Board& board) : inner_(board) {}
 
   std::size_t write(std::span<const std::uint8_t> bytes) override {
     const std::size_t room = std::min(bytes.size(), most_written());
-    const std::size_t count = cut ? room : inner_.write(bytes.first(room));
-    for (const std::uint8_t byte : bytes.first(count)) keep(byte);
-    return count;
+    for (const std::uint8_t byte : bytes.first(room)) {
+      keep(byte);
+      if (!cut && !loses(byte)) inner_.write(std::span(&byte, 1));
+    }
+    return room;
   }
   std::size_t read(std::span<std::uint8_t> bytes) override {
     const std::size_t count = inner_.read(bytes);
@@ -37,6 +40,7 @@ class ListenedCable final : public link::Transport {
   bool reconnect() override { return true; }
 
   std::function<std::size_t()> most_written = [] { return std::size_t{4096}; };
+  std::function<bool(std::uint8_t)> loses = [](std::uint8_t) { return false; };
   bool cut = false, mute = false;
   std::vector<std::string> lines;      ///< that were written as a whole
   std::vector<std::uint8_t> realtime;  ///< `?` left out

@@ -16,12 +16,14 @@ namespace lamplock::pendant {
 namespace {
 
 using test::scaled;
+using testing::AllOf;
 using testing::Contains;
 using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::MatchesRegex;
+using testing::Not;
 
 constexpr std::uint8_t cancel = 0x85;
 
@@ -149,7 +151,7 @@ TEST(Continuous, an_axis_moves_no_faster_than_it_can) {
   EXPECT_LE(hand.x() - at, longest_way(10, 0.05));
 }
 
-/// Somebody has slowed it down, or it is another one than its settings say: places tell.
+/// It is another one than its settings say: places tell.
 TEST(Continuous, what_is_ahead_is_bounded_by_where_the_machine_is) {
   job::Profile slow = Hand::plain_profile();
   job::state_setting(slow, settings::Id::max_rate_x, 600, "test");
@@ -327,6 +329,182 @@ TEST(Loss, in_the_middle_of_a_line) {
     EXPECT_LE(hand.x(), 0.5) << round;
     EXPECT_THAT(hand.cable.lines.size(), testing::Le(1u));
   }
+}
+
+// --- what is no jog at a speed ---
+
+/// A machine that homes, at 100 mm/s; no switch is within its reach.
+job::Profile homing_profile() {
+  job::Profile profile = Hand::plain_profile();
+  job::state_setting(profile, settings::Id::homing, 1, "test");
+  job::state_setting(profile, settings::Id::homing_seek, 6000, "test");
+  job::state_setting(profile, settings::Id::homing_feed, 6000, "test");
+  return profile;
+}
+
+/// The way from here, of all axes.
+class WaySince {
+ public:
+  explicit WaySince(const Hand& hand) : hand_(hand), from_(place()) {}
+  double mm() const {
+    const std::vector<double> now = place();
+    double sum = 0;
+    for (std::size_t a = 0; a < now.size(); ++a) sum += std::pow(now[a] - from_[a], 2);
+    return std::sqrt(sum);
+  }
+
+ private:
+  std::vector<double> place() const { return {hand_.at(0), hand_.at(1), hand_.at(2)}; }
+  const Hand& hand_;
+  std::vector<double> from_;
+};
+
+constexpr double some_mm_s = 100;
+
+/// Something that moves by itself for a second at least, along one axis at a time, at 100 mm/s.
+struct Mover {
+  const char* name;
+  std::function<void(Hand&)> begin;
+};
+const std::vector<Mover>& movers() {
+  static const std::vector<Mover> all{
+      {"a long step",
+       [](Hand& hand) {
+         hand.select(Selector::x);
+         hand.turn(1);
+       }},
+      {"a way to a place", [](Hand& hand) { hand.key(Key::safe_z); }},
+      {"a macro of moves", [](Hand& hand) { hand.key(key_of_row(Key::macro_1, 1)); }},
+      {"a macro of jogs", [](Hand& hand) { hand.key(key_of_row(Key::macro_1, 2)); }},
+      {"a macro that homes", [](Hand& hand) { hand.key(key_of_row(Key::macro_1, 3)); }},
+      {"homing", [](Hand& hand) { hand.key(Key::home); }}};
+  return all;
+}
+
+Hand moving_hand() {
+  KeyMap map = map_with(some_mm_s * 60);
+  map.steps_mm = {45};
+  map.safe_z_mm = -45;
+  map.macros.push_back({"moves", {"G91", "G1 X45 F6000", "G1 X-90", "G1 X45"}, false});
+  map.macros.push_back({"jogs", {"$J=G91X45F6000", "$J=G91X-90F6000", "$J=G91X45F6000"}, false});
+  map.macros.push_back({"homes", {"$H", "G91 G1 X-20 F6000"}, false});
+  for (std::size_t i = 0; i < map.macros.size(); ++i)
+    map.keys[key_of_row(Key::macro_1, static_cast<int>(i) + 1)] = {Action::none, i};
+  return Hand(std::move(map), homing_profile());
+}
+
+/// With homing on it begins locked.
+void unlock(Hand& hand) {
+  hand.jogger.press("u");
+  ASSERT_TRUE(hand.come_to_rest());
+  hand.jogger.take_notes();
+  hand.cable.realtime.clear();
+}
+
+TEST(Loss, stops_whatever_moves) {
+  std::mt19937_64 random(17);
+  const auto pick = [&random](int from, int to) {
+    return std::uniform_int_distribution<>(from, to)(random);
+  };
+  for (int round = 0; round < scaled(90); ++round) {
+    const Mover& mover = movers()[static_cast<std::size_t>(round) % movers().size()];
+    SCOPED_TRACE(fmt::format("{}, round {}", mover.name, round));
+    Hand hand = moving_hand();
+    unlock(hand);
+    if (pick(0, 1) == 0) {
+      hand.cable.most_written = [&random] { return 1 + random() % 3; };
+    }
+    mover.begin(hand);
+    // The first moments count: what is half out, what has not been told of.
+    hand.run_ms(pick(0, 1) == 0 ? pick(0, 30) : pick(30, 400));
+    const WaySince way(hand);
+    if (pick(0, 1) == 0)
+      hand.jogger.let_go();
+    else
+      hand.jogger.take(plain_event(Event::Kind::asleep));
+    hand.run_ms(300);
+    EXPECT_LE(way.mm(), longest_way(some_mm_s, 0.1));
+    const WaySince more(hand);
+    hand.run_ms(2000);
+    EXPECT_EQ(more.mm(), 0);
+    EXPECT_TRUE(hand.jogger.machine().status.stands());
+    EXPECT_TRUE(hand.jogger.rests() || hand.jogger.machine().status.waits());
+    hand.expect_dark();
+  }
+}
+
+/// The machine has to be seen to have moved, or the test above says nothing.
+TEST(Loss, without_one_it_moves_on) {
+  for (const Mover& mover : movers()) {
+    Hand hand = moving_hand();
+    unlock(hand);
+    mover.begin(hand);
+    hand.run_ms(150);
+    const WaySince way(hand);
+    hand.run_ms(150);
+    EXPECT_GT(way.mm(), 10) << mover.name;
+  }
+}
+
+/// What stops it first does not arrive.
+TEST(Loss, a_byte_that_is_lost_is_sent_again) {
+  for (const Mover& mover : movers()) {
+    SCOPED_TRACE(mover.name);
+    Hand hand = moving_hand();
+    unlock(hand);
+    mover.begin(hand);
+    hand.run_ms(200);
+    bool lost = false;
+    const Time until = hand.cable.now() + Time(10'000);
+    hand.cable.loses = [&](std::uint8_t byte) {
+      const bool stops = byte == cancel || byte == '!' || byte == 0x18;
+      if (!stops || hand.cable.now() >= until) return false;
+      return lost = true;
+    };
+    const WaySince way(hand);
+    hand.jogger.let_go();
+    hand.run_ms(500);
+    EXPECT_TRUE(lost);
+    EXPECT_LE(way.mm(), longest_way(some_mm_s, 0.15));
+    EXPECT_TRUE(hand.jogger.machine().status.stands());
+  }
+}
+
+/// The program ends in the same moment.
+TEST(Homing, that_was_not_told_of_yet_is_reset_too) {
+  Hand hand = moving_hand();
+  unlock(hand);
+  hand.key(Key::home);
+  hand.run_ms(4);
+  EXPECT_FALSE(hand.jogger.machine().status.is("Home"));
+  hand.jogger.let_go();
+  hand.port.flush();
+  hand.run_alone_ms(300);
+  const WaySince way(hand);
+  hand.run_alone_ms(500);
+  EXPECT_EQ(way.mm(), 0);
+}
+
+TEST(Homing, ends_with_a_reset_and_begins_anew) {
+  Hand hand = moving_hand();
+  unlock(hand);
+  hand.key(Key::home);
+  hand.run_ms(200);
+  ASSERT_TRUE(hand.jogger.machine().status.is("Home"));
+  EXPECT_FALSE(hand.jogger.rests());
+  hand.jogger.let_go();
+  EXPECT_FALSE(hand.jogger.rests()) << "before a report says so";
+  hand.run_ms(300);
+  EXPECT_THAT(hand.cable.realtime, AllOf(Not(IsEmpty()), Each(0x18)));
+  EXPECT_TRUE(hand.jogger.machine().status.is("Alarm"));
+  EXPECT_TRUE(hand.jogger.rests());
+  EXPECT_THAT(hand.jogger.take_notes(), Contains(HasSubstr("homing")));
+  hand.key(Key::home);
+  hand.run_ms(300);
+  EXPECT_TRUE(hand.jogger.machine().status.is("Home"));
+  hand.key(Key::start);
+  hand.run_ms(300);
+  EXPECT_TRUE(hand.jogger.machine().status.is("Alarm")) << "a pause ends it, too";
 }
 
 TEST(Keyboard, a_key_is_a_step_and_held_it_goes_on_smoothly) {
