@@ -33,7 +33,7 @@ class EmptyChip {
     chip_.power_on();
     bus_.sleep(start_time);
   }
-  flash::UpdateSite site() { return {bus_, ports_, {}, {}}; }
+  flash::UpdateSite site() { return {bus_, ports_}; }
 
  private:
   /// The ROM looks for a program for half a second (RP2040 datasheet, 2.8.1.3).
@@ -48,7 +48,8 @@ struct ThisComputer {
   usb::LibusbBus bus;
   flash::SystemPorts ports;
   flash::UpdateSite site(std::function<void()> pull_loader_lines) {
-    return {bus, ports, flash::usual_drive_roots(), std::move(pull_loader_lines)};
+    return {bus, ports, flash::usual_drive_roots(), flash::write_through,
+            std::move(pull_loader_lines)};
   }
 };
 
