@@ -89,6 +89,7 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
   if (outcome.error) return tell_failure(outcome.error);
   const link::JobResult& result = outcome.result;
   const std::uint32_t next = result.status.first_unfired;
+  std::string what, remedy;
   switch (result.end) {
     case JobEnd::done:
       return Exit::done;
@@ -98,27 +99,28 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
                       "release it, close it, and " + go_on_text(result));
       fmt::print(stderr, "stopped: first {} not fired is {}; {}\n", item, next, go_on_text(result));
       return Exit::interrupted;
-    case JobEnd::alarm: {
-      const bool estop = result.status.state == wire::MachineState::estop;
-      const std::string what =
-          estop ? "e-stop" : fmt::format("alarm {}", static_cast<int>(result.status.alarm));
-      throw Error(Exit::job_failed, options.board, fmt::format("{} before {} {}", what, item, next),
-                  "clear it and " + go_on_text(result));
-    }
+    case JobEnd::alarm:
+      what = fmt::format("{} before {} {}",
+                         result.status.state == wire::MachineState::estop
+                             ? "e-stop"
+                             : fmt::format("alarm {}", static_cast<int>(result.status.alarm)),
+                         item, next);
+      remedy = "clear it and ";
+      break;
     case JobEnd::lost:
-      throw Error(Exit::job_failed, options.board,
-                  fmt::format("connection lost, so that the machine could not be stopped; the last "
-                              "{} heard of is {}",
-                              item, next),
-                  "see that it stands, check the cable and " + go_on_text(result));
+      what = fmt::format(
+          "connection lost, so that the machine could not be stopped; the last {} heard of is {}",
+          item, next);
+      remedy = "see that it stands, check the cable and ";
+      break;
     case JobEnd::restarted:
-      throw Error(Exit::job_failed, options.board,
-                  fmt::format("the machine has restarted, its position is lost; the last {} "
-                              "heard of is {}",
-                              item, next),
-                  "home it and " + go_on_text(result));
+      what =
+          fmt::format("the machine has restarted, its position is lost; the last {} heard of is {}",
+                      item, next);
+      remedy = "home it and ";
+      break;
   }
-  return Exit::job_failed;
+  throw Error(Exit::job_failed, options.board, what, remedy + go_on_text(result));
 }
 
 }  // namespace lamplock::cli
