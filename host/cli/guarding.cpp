@@ -65,7 +65,9 @@ void Guarding::end() {
 
 gpio::Verdict Guarding::look_at_lines() { return guard_->look(transport_.now()); }
 
-void Guarding::look(Steering& steering, AtDoor at_door) {
+/// `waits`: nobody has gone on behind a door.
+template <class Hand, class Waits>
+void Guarding::guide(Hand& steering, AtDoor at_door, const Waits& waits) {
   if (!guard_) return;
   const Verdict verdict = look_at_lines();
   if (verdict == Verdict::stop || (verdict == Verdict::door && at_door == AtDoor::ends)) {
@@ -76,23 +78,16 @@ void Guarding::look(Steering& steering, AtDoor at_door) {
     steering.block(guard_->reason());
   } else {
     steering.unblock();
-    if (behind_door_ && !steering.user_decides()) went_on();
+    if (behind_door_ && !waits()) went_on();
   }
 }
 
+void Guarding::look(Steering& steering, AtDoor at_door) {
+  guide(steering, at_door, [&] { return steering.user_decides(); });
+}
+
 void Guarding::look(LineSteering& steering) {
-  if (!guard_) return;
-  const Verdict verdict = look_at_lines();
-  if (verdict == Verdict::stop) {
-    if (ended_by_.empty()) ended_by_ = guard_->reason();
-    steering.end(ended_by_);
-  } else if (verdict == Verdict::door) {
-    behind_door_ = true;
-    steering.block(guard_->reason());
-  } else {
-    steering.unblock();
-    if (behind_door_ && !steering.blocked()) went_on();
-  }
+  guide(steering, AtDoor::holds, [&] { return steering.blocked(); });
 }
 
 /// The interlock is on before the machine hears that it may go on.

@@ -52,6 +52,8 @@ class Guarding {
 
  private:
   gpio::Verdict look_at_lines();
+  template <class Hand, class Waits>
+  void guide(Hand& steering, AtDoor at_door, const Waits& waits);
   void went_on();
 
   link::Transport& transport_;

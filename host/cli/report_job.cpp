@@ -36,13 +36,6 @@ std::string go_on_text(const link::JobResult& result) {
   return "go on with " + go_on_options(result);
 }
 
-/// What has ended it on its way; `before_it`: what the user does first.
-[[noreturn]] void throw_broken_off(const Outcome& outcome, const BoardOptions& options,
-                                   const std::string& what, const std::string& before_it) {
-  throw Error(Exit::job_failed, options.board, what,
-              fmt::format("{} and {}", before_it, go_on_text(outcome.result)));
-}
-
 }  // namespace
 
 Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
@@ -82,7 +75,7 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
   if (outcome.error) return tell_failure(outcome.error);
   const link::JobResult& result = outcome.result;
   const std::uint32_t next = result.status.first_unfired;
-  const std::string heard_of = fmt::format("the last {} heard of is {}", item, next);
+  std::string what, remedy;
   switch (result.end) {
     case JobEnd::done:
       return Exit::done;
@@ -92,22 +85,28 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
                       "release it, close it, and " + go_on_text(result));
       fmt::print(stderr, "stopped: first {} not fired is {}; {}\n", item, next, go_on_text(result));
       return Exit::interrupted;
-    case JobEnd::alarm: {
-      const bool estop = result.status.state == wire::MachineState::estop;
-      const std::string what =
-          estop ? "e-stop" : fmt::format("alarm {}", static_cast<int>(result.status.alarm));
-      throw_broken_off(outcome, options, fmt::format("{} before {} {}", what, item, next),
-                       "clear it");
-    }
+    case JobEnd::alarm:
+      what = fmt::format("{} before {} {}",
+                         result.status.state == wire::MachineState::estop
+                             ? "e-stop"
+                             : fmt::format("alarm {}", static_cast<int>(result.status.alarm)),
+                         item, next);
+      remedy = "clear it and ";
+      break;
     case JobEnd::lost:
-      throw_broken_off(outcome, options,
-                       "connection lost, so that the machine could not be stopped; " + heard_of,
-                       "see that it stands, check the cable");
+      what = fmt::format(
+          "connection lost, so that the machine could not be stopped; the last {} heard of is {}",
+          item, next);
+      remedy = "see that it stands, check the cable and ";
+      break;
     case JobEnd::restarted:
-      throw_broken_off(outcome, options,
-                       "the machine has restarted, its position is lost; " + heard_of, "home it");
+      what =
+          fmt::format("the machine has restarted, its position is lost; the last {} heard of is {}",
+                      item, next);
+      remedy = "home it and ";
+      break;
   }
-  return Exit::job_failed;
+  throw Error(Exit::job_failed, options.board, what, remedy + go_on_text(result));
 }
 
 }  // namespace lamplock::cli

@@ -183,6 +183,7 @@ std::string alarm_of(const LineResult& result) {
 /// One line if the program did not end well; gives the exit status.
 Exit tell_end(const Program& program, const LineResult& result, const std::string& board) {
   const std::string reach = reach_text(program, result);
+  std::string what, remedy;
   switch (result.end) {
     case LineEnd::done:
       if (result.errors.empty()) return Exit::done;
@@ -200,17 +201,19 @@ Exit tell_end(const Program& program, const LineResult& result, const std::strin
       fail(board, fmt::format("{}, {}", alarm_of(result), reach),
            "see what stopped it, then unlock it with $X or home it with $H");
     case LineEnd::lost:
-      fail(board,
-           fmt::format("connection lost, so that the machine could not be stopped; {}", reach),
-           "see that it stands and check the cable");
+      what = "connection lost, so that the machine could not be stopped";
+      remedy = "see that it stands and check the cable";
+      break;
     case LineEnd::unanswered:
-      fail(board, fmt::format("rests, and does not answer lines that were sent; {}", reach),
-           "check the cable, and that nothing else uses the port");
+      what = "rests, and does not answer lines that were sent";
+      remedy = "check the cable, and that nothing else uses the port";
+      break;
     case LineEnd::restarted:
-      fail(board, fmt::format("has restarted, its position may be lost; {}", reach),
-           "home it and begin again");
+      what = "has restarted, its position may be lost";
+      remedy = "home it and begin again";
+      break;
   }
-  return Exit::job_failed;
+  fail(board, fmt::format("{}; {}", what, reach), remedy);
 }
 
 /// A reset in motion is an alarm.

@@ -1,27 +1,18 @@
 // libgpiod 1.5 and 1.6 (Debian 12).
 #include <fmt/format.h>
-#include <gpiod.h>
 
 #include <array>
 #include <cerrno>
 #include <ctime>
 #include <utility>
 
+#include "host/gpio/gpiod_common.hpp"
 #include "host/gpio/host_lines.hpp"
-#include "host/gpio/place.hpp"
 
 namespace lamplock::gpio {
 namespace {
 
-constexpr const char* consumer = "lamplock";
-constexpr std::int64_t us_per_s = 1'000'000, ns_per_us = 1'000;
-/// Changes that the kernel keeps for a line (drivers/gpio/gpiolib-cdev.c).
-constexpr unsigned kept_events = 16;
-
-struct CloseChip {
-  void operator()(gpiod_chip* chip) const { ::gpiod_chip_close(chip); }
-};
-using Chip = std::unique_ptr<gpiod_chip, CloseChip>;
+constexpr std::int64_t us_per_s = 1'000'000;
 
 /// A line and the chip that it belongs to, which is closed behind it.
 struct Line {
@@ -29,25 +20,14 @@ struct Line {
   gpiod_line* line = nullptr;
 };
 
-std::string text_of(const char* text) { return text == nullptr ? "" : text; }
-
-Line find_by_name(const std::string& name) {
-  bool problems = false;
-  for (const std::string& file : chip_files()) {
-    Chip chip(::gpiod_chip_open(file.c_str()));
-    if (!chip) {
-      problems = true;
-    } else if (gpiod_line* line = ::gpiod_chip_find_line(chip.get(), name.c_str())) {
-      return {std::move(chip), line};
-    }
-  }
-  throw no_line_error(name, problems);
-}
-
 Line find(const std::string& text) {
   const Place place = parse_place(text);
-  if (!place.name.empty()) return find_by_name(place.name);
-  Chip chip(::gpiod_chip_open(place.chip.c_str()));
+  if (!place.name.empty())
+    return find_on_chips(place.name, [&place](Chip chip) -> std::optional<Line> {
+      gpiod_line* line = ::gpiod_chip_find_line(chip.get(), place.name.c_str());
+      return line == nullptr ? std::nullopt : std::optional(Line{std::move(chip), line});
+    });
+  Chip chip = open_chip(place.chip);
   if (!chip) throw chip_error(place.chip, errno);
   if (place.number >= ::gpiod_chip_num_lines(chip.get())) throw no_line_error(text, false);
   gpiod_line* line = ::gpiod_chip_get_line(chip.get(), place.number);
@@ -94,8 +74,7 @@ class WatchedInput final : public Input {
     std::vector<Event> all;
     if (gone_ || ::gpiod_line_event_wait(line_.line, &limit) <= 0) return all;
     std::array<gpiod_line_event, kept_events> read;
-    const int count =
-        ::gpiod_line_event_read_multiple(line_.line, read.data(), unsigned{read.size()});
+    const int count = ::gpiod_line_event_read_multiple(line_.line, read.data(), kept_events);
     // What can be waited for and not be read is a chip that was unplugged.
     if (count < 0) gone_ = true;
     for (int i = 0; i < count; ++i) {
@@ -129,7 +108,7 @@ class DrivenOutput final : public Output {
 
 ChipInfo info_of(const std::string& file) {
   ChipInfo info{.file = file};
-  const Chip chip(::gpiod_chip_open(file.c_str()));
+  const Chip chip = open_chip(file);
   if (!chip) {
     info.problem = chip_problem(errno);
     return info;
@@ -140,10 +119,8 @@ ChipInfo info_of(const std::string& file) {
   for (unsigned number = 0; number < count; ++number) {
     gpiod_line* line = ::gpiod_chip_get_line(chip.get(), number);
     if (line == nullptr) continue;
-    const bool used = ::gpiod_line_is_used(line);
-    const std::string user = text_of(::gpiod_line_consumer(line));
     info.lines.push_back({number, text_of(::gpiod_line_name(line)),
-                          used && user.empty() ? "kernel" : user,
+                          user_of(::gpiod_line_consumer(line), ::gpiod_line_is_used(line)),
                           ::gpiod_line_direction(line) == GPIOD_LINE_DIRECTION_OUTPUT});
   }
   return info;
@@ -151,11 +128,7 @@ ChipInfo info_of(const std::string& file) {
 
 class HostLines final : public Lines {
  public:
-  std::vector<ChipInfo> chips() override {
-    std::vector<ChipInfo> all;
-    for (const std::string& file : chip_files()) all.push_back(info_of(file));
-    return all;
-  }
+  std::vector<ChipInfo> chips() override { return all_chips(info_of); }
   std::unique_ptr<Input> input(const LineRequest& wanted) override {
     return std::make_unique<WatchedInput>(
         request(wanted, GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES, false));

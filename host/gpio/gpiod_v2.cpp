@@ -2,22 +2,16 @@
 // have it: this file was written after the library's own documentation of its functions, checked
 // against their declarations, and has not run.
 #include <fmt/format.h>
-#include <gpiod.h>
 
 #include <cerrno>
 #include <cstddef>
 #include <utility>
 
+#include "host/gpio/gpiod_common.hpp"
 #include "host/gpio/host_lines.hpp"
-#include "host/gpio/place.hpp"
 
 namespace lamplock::gpio {
 namespace {
-
-constexpr const char* consumer = "lamplock";
-constexpr std::int64_t ns_per_us = 1'000;
-/// Changes that the kernel keeps for a line (drivers/gpio/gpiolib-cdev.c).
-constexpr std::size_t kept_events = 16;
 
 /// Frees what the library has made, by the function for it.
 template <auto free>
@@ -30,7 +24,6 @@ struct Free {
 template <class Thing, auto free>
 using Owned = std::unique_ptr<Thing, Free<free>>;
 
-using Chip = Owned<gpiod_chip, ::gpiod_chip_close>;
 using ChipData = Owned<gpiod_chip_info, ::gpiod_chip_info_free>;
 using LineData = Owned<gpiod_line_info, ::gpiod_line_info_free>;
 using Settings = Owned<gpiod_line_settings, ::gpiod_line_settings_free>;
@@ -51,26 +44,15 @@ struct Line {
   unsigned number = 0;
 };
 
-std::string text_of(const char* text) { return text == nullptr ? "" : text; }
-
-Found find_by_name(const std::string& name) {
-  bool problems = false;
-  for (const std::string& file : chip_files()) {
-    Chip chip(::gpiod_chip_open(file.c_str()));
-    if (!chip) {
-      problems = true;
-      continue;
-    }
-    const int number = ::gpiod_chip_get_line_offset_from_name(chip.get(), name.c_str());
-    if (number >= 0) return {std::move(chip), static_cast<unsigned>(number)};
-  }
-  throw no_line_error(name, problems);
-}
-
 Found find(const std::string& text) {
   const Place place = parse_place(text);
-  if (!place.name.empty()) return find_by_name(place.name);
-  Chip chip(::gpiod_chip_open(place.chip.c_str()));
+  if (!place.name.empty())
+    return find_on_chips(place.name, [&place](Chip chip) -> std::optional<Found> {
+      const int number = ::gpiod_chip_get_line_offset_from_name(chip.get(), place.name.c_str());
+      if (number < 0) return std::nullopt;
+      return Found{std::move(chip), static_cast<unsigned>(number)};
+    });
+  Chip chip = open_chip(place.chip);
   if (!chip) throw chip_error(place.chip, errno);
   const ChipData data(::gpiod_chip_get_info(chip.get()));
   if (!data) throw chip_error(place.chip, errno);
@@ -183,15 +165,15 @@ class DrivenOutput final : public Output {
 LineInfo line_info(gpiod_chip* chip, unsigned number) {
   const LineData data(::gpiod_chip_get_line_info(chip, number));
   if (!data) return {number};
-  const std::string user = text_of(::gpiod_line_info_get_consumer(data.get()));
-  const bool unnamed_user = user.empty() && ::gpiod_line_info_is_used(data.get());
-  return {number, text_of(::gpiod_line_info_get_name(data.get())), unnamed_user ? "kernel" : user,
-          ::gpiod_line_info_get_direction(data.get()) == GPIOD_LINE_DIRECTION_OUTPUT};
+  return {
+      number, text_of(::gpiod_line_info_get_name(data.get())),
+      user_of(::gpiod_line_info_get_consumer(data.get()), ::gpiod_line_info_is_used(data.get())),
+      ::gpiod_line_info_get_direction(data.get()) == GPIOD_LINE_DIRECTION_OUTPUT};
 }
 
 ChipInfo info_of(const std::string& file) {
   ChipInfo info{.file = file};
-  const Chip chip(::gpiod_chip_open(file.c_str()));
+  const Chip chip = open_chip(file);
   const ChipData data(chip ? ::gpiod_chip_get_info(chip.get()) : nullptr);
   if (!data) {
     info.problem = chip_problem(errno);
@@ -207,11 +189,7 @@ ChipInfo info_of(const std::string& file) {
 
 class HostLines final : public Lines {
  public:
-  std::vector<ChipInfo> chips() override {
-    std::vector<ChipInfo> all;
-    for (const std::string& file : chip_files()) all.push_back(info_of(file));
-    return all;
-  }
+  std::vector<ChipInfo> chips() override { return all_chips(info_of); }
   std::unique_ptr<Input> input(const LineRequest& wanted) override {
     return std::make_unique<WatchedInput>(request(wanted, input_settings(wanted)));
   }

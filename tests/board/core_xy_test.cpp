@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <random>
 
 #include "tests/board/exact_programs.hpp"
@@ -154,7 +155,8 @@ TEST(CoreXy, KnowsWhereItIsAfterADeadStop) {
 TEST(CoreXy, JobsBeginBetweenSteps) {
   std::mt19937_64 random(3);
   int odd = 0;
-  for (int round = 0; round < scaled(12); ++round) {
+  constexpr int enough_for_odd_ones = 6;
+  for (int round = 0; round < std::max(scaled(12), enough_for_odd_ones); ++round) {
     const job::Profile profile = core_xy(lamp_profile());
     Rig rig(profile);
     ProgramHost host(rig);
