@@ -162,6 +162,25 @@ TEST(Flasher, WornFlashIsToldAndDoesNotStart) {
   }
 }
 
+TEST(Flasher, AnEraseThatDoesNothingLeavesTheOldImageWhole) {
+  std::mt19937_64 random(8);
+  const FlashImage old = test::noise_image(20'000, 1), image = changed(old, random);
+  FlashModel flash;
+  flash_into(flash, old);
+  const std::vector<std::uint8_t> before = flash.bytes;
+  LoaderModel device(flash, {.erases_nothing = true});
+  try {
+    flash_with(device, image);
+    ADD_FAILURE() << "no error";
+  } catch (const PicobootError& error) {
+    EXPECT_EQ(error.exit(), Exit::job_failed);
+    const std::string text = error.what();
+    EXPECT_NE(text.find("0x10000000 was erased"), std::string::npos) << text;
+  }
+  EXPECT_EQ(flash.bytes, before);
+  EXPECT_TRUE(test::starts(flash.bytes));
+}
+
 TEST(Flasher, ARefusalAnywhereLeavesTheLoader) {
   const FlashImage image = test::noise_image(10'000, 6);
   FlashModel trial;

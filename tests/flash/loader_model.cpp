@@ -186,6 +186,7 @@ void LoaderModel::execute() {
 }
 
 void LoaderModel::erase() {
+  if (faults_.erases_nothing) return;
   for (std::uint32_t at = 0; at < arguments_[1]; at += sector_bytes) {
     const std::uint32_t offset = address_ - base + at;
     flash_.erased_sectors.push_back(offset);

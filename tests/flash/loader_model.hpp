@@ -36,6 +36,7 @@ struct LoaderFaults {
   std::uint32_t status = 0;            ///< of the refusal
   bool status_fails = false;           ///< its reason cannot be read
   std::size_t silent_command = never;  ///< its end never comes
+  bool erases_nothing = false;         ///< but acknowledges every erase
   bool claimed_by_other = false;
 };
 
