@@ -6,6 +6,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/flash_file.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/validators.hpp"
 #include "host/flash/drive.hpp"
 #include "host/flash/update.hpp"
 #include "host/usb/libusb_bus.hpp"
@@ -99,7 +100,7 @@ Exit flash_site(const flash::UpdateSite& site, const FlashFile& file, const Opti
   if (!report.version_problem.empty())
     console.say("the image is on the board; its version was not read: {}", report.version_problem);
   console.document(as_json(report, file.file));
-  return Exit::done;
+  return report.confirmed() ? Exit::done : Exit::job_failed;
 }
 
 Exit flash_board(const Options& options) {
@@ -138,7 +139,7 @@ void add_flash(CLI::App& program, Action& action) {
                     ->excludes(serial);
   app->add_option("--board", options->board,
                   "usb: a real one; chip: a simulated one with an empty flash, to see it done")
-      ->check(CLI::IsMember({"usb", "chip"}))
+      ->check(one_of({"usb", "chip"}))
       ->type_name("usb|chip")
       ->capture_default_str();
   app->add_flag("--json", options->json, "Print the result as JSON on stdout");
