@@ -128,8 +128,9 @@ void add_flash(CLI::App& program, Action& action) {
       "Example:\n  lamplock flash\n  lamplock flash --serial E661640843322A2B\n"
       "  lamplock flash new.uf2 --drive /media/$USER/RPI-RP2\n  lamplock flash --board chip");
   const auto options = std::make_shared<Options>();
-  app->add_option("IMAGE", options->image,
-                  "UF2 or ELF file; without it lamplock-rp2040.uf2 that came with the program");
+  app->add_option(
+      "IMAGE", options->image,
+      "UF2, ELF or .bin file; without it lamplock-rp2040.uf2 that came with the program");
   auto* serial =
       app->add_option("--serial", options->serial, "The board with this serial number: see devices")
           ->type_name("TEXT");
