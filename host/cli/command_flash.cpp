@@ -8,6 +8,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/flash_file.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/validators.hpp"
 #include "host/flash/drive.hpp"
 #include "host/flash/update.hpp"
 #include "host/gpio/board_lines.hpp"
@@ -115,7 +116,7 @@ Exit flash_site(const flash::UpdateSite& site, const FlashFile& file, const Opti
   if (!report.version_problem.empty())
     console.say("the image is on the board; its version was not read: {}", report.version_problem);
   console.document(as_json(report, file.file));
-  return Exit::done;
+  return report.confirmed() ? Exit::done : Exit::job_failed;
 }
 
 Exit flash_board(const Options& options) {
@@ -147,8 +148,9 @@ void add_flash(CLI::App& program, Action& action) {
       "  lamplock flash --lines examples/lines.toml\n"
       "  lamplock flash new.uf2 --drive /media/$USER/RPI-RP2\n  lamplock flash --board chip");
   const auto options = std::make_shared<Options>();
-  app->add_option("IMAGE", options->image,
-                  "UF2 or ELF file; without it lamplock-rp2040.uf2 that came with the program");
+  app->add_option(
+      "IMAGE", options->image,
+      "UF2 or ELF file; without it lamplock-rp2040.uf2 that came with the program");
   auto* serial =
       app->add_option("--serial", options->serial, "The board with this serial number: see devices")
           ->type_name("TEXT");
@@ -158,7 +160,7 @@ void add_flash(CLI::App& program, Action& action) {
                     ->excludes(serial);
   app->add_option("--board", options->board,
                   "usb: a real one; chip: a simulated one with an empty flash, to see it done")
-      ->check(CLI::IsMember({"usb", "chip"}))
+      ->check(one_of({"usb", "chip"}))
       ->type_name("usb|chip")
       ->capture_default_str();
   app->add_option("--lines", options->lines,

@@ -47,7 +47,7 @@ link::BoardStatus ask_status(link::LinePort& port, const std::string& where) {
     if (told) return status;
   }
   throw Error(Exit::no_device, where, "does not answer",
-              "end other programs that use its port, or hold BOOTSEL while plugging it in");
+              "end other programs that use it (over its pulse stream a job may run), then flash");
 }
 
 }  // namespace
@@ -74,11 +74,11 @@ void enter_boot_loader(link::Transport& transport, const std::string& where) {
   if (error != 0)
     throw Error(Exit::job_failed, where,
                 fmt::format("does not leave for its boot loader ({})", link::error_text(error)),
-                "end what it does, or plug it in with BOOTSEL held, then flash");
+                "end what it does, then flash");
   // Gone before its answer has come: that is an answer too.
   if (!answered && transport.connected())
     throw Error(Exit::no_device, where, "does not answer $BOOT",
-                "hold BOOTSEL while plugging it in, then flash");
+                "end other programs that use its port, then flash");
 }
 
 std::string version(link::Transport& transport) {

@@ -7,6 +7,7 @@
 #include "host/error.hpp"
 #include "shared/boards/boot2_crc32.hpp"
 #include "shared/boards/pico_flash.hpp"
+#include "shared/wire/crc32.hpp"
 
 namespace lamplock::flash {
 namespace {
@@ -36,6 +37,12 @@ void check_overlap(const Part& before, const Part& after, const std::string& whe
            "build the image again");
 }
 
+std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
+  std::uint32_t word = 0;
+  for (std::size_t i = 4; i-- > 0;) word = word << 8 | bytes[at + i];
+  return word;
+}
+
 /// The ROM starts what has the CRC of its first 252 bytes behind them.
 void check_boot_code(const FlashImage& image, const std::string& where) {
   constexpr std::size_t code_size = 252;
@@ -43,10 +50,41 @@ void check_boot_code(const FlashImage& image, const std::string& where) {
   if (image.sectors.empty() || image.sectors.front().address != flash_base)
     refuse(where, "has nothing for the begin of the flash, where the chip starts", remedy);
   const std::span<const std::uint8_t> bytes = image.sectors.front().bytes;
-  std::uint32_t stored = 0;
-  for (std::size_t i = 4; i-- > 0;) stored = stored << 8 | bytes[code_size + i];
-  if (boards::boot2_crc32(bytes.first(code_size)) != stored)
+  if (boards::boot2_crc32(bytes.first(code_size)) != word_at(bytes, code_size))
     refuse(where, "has boot code with a wrong checksum: the chip would not start it", remedy);
+}
+
+/// From the begin of the flash on, what is not given erased.
+std::vector<std::uint8_t> contents(const FlashImage& image) {
+  const std::size_t last = image.sectors.back().address - flash_base;
+  std::vector<std::uint8_t> bytes(last + sector_size, erased);
+  for (const Sector& sector : image.sectors)
+    std::copy(sector.bytes.begin(), sector.bytes.end(),
+              bytes.begin() + static_cast<std::ptrdiff_t>(sector.address - flash_base));
+  return bytes;
+}
+
+/// The CRC is the last word that is not erased; or, once in 2^32 images, the erased one behind it.
+bool ends_with_its_crc(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint32_t erased_word = 0xffff'ffff;
+  std::size_t end = bytes.size();
+  while (end > page_size + 4 && word_at(bytes, end - 4) == erased_word) end -= 4;
+  const auto is_crc = [&](std::size_t at) {
+    return at + 4 <= bytes.size() &&
+           wire::crc32(bytes.subspan(page_size, at - page_size)) == word_at(bytes, at);
+  };
+  return is_crc(end - 4) || is_crc(end);
+}
+
+/// The loader in an image of lamplock enters it only if its CRC is right; the image before it would
+/// be lost by then.
+void check_own_crc(const FlashImage& image, const std::string& where) {
+  const std::vector<std::uint8_t> bytes = contents(image);
+  if (std::equal(boards::image_mark.begin(), boards::image_mark.end(),
+                 bytes.begin() + boards::image_mark_offset) &&
+      !ends_with_its_crc(bytes))
+    refuse(where, "is an image of lamplock with a wrong checksum: the board would not start it",
+           "copy or build the file again");
 }
 
 void put(const Part& part, FlashImage& image) {
@@ -74,6 +112,7 @@ FlashImage make_flash_image(std::vector<Part> parts, const std::string& where) {
     put(parts[i], image);
   }
   check_boot_code(image, where);
+  check_own_crc(image, where);
   return image;
 }
 

@@ -4,8 +4,9 @@
 // Who: readers of image files, Flasher.
 //
 // Judged is what the chip itself would judge, too late: whether it would start the image (RP2040
-// datasheet, 2.8.1.3.1), and whether the settings behind the image (shared/boards/pico_flash.hpp)
-// would be overwritten.
+// datasheet, 2.8.1.3.1), whether an image of lamplock would start itself (its CRC,
+// boot/loader.cpp), and whether the settings behind the image (shared/boards/pico_flash.hpp) would
+// be overwritten.
 #pragma once
 
 #include <array>
@@ -42,7 +43,8 @@ struct FlashImage {
 };
 
 /// Parts in any order. Throws Error(bad_input), about `where`: parts that overlap, that lie outside
-/// of the room for images, no boot code at the begin of the flash or one with a wrong checksum.
+/// of the room for images, no boot code at the begin of the flash or one with a wrong checksum, an
+/// image of lamplock with a wrong one. Of other images nothing behind the boot code can be checked.
 FlashImage make_flash_image(std::vector<Part> parts, const std::string& where);
 
 }  // namespace lamplock::flash

@@ -41,6 +41,7 @@ FlashResult Flasher::run() {
 
   const Sector& boot = image_.sectors.front();
   loader_.erase(boot.address, sector_size);
+  check_erased(boot.address);
   result.written = sectors.size() + (sectors.front() == &boot ? 0 : 1);
   std::size_t done = 0;
   for (const Sector* sector : sectors) {
@@ -65,6 +66,23 @@ std::vector<const Sector*> Flasher::differing() {
   }
   tell(Step::reading, image_.sectors.size(), image_.sectors.size());
   return found;
+}
+
+/// The ROM acknowledges an erase whatever became of it. While the boot code stands no other sector
+/// may be touched.
+void Flasher::check_erased(std::uint32_t address) {
+  std::array<std::uint8_t, sector_size> found{};
+  loader_.read(address, found);
+  const auto left =
+      std::find_if(found.begin(), found.end(), [](std::uint8_t byte) { return byte != erased; });
+  if (left == found.end()) return;
+  const auto offset = static_cast<std::uint32_t>(left - found.begin());
+  throw PicobootError(
+      Exit::job_failed,
+      fmt::format("the sector at 0x{:08x} was erased and 0x{:02x} read back at 0x{:08x}: nothing "
+                  "has been written",
+                  address, *left, address + offset),
+      "flash again; if it stays so the flash chip is protected or worn out");
 }
 
 void Flasher::write(const Sector& sector) {

@@ -4,10 +4,10 @@
 // In:  a session with the loader, an image. Out: the flash holds it, read back and compared.
 // Who: Update.
 //
-// Only sectors that differ are written. The sector of the second-stage boot code is erased before
-// the first and written behind the last of them, its page with the code last of all, when
-// everything else has been read back: until then the ROM finds no code to start and comes up in its
-// loader (RP2040 datasheet, 2.8.1). What was cut off is repeated from there.
+// Only sectors that differ are written. The sector of the second-stage boot code is erased, and
+// read back, before the first and written behind the last of them, its page with the code last of
+// all, when everything else has been read back: until then the ROM finds no code to start and comes
+// up in its loader (RP2040 datasheet, 2.8.1). What was cut off is repeated from there.
 #pragma once
 
 #include <cstddef>
@@ -45,6 +45,7 @@ class Flasher {
 
  private:
   std::vector<const Sector*> differing();
+  void check_erased(std::uint32_t address);
   void write(const Sector& sector);
   void write_boot_sector();
   void write_pages(const Sector& sector, std::size_t first, std::size_t end);

@@ -201,13 +201,12 @@ void Picoboot::check(const usb::Transfer& transfer, std::size_t size, const Orde
 void Picoboot::fail(const usb::Transfer& transfer, const Order& order) {
   switch (transfer.end) {
     case TransferEnd::stalled:
-      fail_refused(order);
+      fail_refused(order, status());
     case TransferEnd::gone:
       throw PicobootError(Exit::no_device,
                           fmt::format("{}: it was unplugged, or restarted", order.name), replug);
     case TransferEnd::timed_out:
-      throw PicobootError(Exit::no_device, fmt::format("{}: it does not answer", order.name),
-                          replug);
+      fail_unanswered(order);
     default:
       throw PicobootError(Exit::no_device,
                           fmt::format("{}: the transfer over USB failed", order.name),
@@ -215,8 +214,16 @@ void Picoboot::fail(const usb::Transfer& transfer, const Order& order) {
   }
 }
 
-void Picoboot::fail_refused(const Order& order) {
+/// The ROM takes the last data of a write before it judges them: it then refuses by halting the OUT
+/// endpoint, at which nobody looks any more, and the packet that would end the command never comes.
+void Picoboot::fail_unanswered(const Order& order) {
   const std::optional<Status> answer = status();
+  if (answer && answer->token == token_ && answer->code != PicobootStatus::ok)
+    fail_refused(order, answer);
+  throw PicobootError(Exit::no_device, fmt::format("{}: it does not answer", order.name), replug);
+}
+
+void Picoboot::fail_refused(const Order& order, const std::optional<Status>& answer) {
   recover();
   if (!answer || answer->token != token_)
     throw PicobootError(Exit::job_failed, fmt::format("{}: refused, no reason given", order.name),

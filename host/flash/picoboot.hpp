@@ -7,8 +7,10 @@
 // above 8 are those that the loader of the RP2350 has (datasheet, 5.6.5).
 //
 // A command is 32 bytes, its data follow in their direction, an empty packet the other way ends it.
-// A command that is refused halts the endpoints: its status is asked for before the interface is
-// reset, which forgets it.
+// How the ROM refuses (raspberrypi/pico-bootrom-rp2040, usb_boot_device.c): a command that it does
+// not understand halts both endpoints; data that it cannot move, that of their direction. A command
+// without data is acknowledged whatever became of it: who erases reads back. The status is asked
+// for before the interface is reset, which forgets it.
 #pragma once
 
 #include <chrono>
@@ -69,7 +71,7 @@ class Picoboot {
   void take_exclusive_access();
   /// Makes flash ready for the commands that follow.
   void exit_xip();
-  /// Whole sectors.
+  /// Whole sectors. That the loader acknowledges it does not say that it was done.
   void erase(std::uint32_t address, std::uint32_t size);
   /// From the begin of a page on; into erased flash.
   void write(std::uint32_t address, std::span<const std::uint8_t> bytes);
@@ -88,7 +90,8 @@ class Picoboot {
   void take_empty(std::chrono::milliseconds patience, const Order& order);
   void check(const usb::Transfer& transfer, std::size_t size, const Order& order);
   [[noreturn]] void fail(const usb::Transfer& transfer, const Order& order);
-  [[noreturn]] void fail_refused(const Order& order);
+  [[noreturn]] void fail_unanswered(const Order& order);
+  [[noreturn]] void fail_refused(const Order& order, const std::optional<Status>& answer);
   std::optional<Status> status();
   void recover();
   bool halted(std::uint8_t endpoint);

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "host/error.hpp"
 #include "host/flash/board_dialog.hpp"
 #include "host/flash/target.hpp"
 #include "host/flash/uf2.hpp"
+#include "host/link/usb_transport.hpp"
 
 namespace lamplock::flash {
 namespace {
@@ -96,6 +98,9 @@ DeviceInfo Update::find(const std::string& serial) {
 
 void Update::stop_board(const DeviceInfo& board) {
   const std::string name = name_of(board);
+  check_way(board);
+  // Kept, so that no job begins meanwhile.
+  const std::unique_ptr<usb::Device> stream = take_stream(board);
   const auto transport = site_.ports.open(board);
   try {
     report_.version_before = version_at_rest(*transport, name);
@@ -112,6 +117,34 @@ void Update::stop_board(const DeviceInfo& board) {
 void Update::pull_loader_lines(const std::string& why) const {
   site_.pull_loader_lines();
   step("lines", why + ": the board was reset into its boot loader");
+}
+
+/// Whoever may not use the board may not use its loader either, and needs the drive.
+void Update::check_way(const DeviceInfo& board) {
+  if (board.problem.empty()) return;
+  check_other_loaders(board);
+  const auto& roots = site_.drive_roots;
+  std::error_code unread;
+  if (std::none_of(roots.begin(), roots.end(), [&](const std::filesystem::path& root) {
+        return std::filesystem::is_directory(root, unread);
+      }))
+    throw Error(Exit::no_device, name_of(board), board.problem,
+                "nothing was sent to the board: it runs as before");
+}
+
+/// Throws Error(job_failed) if another program has it. Without access to USB nobody can tell.
+std::unique_ptr<usb::Device> Update::take_stream(const DeviceInfo& board) {
+  const auto stream = link::stream_interface(board);
+  if (!board.problem.empty() || !stream) return nullptr;
+  std::unique_ptr<usb::Device> device = site_.bus.open(board);
+  const usb::TransferEnd end = device->claim(stream->number);
+  if (end == usb::TransferEnd::gone)
+    throw Error(Exit::no_device, name_of(board), "has gone", "plug it in again, then flash");
+  if (end != usb::TransferEnd::done)
+    throw Error(Exit::job_failed, name_of(board),
+                "another program uses it over its pulse stream (a job may run)",
+                "end that program, then flash");
+  return device;
 }
 
 DeviceInfo Update::wait_for_loader(const std::string& place) {
@@ -143,23 +176,34 @@ void Update::flash_over_usb(const DeviceInfo& info) {
   loader.reboot(restart_delay);
 }
 
+void Update::check_other_loaders(const DeviceInfo& device) {
+  for (const DeviceInfo& other : site_.bus.devices())
+    if (other.place != device.place && usb::known_device(other).kind == Kind::boot_loader)
+      throw Error(Exit::bad_input, name_of(device),
+                  "its drive cannot be told from that of " + name_of(other),
+                  also_to_know("unplug the other one, or choose the drive with --drive"));
+}
+
+/// A remedy, and where a board that ran its firmware before has been left.
+std::string Update::also_to_know(const std::string& remedy) const {
+  if (report_.version_before.empty()) return remedy;
+  return remedy +
+         " (the board waits in its boot loader; plugged in again it runs its old firmware)";
+}
+
 std::filesystem::path Update::wait_for_drive(const DeviceInfo& loader) {
-  for (const DeviceInfo& device : site_.bus.devices())
-    if (device.place != loader.place && usb::known_device(device).kind == Kind::boot_loader)
-      throw Error(Exit::bad_input, name_of(loader),
-                  "its drive cannot be told from that of " + name_of(device),
-                  "unplug the other one, or choose the drive with --drive");
+  check_other_loaders(loader);
   const auto drives = poll(site_.bus, settling_time, [&] {
     auto found = find_loader_drives(site_.drive_roots);
     return found.empty() ? std::nullopt : std::make_optional(std::move(found));
   });
   if (!drives)
     throw Error(Exit::no_device, name_of(loader), loader.problem,
-                "or mount its drive RPI-RP2 and give that with --drive");
+                also_to_know("or mount its drive RPI-RP2 and give that with --drive"));
   if (drives->size() > 1)
     throw Error(Exit::bad_input, name_of(loader),
                 fmt::format("{} drives of boot loaders are mounted", drives->size()),
-                "choose one with --drive");
+                also_to_know("choose one with --drive"));
   return drives->front();
 }
 

@@ -5,13 +5,16 @@
 //      Error that says where the board is left.
 // Who: `lamplock flash`.
 //
-// A board with a job is left alone. One that is silent, or not even on the bus, may be reset into
-// its loader by lines of the computer, if it cannot be another one than is meant. Where the loader
-// may not be used over USB the image is copied to its drive, if that is mounted.
+// A board with a job is left alone, and so is one whose pulse stream another program has: while a
+// job runs over that, the board does not answer at its serial port. One that is silent, or not even
+// on the bus, may be reset into its loader by lines of the computer, if it cannot be another one
+// than is meant. Where the loader may not be used over USB the image is copied to its drive, if
+// that is mounted.
 #pragma once
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -36,6 +39,10 @@ struct UpdateReport {
   std::string port{};                  ///< of the board
   std::optional<FlashResult> flash{};  ///< over USB
   std::optional<std::filesystem::path> drive{};  ///< or by a copy
+
+  /// The new firmware has told its version; or nothing is seen of the board, behind a drive that
+  /// was given.
+  bool confirmed() const { return version_problem.empty() || board.place.empty(); }
 };
 
 /// Told meanwhile: a step that is done, and what came of it; how far the flash is.
@@ -69,6 +76,10 @@ class Update {
   usb::DeviceInfo find(const std::string& serial);
   void stop_board(const usb::DeviceInfo& board);
   void pull_loader_lines(const std::string& why) const;
+  void check_way(const usb::DeviceInfo& board);
+  std::unique_ptr<usb::Device> take_stream(const usb::DeviceInfo& board);
+  void check_other_loaders(const usb::DeviceInfo& device);
+  std::string also_to_know(const std::string& remedy) const;
   usb::DeviceInfo wait_for_loader(const std::string& place);
   void flash_over_usb(const usb::DeviceInfo& loader);
   void flash_over_drive(const std::filesystem::path& drive);

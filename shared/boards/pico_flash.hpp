@@ -2,9 +2,16 @@
 // flash for it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 namespace lamplock::boards {
+
+/// The last bytes of the second-stage boot code, whose checksum covers them, say that the image is
+/// lamplock's: its last word is the CRC-32 (shared/wire/crc32.hpp) of what lies between the boot
+/// code's page and itself (toolchain/image).
+inline constexpr std::uint32_t image_mark_offset = 244;
+inline constexpr std::array<std::uint8_t, 8> image_mark = {'l', 'a', 'm', 'p', 'l', 'o', 'c', 'k'};
 
 /// Settings: behind the room for the image (toolchain/arm/rp2040.ld), in every flash of 1 MiB or
 /// more.

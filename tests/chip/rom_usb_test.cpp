@@ -24,6 +24,8 @@ using picoboot::Status;
 using End = VendorHost::End;
 
 constexpr std::uint32_t flash = 0x1000'0000, sram = 0x2000'0000;
+/// For what does not come.
+constexpr Picoseconds silence = 50 * ps_per_ms;
 constexpr std::uint8_t to_interface = 0x41, from_interface = 0xc1;
 
 /// A flashing program's end of the protocol.
@@ -102,17 +104,56 @@ class RomUsb : public testing::Test {
     EXPECT_TRUE(host_.clear_halt(UsbLoader::out_endpoint));
     EXPECT_TRUE(host_.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
   }
+  /// The status of the last command; then the next one works.
+  void told(Status why) {
+    const CommandStatus found = status();
+    EXPECT_EQ(found.code, why) << static_cast<int>(found.command);
+    EXPECT_EQ(found.token, token_);
+    EXPECT_EQ(found.in_progress, 0);
+    recover();
+    EXPECT_EQ(order(Command::exclusive_access, {0}, 1), End::done) << "works again";
+  }
+  /// A packet that is no command halts both endpoints.
   void refused(Command command, const std::vector<std::uint32_t>& arguments, Status why,
                std::uint32_t transfer = 0, int size = -1) {
     send(command, arguments, transfer, size);
     EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
     EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, {}).end, End::stalled);
-    const CommandStatus found = status();
-    EXPECT_EQ(found.code, why) << static_cast<int>(command);
-    EXPECT_EQ(found.token, token_);
-    EXPECT_EQ(found.in_progress, 0);
-    recover();
-    EXPECT_EQ(order(Command::exclusive_access, {0}, 1), End::done) << "works again";
+    told(why);
+  }
+  /// Data that cannot be read halt IN alone.
+  void read_refused(std::uint32_t address, std::uint32_t size, Status why) {
+    ASSERT_TRUE(send(Command::read, {address, size}, size).done());
+    host_.set_timeout(silence);
+    EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, size).end, End::stalled);
+    EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, {}).end, End::timed_out);
+    told(why);
+  }
+  /// Those that cannot be written OUT alone, after 256 bytes: with the last of them all has been
+  /// taken, and the end does not come.
+  void write_refused(std::uint32_t address, std::uint32_t size, bool by_the_last, Status why) {
+    ASSERT_TRUE(send(Command::write, {address, size}, size).done());
+    EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, noise(size)).end,
+              by_the_last ? End::done : End::stalled);
+    host_.set_timeout(silence);
+    EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::timed_out);
+    EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, {}).end, End::stalled);
+    told(why);
+  }
+  /// A function of the flash, at sram + 0x2000, that fails with `result` at one offset.
+  void fail_at(picoboot::Service service, std::uint32_t offset, std::uint8_t result) {
+    ASSERT_EQ(order(Command::vectorize_flash, {sram + 0x1000}), End::done);
+    // LDR r2, [pc, #12]; MOVS r1, #0; CMP r0, r2; BNE 1f; MOVS r1, #result; 1: MOVS r0, r1; BX LR.
+    const std::array<std::uint16_t, 8> code = {
+        0x4a03, 0x2100, 0x4290, 0xd100, static_cast<std::uint16_t>(0x2100 | result),
+        0x0008, 0x4770, 0x46c0};
+    Bytes function(sizeof code + 4), entry(4);
+    std::memcpy(function.data(), code.data(), sizeof code);
+    std::memcpy(function.data() + sizeof code, &offset, 4);
+    ASSERT_EQ(write(sram + 0x2000, function), End::done);
+    const std::uint32_t at = sram + 0x2001;
+    std::memcpy(entry.data(), &at, 4);
+    ASSERT_EQ(write(sram + 0x1004 + 4 * static_cast<std::uint32_t>(service), entry), End::done);
   }
   Bytes noise(std::size_t size) {
     Bytes bytes(size);
@@ -188,8 +229,8 @@ TEST_F(RomUsb, ErasesProgramsAndReadsFlash) {
   std::fill_n(wanted.begin() + 0x8100 + 1000, 24, std::uint8_t{0});
   EXPECT_TRUE(std::equal(wanted.begin(), wanted.end(), storage.begin()));
 
-  EXPECT_EQ(read(flash + 0x80f1, 700),
-            Bytes(wanted.begin() + 0x80f1, wanted.begin() + 0x80f1 + 700));
+  EXPECT_EQ(read(flash + 0x8000, 700),
+            Bytes(wanted.begin() + 0x8000, wanted.begin() + 0x8000 + 700));
   // A block of 64 KiB goes at once.
   const Picoseconds block = now();
   ASSERT_EQ(order(Command::flash_erase, {flash + 0x1'0000, 0x1'0000}), End::done);
@@ -226,15 +267,29 @@ TEST_F(RomUsb, RefusesWithTheStatusThatFits) {
   refused(Command::exit_xip, {}, Status::invalid_command_length, 0, 4);
   refused(Command::read, {sram, 64}, Status::invalid_transfer_length, 32);
   refused(Command::exit_xip, {}, Status::invalid_transfer_length, 1);
-  refused(Command::read, {0x4000'0000, 4}, Status::invalid_address, 4);
-  refused(Command::read, {sram + 264 * 1024 - 4, 8}, Status::invalid_address, 8);
-  refused(Command::write, {0, 4}, Status::invalid_address, 4);
-  refused(Command::write, {flash + 1, 256}, Status::bad_alignment, 256);
-  refused(Command::flash_erase, {flash + 256, 4096}, Status::bad_alignment);
-  refused(Command::flash_erase, {flash, 100}, Status::bad_alignment);
-  refused(Command::flash_erase, {sram, 4096}, Status::invalid_address);
-  refused(Command::vectorize_flash, {sram + 2}, Status::bad_alignment);
-  refused(Command::vectorize_flash, {flash}, Status::invalid_address);
+  for (const std::uint32_t size : {4u, 256u, 257u, 1'000u}) {
+    const bool by_the_last = size <= 256;
+    read_refused(0x4000'0000, size, Status::invalid_address);
+    read_refused(flash + 1, size, Status::bad_alignment);
+    write_refused(0, size, by_the_last, Status::invalid_address);
+    write_refused(0x4000'0000, size, by_the_last, Status::invalid_address);
+    write_refused(flash + 1, size, by_the_last, Status::bad_alignment);
+  }
+  // At the end of a region: what fits is moved.
+  read_refused(sram + 264 * 1024 - 256, 257, Status::invalid_address);
+  write_refused(sram + 264 * 1024 - 256, 257, true, Status::invalid_address);
+  // What has no data is acknowledged.
+  chip_.flash().storage()[0] = 0x55;
+  for (const auto& [address, size] :
+       {std::pair{flash + 256, 4096u}, {flash, 100u}, {sram, 4096u}}) {
+    EXPECT_EQ(order(Command::flash_erase, {address, size}), End::done);
+    EXPECT_EQ(status().code, Status::ok);
+  }
+  EXPECT_EQ(chip_.flash().counts().sectors_erased, 0u);
+  EXPECT_EQ(chip_.flash().storage()[0], 0x55);
+  EXPECT_EQ(order(Command::vectorize_flash, {sram + 1}), End::done);
+  EXPECT_EQ(order(Command::vectorize_flash, {flash}), End::done);
+  EXPECT_EQ(status().code, Status::ok);
   // A wrong magic number, and a packet that is no command.
   send(Command::exit_xip, {}, 0, 0, 0x431f'd10c);
   EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
@@ -263,8 +318,9 @@ TEST_F(RomUsb, FlashesAProgramThatThenRuns) {
   EXPECT_EQ(read(flash, 256), program);
   const Picoseconds asked = now();
   ASSERT_EQ(order(Command::reboot, {0, 0, 20}), End::done);
-  send(Command::exit_xip, {}, 0);
-  EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
+  ASSERT_EQ(order(Command::exit_xip, {}), End::done) << "acknowledged, not done";
+  ASSERT_TRUE(send(Command::read, {flash, 4}, 4).done());
+  EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 4).end, End::stalled);
   EXPECT_EQ(status().code, Status::rebooting);
   while (chip_.rom().state() == RomState::bootsel && now() < asked + 100 * ps_per_ms)
     run(ps_per_ms / 10);
@@ -307,6 +363,23 @@ TEST_F(RomUsb, FlashFunctionsCanBeReplaced) {  // 2.8.5.4.9
   ASSERT_EQ(order(Command::flash_erase, {flash, 0x3000}), End::done);
   EXPECT_EQ(read(mark, 4), (Bytes{0, 0x30, 0, 0}));
   EXPECT_EQ(chip_.flash().counts().sectors_erased, 0u);
+}
+
+TEST_F(RomUsb, TheResultOfAFlashFunctionIsTheStatus) {
+  enter();
+  ASSERT_EQ(order(Command::exit_xip, {}), End::done);
+  for (std::uint8_t result = 1; result <= 17; ++result)
+    for (const std::uint32_t page : {0u, 2u}) {  // the first of three, the last
+      const auto why = static_cast<Status>(result);
+      fail_at(picoboot::Service::page_program, 0x8000 + 256 * page, result);
+      write_refused(flash + 0x8000, 600, page == 2, why);
+      fail_at(picoboot::Service::page_read, 0x8000 + 256 * page, result);
+      read_refused(flash + 0x8000, 600, why);
+      fail_at(picoboot::Service::erase_range, 0x8000, result);
+      EXPECT_EQ(order(Command::flash_erase, {flash + 0x8000, 4096}), End::done);
+      EXPECT_EQ(status().code, Status::ok);
+    }
+  EXPECT_TRUE(chip_.usb().violations().empty());
 }
 
 TEST(RomUsbOrdinaryHost, FindsADeviceWithoutASerialPort) {

@@ -23,6 +23,7 @@ TEST(FlashCommand, ExplainsItself) {
     EXPECT_THAT(help.out, HasSubstr(std::string("Example:\n  lamplock ") + command));
     EXPECT_THAT(run({"--help"}).out, HasSubstr(command));
   }
+  EXPECT_THAT(run({"flash", "--help"}).out, HasSubstr("--board usb|chip=usb "));
 }
 
 /// An image that would start, as it stands in the flash.

@@ -12,6 +12,7 @@ namespace lamplock::flash::test {
 namespace {
 
 constexpr std::chrono::milliseconds restart_time{300};
+constexpr std::uint8_t stream_number = 2;
 
 /// The loader, which restarts its board.
 class LoaderDevice final : public usb::Device {
@@ -43,6 +44,35 @@ class LoaderDevice final : public usb::Device {
   BusModel& bus_;
   BoardModel& board_;
   LoaderModel model_;
+};
+
+/// The pulse stream of a board that runs: nothing but who has it.
+class StreamDevice final : public usb::Device {
+ public:
+  explicit StreamDevice(BoardModel& board) : board_(board) {}
+  ~StreamDevice() override { board_.stream_held = false; }
+
+  usb::TransferEnd claim(std::uint8_t number) override {
+    if (number != stream_number || board_.stream_taken) return usb::TransferEnd::failed;
+    board_.stream_held = true;
+    return usb::TransferEnd::done;
+  }
+  usb::Transfer control(const usb::Setup&, std::span<std::uint8_t>,
+                        std::chrono::milliseconds) override {
+    return {usb::TransferEnd::failed, 0};
+  }
+  usb::Transfer bulk_out(std::uint8_t, std::span<const std::uint8_t>,
+                         std::chrono::milliseconds) override {
+    return {usb::TransferEnd::failed, 0};
+  }
+  usb::Transfer bulk_in(std::uint8_t, std::span<std::uint8_t>, std::chrono::milliseconds) override {
+    return {usb::TransferEnd::failed, 0};
+  }
+  usb::TransferEnd clear_halt(std::uint8_t) override { return usb::TransferEnd::failed; }
+  std::unique_ptr<usb::Stream> stream(std::uint8_t, std::uint8_t) override { return nullptr; }
+
+ private:
+  BoardModel& board_;
 };
 
 /// What the firmware answers.
@@ -80,7 +110,7 @@ class BoardTransport final : public link::Transport {
   void say(const std::string& line) { answer_ += line + "\r\n"; }
   void take(const std::string& line) {
     board_.heard.push_back(line);
-    if (line == "$I") {
+    if (line == "$I" && board_.tells_version) {
       // The version of an image: its last byte of boot code.
       say("[VER:1." + std::to_string(board_.flash.bytes[251]) + ":]");
       say("ok");
@@ -88,6 +118,7 @@ class BoardTransport final : public link::Transport {
     if (line != "$BOOT") return;
     if (board_.boot_error != 0) return say("error:" + std::to_string(board_.boot_error));
     say("ok");
+    board_.sent_with_stream = board_.stream_held;
     bus_.restart(board_, true);
   }
 
@@ -155,6 +186,9 @@ std::vector<usb::DeviceInfo> BusModel::devices() {
       info.manufacturer = "lamplock";
       info.serial = board.serial;
       info.place = board.place;
+      info.problem = board.problem;
+      const auto bulk = usb::Endpoint::Kind::bulk;
+      info.interfaces = {{stream_number, 0xff, 0, 0, {{0x03, bulk, 64}, {0x83, bulk, 64}}}};
     }
     found.push_back(info);
   }
@@ -162,7 +196,9 @@ std::vector<usb::DeviceInfo> BusModel::devices() {
 }
 
 std::unique_ptr<usb::Device> BusModel::open(const usb::DeviceInfo& device) {
-  return std::make_unique<LoaderDevice>(*this, at(device.place));
+  BoardModel& board = at(device.place);
+  if (board.runs()) return std::make_unique<StreamDevice>(board);
+  return std::make_unique<LoaderDevice>(*this, board);
 }
 
 std::unique_ptr<link::Transport> PortsModel::open(const usb::DeviceInfo& board) {

@@ -22,11 +22,16 @@ namespace lamplock::flash::test {
 struct BoardModel {
   std::string place = "1-4", serial = "A1";
   FlashModel flash{};
-  LoaderFaults faults{};         ///< of its loader
-  std::string status = "Idle";   ///< what it answers to '?'; empty: nothing
-  int boot_error = 0;            ///< its answer to `$BOOT`; 0: goes
-  std::string loader_problem{};  ///< the loader may not be opened
-  bool firmware_starts = true;   ///< otherwise the image finds itself broken and enters the loader
+  LoaderFaults faults{};          ///< of its loader
+  std::string status = "Idle";    ///< what it answers to '?'; empty: nothing
+  int boot_error = 0;             ///< its answer to `$BOOT`; 0: goes
+  std::string problem{};          ///< the board may not be opened
+  std::string loader_problem{};   ///< the loader may not be opened
+  bool stream_taken = false;      ///< another program has its pulse stream
+  bool stream_held = false;       ///< the program that flashes has it
+  bool sent_with_stream = false;  ///< it had it when it sent the board to its loader
+  bool tells_version = true;
+  bool firmware_starts = true;  ///< otherwise the image finds itself broken and enters the loader
 
   std::filesystem::path drive{};  ///< where the loader's drive is mounted; empty: nowhere
 

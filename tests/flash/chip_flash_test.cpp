@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -117,7 +118,7 @@ TEST(ChipFlash, AfterAPowerCutAtAnyMomentNoHalfImageStarts) {
   const FlashImage old = small_image(1), image = small_image(2);
   std::mt19937_64 random(5);
   int starts = 0, in_loader = 0;
-  const int cuts = lamplock::test::scaled(24);
+  const int cuts = lamplock::test::scaled(100);
   for (int i = 0; i < cuts; ++i) {
     // Enumeration takes 130 ms, the whole of it some 320 ms.
     const auto at = static_cast<sim::Picoseconds>(830 + random() % 330) * sim::ps_per_ms +
@@ -132,6 +133,39 @@ TEST(ChipFlash, AfterAPowerCutAtAnyMomentNoHalfImageStarts) {
     EXPECT_GT(starts, 0);
     EXPECT_GT(in_loader, 5);
   }
+}
+
+TEST(ChipFlash, RefusalsOfTheRomComeThrough) {
+  Chip chip;
+  chip.power_on();
+  SimulatedUsb bus(chip);
+  bus.sleep(loader_time);
+  const auto devices = bus.devices();
+  ASSERT_EQ(devices.size(), 1u);
+  const auto device = bus.open(devices[0]);
+  Picoboot loader(*device, devices[0]);
+  loader.exit_xip();
+  const auto status_of = [](auto&& command) -> std::optional<PicobootStatus> {
+    try {
+      command();
+    } catch (const PicobootError& error) {
+      return error.status();
+    }
+    return std::nullopt;
+  };
+  for (const std::size_t size : {page_size, 4 * page_size}) {
+    std::vector<std::uint8_t> bytes(size);
+    EXPECT_EQ(status_of([&] { loader.read(flash_base + 1, bytes); }),
+              PicobootStatus::bad_alignment);
+    EXPECT_EQ(status_of([&] { loader.write(flash_base + 1, bytes); }),
+              PicobootStatus::bad_alignment);
+    EXPECT_EQ(status_of([&] { loader.write(0x4000'0000, bytes); }),
+              PicobootStatus::invalid_address);
+    EXPECT_NO_THROW(loader.erase(flash_base + 1, sector_size));
+    EXPECT_NO_THROW(loader.read(flash_base, bytes));
+    EXPECT_EQ(bytes, std::vector<std::uint8_t>(size, erased)) << "nothing has been written";
+  }
+  EXPECT_TRUE(chip.usb().violations().empty());
 }
 
 TEST(ChipFlash, DeviceOfARestartIsAnotherOne) {

@@ -18,6 +18,7 @@ namespace {
 using test::FlashModel;
 using test::LoaderFaults;
 using test::LoaderModel;
+using test::RefusedAt;
 
 /// One session with a loader that behaves as it should, or not.
 FlashResult flash_with(LoaderModel& device, const FlashImage& image, OnFlashProgress told = {}) {
@@ -143,6 +144,35 @@ TEST(Flasher, AfterACutAnywhereNoHalfImageStarts) {
   }
 }
 
+TEST(Flasher, AfterACutAtAnyStepNoHalfImageStarts) {
+  const FlashImage old = test::noise_image(7'000, 11), image = test::noise_image(7'500, 12);
+  FlashModel before;
+  flash_into(before, old);
+  FlashModel trial = before;
+  LoaderModel whole(trial);
+  flash_with(whole, image);
+  std::size_t old_starts = 0, new_starts = 0;
+  for (std::size_t cut_at = 0; cut_at <= whole.steps(); ++cut_at) {
+    FlashModel flash = before;
+    LoaderModel cut(flash, {.cut_at = cut_at}, cut_at);
+    if (cut_at < whole.steps()) {
+      EXPECT_THROW(flash_with(cut, image), PicobootError) << cut_at;
+    } else {
+      EXPECT_NO_THROW(flash_with(cut, image));
+    }
+    const bool is_old = test::holds(flash.bytes, old), is_new = test::holds(flash.bytes, image);
+    old_starts += is_old ? 1 : 0;
+    new_starts += is_new ? 1 : 0;
+    ASSERT_TRUE(is_old || is_new || !test::starts(flash.bytes))
+        << "a half image starts: " << cut_at;
+    flash_into(flash, image);
+    ASSERT_TRUE(test::holds(flash.bytes, image)) << cut_at;
+  }
+  EXPECT_GT(old_starts, 0u);
+  EXPECT_LT(old_starts, whole.steps());
+  EXPECT_GT(new_starts, 0u);
+}
+
 TEST(Flasher, WornFlashIsToldAndDoesNotStart) {
   const FlashImage image = test::noise_image(20'000, 4);
   for (const std::uint32_t at : {300u, 5'000u, 19'000u}) {
@@ -162,22 +192,63 @@ TEST(Flasher, WornFlashIsToldAndDoesNotStart) {
   }
 }
 
+TEST(Flasher, AnEraseThatDoesNothingLeavesTheOldImageWhole) {
+  std::mt19937_64 random(8);
+  const FlashImage old = test::noise_image(20'000, 1), image = changed(old, random);
+  FlashModel flash;
+  flash_into(flash, old);
+  const std::vector<std::uint8_t> before = flash.bytes;
+  LoaderModel device(flash, {.erases_nothing = true});
+  try {
+    flash_with(device, image);
+    ADD_FAILURE() << "no error";
+  } catch (const PicobootError& error) {
+    EXPECT_EQ(error.exit(), Exit::job_failed);
+    const std::string text = error.what();
+    EXPECT_NE(text.find("0x10000000 was erased"), std::string::npos) << text;
+  }
+  EXPECT_EQ(flash.bytes, before);
+  EXPECT_TRUE(test::starts(flash.bytes));
+}
+
+/// One command refused, in a flash that holds another image.
+void refuse_one(const FlashModel& before, const FlashImage& old, const FlashImage& image,
+                const LoaderFaults& faults) {
+  FlashModel flash = before;
+  LoaderModel device(flash, faults);
+  bool told = false;
+  try {
+    flash_with(device, image);
+  } catch (const PicobootError& error) {
+    told = true;
+    EXPECT_EQ(error.exit(), Exit::job_failed);
+  }
+  const bool is_new = test::holds(flash.bytes, image);
+  // Without data, what is acknowledged and not done is seen by what is read back.
+  EXPECT_TRUE(told || (faults.refused_at != RefusedAt::packet && is_new));
+  if (test::starts(flash.bytes)) {
+    EXPECT_TRUE(is_new || test::holds(flash.bytes, old));
+  }
+  EXPECT_FALSE(device.halted());
+  flash_into(flash, image);
+  EXPECT_TRUE(test::holds(flash.bytes, image));
+}
+
 TEST(Flasher, ARefusalAnywhereLeavesTheLoader) {
-  const FlashImage image = test::noise_image(10'000, 6);
-  FlashModel trial;
+  const FlashImage old = test::noise_image(10'000, 5), image = test::noise_image(10'000, 6);
+  FlashModel before;
+  flash_into(before, old);
+  FlashModel trial = before;
   LoaderModel whole(trial);
   flash_with(whole, image);
-  for (std::size_t command = 0; command < whole.commands(); ++command) {
-    FlashModel flash;
-    LoaderModel device(flash, {.refused_command = command, .status = 8});
-    EXPECT_THROW(flash_with(device, image), PicobootError) << command;
-    if (test::starts(flash.bytes)) {
-      EXPECT_TRUE(test::holds(flash.bytes, image)) << command;
-    }
-    EXPECT_FALSE(device.halted());
-    flash_into(flash, image);
-    EXPECT_TRUE(test::holds(flash.bytes, image)) << command;
-  }
+  ASSERT_GT(whole.commands(), 10u);
+  for (std::size_t command = 0; command < whole.commands(); ++command)
+    for (const RefusedAt at : {RefusedAt::packet, RefusedAt::first_data, RefusedAt::last_data})
+      for (std::uint32_t status = 1; status <= 17; ++status) {
+        refuse_one(before, old, image,
+                   {.refused_command = command, .refused_at = at, .status = status});
+        ASSERT_FALSE(HasFailure()) << command << ' ' << static_cast<int>(at) << ' ' << status;
+      }
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 
 #include "host/flash/flash_image.hpp"
 #include "shared/boards/boot2_crc32.hpp"
+#include "shared/boards/pico_flash.hpp"
+#include "shared/wire/crc32.hpp"
 
 namespace lamplock::flash::test {
 
@@ -32,6 +34,19 @@ inline FlashImage noise_image(std::size_t size, std::uint64_t seed) {
   for (std::uint8_t& byte : part.bytes) byte = static_cast<std::uint8_t>(random());
   stamp(part.bytes);
   return make_flash_image({std::move(part)}, "test");
+}
+
+/// The bytes of an image with lamplock's mark and CRC; `size` is one of whole words.
+inline std::vector<std::uint8_t> lamplock_bytes(std::size_t size, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::vector<std::uint8_t> bytes(size);
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+  std::copy(boards::image_mark.begin(), boards::image_mark.end(),
+            bytes.begin() + boards::image_mark_offset);
+  stamp(bytes);
+  const std::uint32_t crc = wire::crc32(std::span(bytes).subspan(256, size - 260));
+  for (std::size_t i = 0; i < 4; ++i) bytes[size - 4 + i] = static_cast<std::uint8_t>(crc >> 8 * i);
+  return bytes;
 }
 
 /// What the image leaves in the flash, sector by sector.

@@ -10,7 +10,9 @@ using usb::TransferEnd;
 
 constexpr std::uint32_t base = 0x1000'0000, page_bytes = 256, sector_bytes = 4096;
 constexpr std::size_t packet = 64;
-constexpr std::uint32_t bad_length = 2, bad_transfer = 3, bad_address = 4, bad_alignment = 5;
+constexpr std::uint32_t flash_end = 0x2000'0000;  // as the ROM has it
+constexpr std::uint32_t bad_command = 1, bad_length = 2, bad_transfer = 3, bad_address = 4,
+                        bad_alignment = 5;
 
 std::uint32_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
   return bytes[at] | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
@@ -52,6 +54,7 @@ TransferEnd LoaderModel::claim(std::uint8_t) {
 TransferEnd LoaderModel::clear_halt(std::uint8_t endpoint) {
   if (gone_) return TransferEnd::gone;
   halted_.erase(endpoint);
+  if (endpoint == out && state_ == State::dropped) state_ = State::command;
   return TransferEnd::done;
 }
 
@@ -84,8 +87,14 @@ Transfer LoaderModel::control(const usb::Setup& setup, std::span<std::uint8_t> d
 
 void LoaderModel::refuse(std::uint32_t status) {
   status_ = status;
-  state_ = State::command;
+  state_ = State::dropped;
   halted_ = {in, out};
+}
+
+void LoaderModel::refuse_data(std::uint32_t status, std::uint8_t endpoint) {
+  status_ = status;
+  state_ = State::dropped;
+  halted_ = {endpoint};
 }
 
 Transfer LoaderModel::bulk_out(std::uint8_t endpoint, std::span<const std::uint8_t> bytes,
@@ -102,13 +111,8 @@ Transfer LoaderModel::bulk_out(std::uint8_t endpoint, std::span<const std::uint8
     } else if (state_ == State::data_out) {
       page_.insert(page_.end(), part.begin(), part.end());
       left_ -= static_cast<std::uint32_t>(part.size());
-      if (page_.size() == page_bytes || left_ == 0) {
-        if (!step()) program({});
-        if (gone_) return {TransferEnd::gone, moved};
-        program(page_);
-        page_.clear();
-      }
-      if (left_ == 0) state_ = State::end_in;
+      if (page_.size() == page_bytes || left_ == 0) take_page();
+      if (gone_) return {TransferEnd::gone, moved};
     } else {
       return {TransferEnd::timed_out, moved};
     }
@@ -130,9 +134,18 @@ Transfer LoaderModel::bulk_in(std::uint8_t endpoint, std::span<std::uint8_t> byt
       return {TransferEnd::done, moved};
     }
     if (state_ != State::data_in) return {TransferEnd::timed_out, moved};
+    const std::uint32_t done = transfer_ - left_;
+    if (const std::uint32_t status = done % page_bytes == 0 ? judge_data(done) : 0; status != 0) {
+      refuse_data(status, in);
+      return {TransferEnd::stalled, moved};
+    }
     const std::size_t size = std::min<std::size_t>({packet, left_, bytes.size() - moved});
-    std::copy_n(flash_.bytes.begin() + (address_ - base), size,
-                bytes.begin() + static_cast<std::ptrdiff_t>(moved));
+    const auto to = bytes.subspan(moved, size);
+    if (xip_left_) {
+      std::copy_n(flash_.bytes.begin() + static_cast<std::ptrdiff_t>(place()), size, to.begin());
+    } else {
+      std::fill(to.begin(), to.end(), std::uint8_t{0});
+    }
     address_ += static_cast<std::uint32_t>(size);
     left_ -= static_cast<std::uint32_t>(size);
     moved += size;
@@ -143,32 +156,42 @@ Transfer LoaderModel::bulk_in(std::uint8_t endpoint, std::span<std::uint8_t> byt
 
 void LoaderModel::begin(std::span<const std::uint8_t> bytes) {
   const std::size_t number = commands_++;
-  if (bytes.size() != 32 || word(bytes, 0) != 0x431f'd10b) return refuse(8);
+  // Not even the status is another one then.
+  if (bytes.size() != 32 || word(bytes, 0) != 0x431f'd10b) return refuse(status_);
   token_ = word(bytes, 4);
   command_ = bytes[8];
   argument_bytes_ = bytes[9];
   transfer_ = word(bytes, 12);
   for (std::size_t i = 0; i < 4; ++i) arguments_[i] = word(bytes, 16 + 4 * i);
   status_ = 0;
-  if (number == faults_.refused_command) return refuse(faults_.status);
+  refused_ = number == faults_.refused_command;
+  if (refused_ && faults_.refused_at == RefusedAt::packet) return refuse(faults_.status);
   if (number == faults_.silent_command) silent_ = true;
   if (const std::uint32_t status = judge(); status != 0) return refuse(status);
   execute();
 }
 
-/// RP2040 datasheet, 2.8.5.4.
+/// What the packet alone says.
 std::uint32_t LoaderModel::judge() const {
-  const std::uint32_t first = arguments_[0], size = arguments_[1];
-  const bool flash = command_ == 3 || command_ == 5 || command_ == 0x84;
-  const std::uint32_t wanted = flash ? 8 : command_ == 1 ? 1 : command_ == 2 ? 12 : 0;
-  if (!flash && command_ != 1 && command_ != 2 && command_ != 6) return 1;
+  const bool moves = command_ == 5 || command_ == 0x84;
+  const std::uint32_t wanted = moves || command_ == 3 ? 8
+                               : command_ == 1        ? 1
+                               : command_ == 2        ? 12
+                                                      : 0;
+  if (!moves && command_ != 1 && command_ != 2 && command_ != 3 && command_ != 6)
+    return bad_command;
   if (argument_bytes_ != wanted) return bad_length;
-  if (transfer_ != (flash && command_ != 3 ? size : 0)) return bad_transfer;
-  if (!flash) return 0;
-  if (first < base || first - base >= FlashModel::size || size > FlashModel::size - (first - base))
-    return bad_address;
-  const std::uint32_t unit = command_ == 3 ? sector_bytes : command_ == 5 ? page_bytes : 1;
-  return first % unit != 0 || (command_ == 3 && size % unit != 0) ? bad_alignment : 0;
+  return command_ != 2 && transfer_ != (moves ? arguments_[1] : 0) ? bad_transfer : 0;
+}
+
+/// What the ROM says to the 256 bytes that follow so many. There is flash alone.
+std::uint32_t LoaderModel::judge_data(std::uint32_t done) const {
+  const bool first = done == 0, last = transfer_ - done <= page_bytes;
+  if (refused_ && (faults_.refused_at == RefusedAt::first_data ? first : last))
+    return faults_.status;
+  const std::uint32_t size = std::min(page_bytes, transfer_ - done);
+  if (address_ < base || address_ > flash_end - size) return bad_address;
+  return address_ % page_bytes != 0 ? bad_alignment : 0;
 }
 
 void LoaderModel::execute() {
@@ -176,20 +199,37 @@ void LoaderModel::execute() {
   left_ = transfer_;
   page_.clear();
   state_ = State::end_in;
-  // Without XIP left first the flash does not listen.
-  if (!xip_left_ && (command_ == 3 || command_ == 5 || command_ == 0x84)) return refuse(8);
+  if (command_ == 5 && left_ != 0) state_ = State::data_out;
+  if (command_ == 0x84) state_ = left_ != 0 ? State::data_in : State::end_out;
+  if (refused_) return;
   if (command_ == 1) exclusive_ = (arguments_[0] & 0xff) != 0;
   if (command_ == 6) xip_left_ = true;
   if (command_ == 3) erase();
-  if (command_ == 5 && left_ != 0) state_ = State::data_out;
-  if (command_ == 0x84 && left_ != 0) state_ = State::data_in;
 }
 
+/// Of the data a page has come, or the rest.
+void LoaderModel::take_page() {
+  const auto size = static_cast<std::uint32_t>(page_.size());
+  if (const std::uint32_t status = judge_data(transfer_ - left_ - size); status != 0)
+    return refuse_data(status, out);
+  page_.resize(page_bytes, 0);
+  if (!step()) return program({});
+  program(page_);
+  page_.clear();
+  if (left_ == 0) state_ = State::end_in;
+}
+
+/// Address bits that the flash has not are passed over.
+std::size_t LoaderModel::place() const { return (address_ - base) % FlashModel::size; }
+
 void LoaderModel::erase() {
-  for (std::uint32_t at = 0; at < arguments_[1]; at += sector_bytes) {
-    const std::uint32_t offset = address_ - base + at;
-    flash_.erased_sectors.push_back(offset);
-    const auto begin = flash_.bytes.begin() + offset;
+  if (faults_.erases_nothing || !xip_left_) return;
+  const std::uint32_t size = arguments_[1];
+  if (address_ % sector_bytes != 0 || size % sector_bytes != 0) return;
+  if (address_ < base || address_ > flash_end || size > flash_end - address_) return;
+  for (; address_ < arguments_[0] + size; address_ += sector_bytes) {
+    flash_.erased_sectors.push_back(static_cast<std::uint32_t>(place()));
+    const auto begin = flash_.bytes.begin() + static_cast<std::ptrdiff_t>(place());
     if (step()) {
       std::fill_n(begin, sector_bytes, std::uint8_t{0xff});
       continue;
@@ -202,8 +242,10 @@ void LoaderModel::erase() {
 
 /// With the page that has come; or, at a cut, with some of its bits.
 void LoaderModel::program(std::span<const std::uint8_t> page) {
+  // Without XIP left first the flash does not listen.
+  if (!xip_left_) return;
   const bool cut = page.empty();
-  const std::uint32_t offset = address_ - base;
+  const auto offset = static_cast<std::uint32_t>(place());
   flash_.programmed_pages.push_back(offset);
   for (std::uint32_t i = 0; i < page_.size(); ++i) {
     const std::uint8_t undone = cut ? static_cast<std::uint8_t>(random_()) : std::uint8_t{0};

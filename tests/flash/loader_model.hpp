@@ -1,5 +1,8 @@
 // A boot loader as the RP2040 datasheet describes it (2.8.5), fast, with faults at any place: a cut
-// of the power, refusals, silence, worn flash.
+// of the power, refusals, silence, worn flash. It refuses as the ROM's source does (pico-bootrom-
+// rp2040, usb_boot_device.c and async_task.c): a command that is none halts both endpoints; data,
+// 256 bytes of which are judged at a time, halt that of their direction; what becomes of a command
+// without data is not told.
 //
 // In:  transfers. Out: what a board would do to them; the flash that is left.
 // Who: tests of PICOBOOT, of the flasher, of whole updates. The loader of the chip simulator, which
@@ -29,13 +32,18 @@ struct FlashModel {
 
 inline constexpr std::size_t never = std::numeric_limits<std::size_t>::max();
 
+/// Where a command is refused. One without data is, by its data, acknowledged and not done.
+enum class RefusedAt : std::uint8_t { packet, first_data, last_data };
+
 /// What goes wrong, counted from the begin of the session.
 struct LoaderFaults {
   std::size_t cut_at = never;  ///< packets and flash operations
   std::size_t refused_command = never;
+  RefusedAt refused_at = RefusedAt::packet;
   std::uint32_t status = 0;            ///< of the refusal
   bool status_fails = false;           ///< its reason cannot be read
   std::size_t silent_command = never;  ///< its end never comes
+  bool erases_nothing = false;         ///< but acknowledges every erase
   bool claimed_by_other = false;
 };
 
@@ -72,12 +80,17 @@ class LoaderModel final : public usb::Device {
   bool halted_at_reset() const { return halted_at_reset_; }
 
  private:
-  enum class State : std::uint8_t { command, data_out, data_in, end_in, end_out };
+  /// `dropped`: neither takes nor gives, until the OUT endpoint or the interface is reset.
+  enum class State : std::uint8_t { command, data_out, data_in, end_in, end_out, dropped };
   bool step();
   void begin(std::span<const std::uint8_t> packet);
   std::uint32_t judge() const;
+  std::uint32_t judge_data(std::uint32_t done) const;
   void execute();
   void refuse(std::uint32_t status);
+  void refuse_data(std::uint32_t status, std::uint8_t endpoint);
+  void take_page();
+  std::size_t place() const;
   void erase();
   void program(std::span<const std::uint8_t> page);
 
@@ -86,7 +99,7 @@ class LoaderModel final : public usb::Device {
   std::mt19937_64 random_;
   std::size_t steps_ = 0, commands_ = 0, resets_ = 0;
   bool exclusive_ = false, xip_left_ = false, rebooted_ = false, gone_ = false, silent_ = false;
-  bool halted_at_reset_ = false;
+  bool halted_at_reset_ = false, refused_ = false;
   std::set<std::uint8_t> halted_;
   State state_ = State::command;
   std::uint8_t command_ = 0, argument_bytes_ = 0;

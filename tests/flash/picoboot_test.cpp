@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ namespace {
 using test::FlashModel;
 using test::LoaderFaults;
 using test::LoaderModel;
+using test::RefusedAt;
 using Bytes = std::vector<std::uint8_t>;
 
 /// The error of a call, which must throw one.
@@ -74,27 +76,60 @@ TEST(Picoboot, ErasesWritesAndReads) {
   EXPECT_TRUE(device.rebooted());
 }
 
+/// Where a command is refused, and what an error calls it then.
+struct Refusal {
+  std::string name;
+  RefusedAt at;
+  std::function<void(Picoboot&)> command;
+};
+
+std::vector<Refusal> refusals() {
+  static Bytes bytes(3 * page_size);
+  const auto erase = [](Picoboot& loader) { loader.erase(flash_base + 0x1000, sector_size); };
+  const auto read = [](Picoboot& loader) { loader.read(flash_base + 0x1000, bytes); };
+  const auto write = [](Picoboot& loader) { loader.write(flash_base + 0x1000, bytes); };
+  return {{"erase at 0x10001000", RefusedAt::packet, erase},
+          {"read at 0x10001000", RefusedAt::packet, read},
+          {"write at 0x10001000", RefusedAt::packet, write},
+          {"read at 0x10001000", RefusedAt::first_data, read},
+          {"read at 0x10001000", RefusedAt::last_data, read},
+          {"write at 0x10001000", RefusedAt::first_data, write},
+          {"write at 0x10001000", RefusedAt::last_data, write}};
+}
+
 TEST(Picoboot, EveryStatusHasALineOfItsOwn) {
-  std::set<std::string> lines;
-  for (std::uint32_t status = 0; status <= 17; ++status) {
-    FlashModel flash;
-    LoaderModel device(flash, {.refused_command = 1, .status = status});
-    Picoboot loader(device, LoaderModel::info(true));
-    loader.exit_xip();
-    const PicobootError error = error_of([&] { loader.erase(flash_base + 0x1000, sector_size); });
-    EXPECT_EQ(error.status(), static_cast<PicobootStatus>(status));
-    EXPECT_EQ(error.exit(), Exit::job_failed);
-    const std::string text = error.what();
-    EXPECT_NE(text.find("erase at 0x10001000"), std::string::npos) << text;
-    EXPECT_NE(text.find("; "), std::string::npos) << text;
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    // Without its number it is still another one.
-    EXPECT_TRUE(lines.insert(text.substr(0, text.find("(status"))).second) << text;
-    // The session goes on.
-    EXPECT_FALSE(device.halted());
-    EXPECT_FALSE(device.halted_at_reset()) << "halts are cleared before";
-    EXPECT_NO_THROW(loader.erase(flash_base + 0x1000, sector_size));
+  for (const Refusal& refusal : refusals()) {
+    std::set<std::string> lines;
+    for (std::uint32_t status = 1; status <= 17; ++status) {
+      FlashModel flash;
+      LoaderModel device(flash, {.refused_command = 1, .refused_at = refusal.at, .status = status});
+      Picoboot loader(device, LoaderModel::info(true));
+      loader.exit_xip();
+      const PicobootError error = error_of([&] { refusal.command(loader); });
+      EXPECT_EQ(error.status(), static_cast<PicobootStatus>(status)) << refusal.name;
+      EXPECT_EQ(error.exit(), Exit::job_failed);
+      const std::string text = error.what();
+      EXPECT_NE(text.find(refusal.name), std::string::npos) << text;
+      EXPECT_NE(text.find("; "), std::string::npos) << text;
+      EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+      // Without its number it is still another one.
+      EXPECT_TRUE(lines.insert(text.substr(0, text.find("(status"))).second) << text;
+      // The session goes on.
+      EXPECT_FALSE(device.halted());
+      EXPECT_FALSE(device.halted_at_reset()) << "halts are cleared before";
+      EXPECT_NO_THROW(refusal.command(loader)) << text;
+    }
   }
+}
+
+TEST(Picoboot, AHaltWithoutAStatusIsTold) {
+  FlashModel flash;
+  LoaderModel device(flash, {.refused_command = 0, .status = 0});
+  Picoboot loader(device, LoaderModel::info(true));
+  const PicobootError error = error_of([&] { loader.exit_xip(); });
+  EXPECT_EQ(error.exit(), Exit::job_failed);
+  EXPECT_NE(std::string(error.what()).find("without a reason"), std::string::npos) << error.what();
+  EXPECT_NO_THROW(loader.exit_xip());
 }
 
 TEST(Picoboot, UnknownAndMissingReasonsAreTold) {
@@ -114,14 +149,37 @@ TEST(Picoboot, RealRefusalsComeThrough) {
   LoaderModel device(flash);
   Picoboot loader(device, LoaderModel::info(true));
   loader.exit_xip();
-  Bytes bytes(256);
-  EXPECT_EQ(error_of([&] { loader.write(flash_base + 1, bytes); }).status(),
-            PicobootStatus::bad_alignment);
-  EXPECT_EQ(error_of([&] { loader.erase(flash_base, 100); }).status(),
-            PicobootStatus::bad_alignment);
-  EXPECT_EQ(error_of([&] { loader.read(flash_base + FlashModel::size, bytes); }).status(),
-            PicobootStatus::invalid_address);
-  EXPECT_NO_THROW(loader.write(flash_base, bytes));
+  // Of one page, whose refusal comes behind it, and of several.
+  for (const std::size_t size : {1u, 256u, 257u, 1'024u}) {
+    Bytes bytes(size);
+    EXPECT_EQ(error_of([&] { loader.write(flash_base + 1, bytes); }).status(),
+              PicobootStatus::bad_alignment)
+        << size;
+    EXPECT_EQ(error_of([&] { loader.read(flash_base + 1, bytes); }).status(),
+              PicobootStatus::bad_alignment)
+        << size;
+    EXPECT_EQ(error_of([&] { loader.write(0x4000'0000, bytes); }).status(),
+              PicobootStatus::invalid_address)
+        << size;
+    EXPECT_EQ(error_of([&] { loader.read(0x4000'0000, bytes); }).status(),
+              PicobootStatus::invalid_address)
+        << size;
+    EXPECT_FALSE(device.halted());
+    EXPECT_NO_THROW(loader.write(flash_base, bytes));
+  }
+}
+
+TEST(Picoboot, AnEraseIsAcknowledgedWhateverBecameOfIt) {
+  FlashModel flash;
+  LoaderModel device(flash);
+  Picoboot loader(device, LoaderModel::info(true));
+  loader.exit_xip();
+  EXPECT_NO_THROW(loader.erase(flash_base + 1, sector_size));
+  EXPECT_NO_THROW(loader.erase(flash_base, 100));
+  EXPECT_NO_THROW(loader.erase(0x4000'0000, sector_size));
+  EXPECT_TRUE(flash.erased_sectors.empty());
+  EXPECT_NO_THROW(loader.erase(flash_base, sector_size));
+  EXPECT_EQ(flash.erased_sectors.size(), 1u);
 }
 
 TEST(Picoboot, SilenceAndLossAreErrorsOfTheLink) {

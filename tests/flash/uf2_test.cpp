@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "host/bytes.hpp"
+#include "host/error.hpp"
+#include "host/file.hpp"
 #include "tests/error_of.hpp"
 #include "tests/flash/images.hpp"
 #include "tests/scale.hpp"
@@ -200,6 +203,68 @@ TEST(FlashImage, HasToStartByItself) {
             }).find("overlap"),
             std::string::npos);
 }
+
+Part part_of(std::vector<std::uint8_t> bytes) { return {flash_base, std::move(bytes)}; }
+
+TEST(FlashImage, OfLamplockIsRefusedWithAnyByteChanged) {
+  std::mt19937_64 random(17);
+  for (const std::size_t size : {264u, 1'000u, 4'096u, 5'000u, 8'192u}) {
+    const std::vector<std::uint8_t> good = test::lamplock_bytes(size, size);
+    EXPECT_NO_THROW(make_flash_image({part_of(good)}, "file")) << size;
+    for (std::size_t at = 0; at < size; ++at) {
+      std::vector<std::uint8_t> bad = good;
+      bad[at] ^= static_cast<std::uint8_t>(1 + random() % 255);
+      const std::string text =
+          lamplock::test::error_of([&] { make_flash_image({part_of(bad)}, "file"); });
+      ASSERT_NE(text.find("wrong checksum"), std::string::npos) << size << ' ' << at << text;
+    }
+    // A file of whole sectors reads like one of whole pages.
+    const FlashImage image = make_flash_image({part_of(good)}, "file");
+    EXPECT_NO_THROW(make_flash_image(read_uf2(write_uf2(image), "file"), "file"));
+    // A part that is missing at the end.
+    std::vector<std::uint8_t> half(good.begin(), good.begin() + static_cast<int>(size / 2));
+    half.resize(std::max<std::size_t>(half.size(), page_size));
+    EXPECT_THROW(make_flash_image({part_of(half)}, "file"), Error) << size;
+  }
+}
+
+TEST(FlashImage, OfLamplockMayEndWithErasedWords) {
+  std::vector<std::uint8_t> bytes = test::lamplock_bytes(1'000, 4);
+  // A word of data before the CRC that is like erased flash.
+  std::fill_n(bytes.end() - 8, 4, erased);
+  const std::uint32_t crc = wire::crc32(std::span(bytes).subspan(256, 1'000 - 260));
+  for (std::size_t i = 0; i < 4; ++i) bytes[996 + i] = static_cast<std::uint8_t>(crc >> 8 * i);
+  EXPECT_NO_THROW(make_flash_image({part_of(bytes)}, "file"));
+  // Four bytes that bring the register of the CRC to 0, whose complement is stored: all ones.
+  std::vector<std::uint8_t> ones = test::lamplock_bytes(1'004, 5);
+  const std::uint32_t state = ~wire::crc32(std::span(ones).subspan(256, 1'004 - 264));
+  for (std::size_t i = 0; i < 4; ++i) ones[996 + i] = static_cast<std::uint8_t>(state >> 8 * i);
+  ASSERT_EQ(wire::crc32(std::span(ones).subspan(256, 1'004 - 260)), 0xffff'ffffu);
+  std::fill_n(ones.end() - 4, 4, erased);
+  EXPECT_NO_THROW(make_flash_image({part_of(ones)}, "file"));
+}
+
+TEST(FlashImage, OfOthersIsCheckedByItsBootCodeAlone) {
+  std::vector<std::uint8_t> bytes = test::lamplock_bytes(1'000, 9);
+  bytes[boards::image_mark_offset] ^= 1;
+  test::stamp(bytes);
+  bytes[600] ^= 1;
+  EXPECT_NO_THROW(make_flash_image({part_of(bytes)}, "file"));
+}
+
+#ifdef LAMPLOCK_UF2
+TEST(Uf2, TheFirmwareOfThisBuildIsRefusedWithAnyPayloadDamaged) {
+  const std::string good = read_file(LAMPLOCK_UF2);
+  EXPECT_NO_THROW(make_flash_image(read_uf2(good, "file"), "file"));
+  std::mt19937_64 random(23);
+  for (int i = 0; i < lamplock::test::scaled(50); ++i) {
+    std::string bad = good;
+    const std::size_t at = random() % (good.size() / block) * block + 32 + random() % 256;
+    bad[at] = static_cast<char>(bad[at] ^ 1 << random() % 8);
+    EXPECT_THROW(make_flash_image(read_uf2(bad, "file"), "file"), Error) << at;
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace lamplock::flash

@@ -109,6 +109,63 @@ TEST_F(UpdateTest, ABoardThatRefusesOrIsSilentIsLeftAlone) {
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 
+TEST_F(UpdateTest, NothingIsSentWhileAnotherProgramHasThePulseStream) {
+  board().stream_taken = true;
+  // While a job runs over it, the firmware does not answer at its serial port.
+  for (const char* status : {"", "Idle", "Run"}) {
+    board().status = status;
+    const std::string text = refused(Exit::job_failed);
+    EXPECT_NE(text.find("pulse stream"), std::string::npos) << text;
+    EXPECT_EQ(text.find("BOOTSEL"), std::string::npos) << text;
+    EXPECT_TRUE(board().heard.empty());
+    EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+  }
+  board().stream_taken = false;
+  board().status = "Idle";
+  EXPECT_EQ(update().version, version_of(image_));
+  EXPECT_TRUE(board().sent_with_stream) << "or a job could begin meanwhile";
+  EXPECT_FALSE(board().stream_held);
+}
+
+TEST_F(UpdateTest, ARunningBoardIsNeverToBeUnplugged) {
+  board().status = "";
+  EXPECT_EQ(refused(Exit::no_device).find("BOOTSEL"), std::string::npos);
+  board().status = "Idle";
+  board().boot_error = 8;
+  EXPECT_EQ(refused(Exit::job_failed).find("BOOTSEL"), std::string::npos);
+}
+
+TEST_F(UpdateTest, WithoutPermissionTheBoardIsNotStoppedForNothing) {
+  board().problem = board().loader_problem = "no permission to use /dev/bus/usb/001/005";
+  // No folder where a drive could be mounted.
+  const std::string text = refused(Exit::no_device);
+  EXPECT_NE(text.find("no permission"), std::string::npos) << text;
+  EXPECT_TRUE(board().heard.empty());
+  // A second loader, whose drive could not be told from its own.
+  const lamplock::test::TemporaryFolder folder;
+  roots_ = {folder.file("")};
+  bus_.boards.resize(2);
+  bus_.boards[1].place = "1-5";
+  bus_.boards[1].serial = "B1";
+  EXPECT_NE(refused(Exit::bad_input, "A1").find("cannot be told"), std::string::npos);
+  EXPECT_TRUE(board().heard.empty());
+  // A drive that could have come, and did not: where the board is left.
+  bus_.boards.resize(1);
+  const std::string waits = refused(Exit::no_device);
+  EXPECT_NE(waits.find("waits in its boot loader"), std::string::npos) << waits;
+  EXPECT_NE(waits.find("old firmware"), std::string::npos) << waits;
+  EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+}
+
+TEST_F(UpdateTest, AVersionThatIsNotToldIsNotConfirmed) {
+  EXPECT_TRUE(update().confirmed());
+  board().tells_version = false;
+  board().in_loader = true;
+  const UpdateReport report = update();
+  EXPECT_FALSE(report.confirmed());
+  EXPECT_FALSE(report.version_problem.empty());
+}
+
 TEST_F(UpdateTest, SeveralBoardsAreChosenBySerialNumber) {
   bus_.boards.resize(3);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -255,6 +312,7 @@ TEST_F(UpdateTest, ADriveThatIsGivenNeedsNoBus) {
   const UpdateReport unseen =
       Update({bus_, ports_}, old_, {}).run_on_drive(folder.file("drive"));
   EXPECT_NE(unseen.version_problem.find("no new board"), std::string::npos);
+  EXPECT_TRUE(unseen.confirmed()) << "nobody can be asked";
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -177,13 +178,21 @@ TEST_F(LibusbBusTest, ImageGoesThroughTheKernelsCalls) {
   flash::Picoboot session(*device, devices[0]);
   EXPECT_EQ(flash::Flasher(session, image, {}).run().written, 3u);
   EXPECT_TRUE(flash::test::holds(flash.bytes, image));
-  // A refusal, its reason, and on.
-  try {
-    session.erase(flash::flash_base + 1, flash::sector_size);
-    ADD_FAILURE() << "no error";
-  } catch (const flash::PicobootError& error) {
-    EXPECT_EQ(error.status(), flash::PicobootStatus::bad_alignment);
-  }
+  // Refusals, their reason, and on: IN halted; OUT halted behind the last of the data.
+  std::vector<std::uint8_t> page(flash::page_size);
+  const auto status_of = [](auto&& command) -> std::optional<flash::PicobootStatus> {
+    try {
+      command();
+    } catch (const flash::PicobootError& error) {
+      return error.status();
+    }
+    return std::nullopt;
+  };
+  EXPECT_EQ(status_of([&] { session.read(flash::flash_base + 1, page); }),
+            flash::PicobootStatus::bad_alignment);
+  EXPECT_EQ(status_of([&] { session.write(flash::flash_base + 1, page); }),
+            flash::PicobootStatus::bad_alignment);
+  EXPECT_TRUE(flash::test::holds(flash.bytes, image));
   EXPECT_FALSE(model.halted());
   session.reboot(milliseconds(1));
   EXPECT_TRUE(model.rebooted());

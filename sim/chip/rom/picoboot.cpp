@@ -99,8 +99,9 @@ void Picoboot::given(LoaderBus& bus, Pipes& pipes) {
 // --- commands ---
 
 void Picoboot::begin(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes& pipes) {
+  // Not even the status is another one then.
   if (packet.size() != command_size || word(packet, 0) != magic) {
-    refuse(Status::unknown_error, pipes);
+    refuse(pipes);
     return;
   }
   token_ = word(packet, 4);
@@ -108,64 +109,74 @@ void Picoboot::begin(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes
   argument_bytes_ = packet[9];
   transfer_ = word(packet, 12);
   for (std::size_t i = 0; i < arguments_.size(); ++i) arguments_[i] = word(packet, 16 + 4 * i);
-  status_ = Status::ok;
-  std::uint32_t size = 0;
-  Status found = check(size);
-  if (found == Status::ok && argument_bytes_ != size) found = Status::invalid_command_length;
-  if (found != Status::ok) {
-    refuse(found, pipes);
+  status_ = check();
+  if (status_ != Status::ok) {
+    refuse(pipes);
     return;
   }
   in_progress_ = true;
   execute(bus, pipes);
 }
 
-Status Picoboot::check(std::uint32_t& size) const {
-  if (rebooting_) return Status::rebooting;
-  const bool moves = command_ == Command::read || command_ == Command::write;
-  const Status lengths =
-      transfer_ == (moves ? arguments_[1] : 0) ? Status::ok : Status::invalid_transfer_length;
+/// What the packet alone says.
+Status Picoboot::check() const {
+  std::uint32_t size = 0, data = 0;
   switch (command_) {
     case Command::exclusive_access:
       size = 1;
-      return lengths;
+      break;
     case Command::reboot:
       size = 12;
-      return lengths;
+      data = transfer_;  // which nobody looks at
+      break;
     case Command::exit_xip:
     case Command::enter_command_xip:
-      return lengths;
+      break;
     case Command::vectorize_flash:
       size = 4;
-      return lengths;
+      break;
     case Command::flash_erase:
       size = 8;
-      return lengths != Status::ok ? lengths : check_range(sector, true, true);
+      break;
     case Command::write:
-      size = 8;
-      return lengths != Status::ok ? lengths : check_range(page, false, true);
     case Command::read:
       size = 8;
-      return lengths != Status::ok ? lengths : check_range(1, false, false);
+      data = arguments_[1];
+      break;
     case Command::exec:
       if (not_modelled_) not_modelled_("ROM USB boot loader: PICOBOOT EXEC refused");
-      break;
+      return Status::unknown_command;
+    default:
+      return Status::unknown_command;
   }
-  return Status::unknown_command;
+  if (argument_bytes_ != size) return Status::invalid_command_length;
+  return transfer_ == data ? Status::ok : Status::invalid_transfer_length;
 }
 
-/// `alignment` is wanted in flash only.
-Status Picoboot::check_range(std::uint32_t alignment, bool flash_only, bool writes) const {
-  const std::uint32_t first = arguments_[0], size = arguments_[1];
+/// Of the next 256 bytes, or of the rest.
+Status Picoboot::check_data(bool writes) const {
+  if (rebooting_) return Status::rebooting;
+  const std::uint32_t size = std::min(left_, page);
   for (const Region& region : regions) {
-    if (first - region.first >= region.size || size > region.size - (first - region.first))
+    if (address_ - region.first >= region.size || size > region.size - (address_ - region.first))
       continue;
-    if ((writes && !region.writable) || (flash_only && !in_flash(first))) break;
-    const bool sizes_too = flash_only;
-    const bool aligned = first % alignment == 0 && (!sizes_too || size % alignment == 0);
-    return in_flash(first) && !aligned ? Status::bad_alignment : Status::ok;
+    if (writes && !region.writable) break;
+    return in_flash(address_) && address_ % page != 0 ? Status::bad_alignment : Status::ok;
   }
   return Status::invalid_address;
+}
+
+bool Picoboot::can_erase() const {
+  const std::uint32_t size = arguments_[1];
+  return !rebooting_ && size != 0 && address_ % sector == 0 && size % sector == 0 &&
+         in_flash(address_) && size <= flash_size - (address_ - flash_base);
+}
+
+/// The ROM takes every even address; at one that is not a word's its next call would fail.
+bool Picoboot::can_hold_vectors() const {
+  const Region& sram = regions[3];
+  return !rebooting_ && address_ % 4 == 0 &&
+         address_ - sram.first <= sram.size - 4 * (services + 1);
 }
 
 void Picoboot::execute(LoaderBus& bus, Pipes& pipes) {
@@ -174,30 +185,27 @@ void Picoboot::execute(LoaderBus& bus, Pipes& pipes) {
   filled_ = emptied_ = 0;
   switch (command_) {
     case Command::exclusive_access:  // against mass storage, which is not there
+    case Command::exec:
       break;
     case Command::reboot:
       reboot(bus);
       break;
     case Command::flash_erase:
-      if (arguments_[1] == 0) break;
+      if (!can_erase()) break;
       call(Service::erase_range, address_ - flash_base, arguments_[1]);
       return;
     case Command::exit_xip:
-      call(Service::exit_xip, 0, 0);
-      return;
     case Command::enter_command_xip:
-      call(Service::enter_command_xip, 0, 0);
+      if (rebooting_) break;
+      call(command_ == Command::exit_xip ? Service::exit_xip : Service::enter_command_xip, 0, 0);
       return;
     case Command::vectorize_flash:
-      if (address_ % 4 != 0 || address_ - regions[3].first > regions[3].size - 4 * (services + 1)) {
-        refuse(address_ % 4 != 0 ? Status::bad_alignment : Status::invalid_address, pipes);
-        return;
-      }
-      vectorize(bus);
+      if (can_hold_vectors()) vectorize(bus);
       break;
     case Command::write:
       if (left_ == 0) break;
       step_ = Step::data_out;
+      found_ = check_data(true);
       pipes.take();
       return;
     case Command::read:
@@ -205,23 +213,30 @@ void Picoboot::execute(LoaderBus& bus, Pipes& pipes) {
       step_ = Step::data_in;
       next_in(bus, pipes);
       return;
-    case Command::exec:
-      break;
   }
   finish(pipes);
 }
 
-void Picoboot::refuse(Status status, Pipes& pipes) {
+void Picoboot::refuse(Pipes& pipes) {
+  in_progress_ = false;
+  step_ = Step::command;
+  pipes.halt(Pipe::in);
+  pipes.halt(Pipe::out);
+}
+
+/// The other endpoint neither takes nor gives, until the OUT endpoint or the interface is reset.
+void Picoboot::refuse_data(Status status, Pipes& pipes) {
+  const Pipe pipe = step_ == Step::data_in ? Pipe::in : Pipe::out;
   status_ = status;
   in_progress_ = false;
   step_ = Step::command;
-  pipes.halt();
+  pipes.halt(pipe);
 }
 
 void Picoboot::finish(Pipes& pipes) {
   in_progress_ = false;
-  // An empty packet against the direction of the data; IN if there were none.
-  if (command_ == Command::read && transfer_ != 0) {
+  // An empty packet against the direction of the data.
+  if (command_ == Command::read) {
     step_ = Step::acknowledge_out;
     pipes.take();
   } else {
@@ -236,6 +251,12 @@ void Picoboot::next_in(LoaderBus& bus, Pipes& pipes) {
   if (left_ == 0) {
     finish(pipes);
     return;
+  }
+  if ((transfer_ - left_) % page == 0) {
+    if (const Status found = check_data(false); found != Status::ok) {
+      refuse_data(found, pipes);
+      return;
+    }
   }
   if (in_flash(address_) && emptied_ == filled_) {
     call(Service::page_read, address_ - flash_base, buffer_);
@@ -256,29 +277,40 @@ void Picoboot::next_in(LoaderBus& bus, Pipes& pipes) {
 
 void Picoboot::data(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes& pipes) {
   if (packet.size() > left_) {
-    refuse(Status::invalid_transfer_length, pipes);
+    refuse_data(Status::invalid_transfer_length, pipes);
     return;
   }
   const auto size = static_cast<std::uint32_t>(packet.size());
-  const bool flash = in_flash(address_);
-  for (std::uint32_t i = 0; i < size; ++i)
-    bus.store(flash ? buffer_ + filled_ + i : address_ + i, packet[i], Width::byte);
+  const bool flash = in_flash(address_), good = found_ == Status::ok;
+  for (std::uint32_t i = 0; good && i < size; ++i)
+    bus.store(flash ? buffer_ + filled_ + i : address_ + filled_ + i, packet[i], Width::byte);
   left_ -= size;
-  if (!flash) {
-    address_ += size;
-  } else {
-    filled_ += size;
-    if (left_ == 0)
-      for (; filled_ < page; ++filled_) bus.store(buffer_ + filled_, 0, Width::byte);
-    if (filled_ == page) {
-      call(Service::page_program, address_ - flash_base, buffer_);
-      return;
-    }
-  }
-  if (left_ == 0)
-    finish(pipes);
-  else
+  filled_ += size;
+  if (filled_ < page && left_ != 0) {
     pipes.take();
+    return;
+  }
+  // What there is against a page is told when all of it has come.
+  if (!good) {
+    refuse_data(found_, pipes);
+  } else if (flash) {
+    for (; filled_ < page; ++filled_) bus.store(buffer_ + filled_, 0, Width::byte);
+    call(Service::page_program, address_ - flash_base, buffer_);
+  } else {
+    next_out(pipes);
+  }
+}
+
+/// A page is where it belongs.
+void Picoboot::next_out(Pipes& pipes) {
+  address_ += page;
+  filled_ = 0;
+  if (left_ == 0) {
+    finish(pipes);
+    return;
+  }
+  found_ = check_data(true);
+  pipes.take();
 }
 
 // --- flash functions ---
@@ -297,17 +329,11 @@ std::optional<Call> Picoboot::take_call() {
 void Picoboot::returned(std::uint32_t result, LoaderBus& bus, Pipes& pipes) {
   calling_ = false;
   if (std::exchange(dropped_, false)) return;
-  if (result != 0) {
-    refuse(Status::unknown_error, pipes);
-    return;
-  }
-  if (step_ == Step::data_out) {
-    address_ += page;
-    filled_ = 0;
-    if (left_ == 0)
-      finish(pipes);
-    else
-      pipes.take();
+  const bool moves = step_ == Step::data_out || step_ == Step::data_in;
+  if (moves && result != 0) {
+    refuse_data(static_cast<Status>(result), pipes);
+  } else if (step_ == Step::data_out) {
+    next_out(pipes);
   } else if (step_ == Step::data_in) {
     filled_ = page;
     emptied_ = 0;

@@ -5,9 +5,12 @@
 // Out: packets of the bulk IN endpoint; calls of the ROM's flash functions; bytes in memory.
 // Who: UsbLoader.
 //
-// A command is 32 bytes; data follow in its direction; an empty packet the other way ends it. What
-// is refused halts both endpoints until the host clears them, and leaves its reason in the status.
-// EXEC is refused, and reported: the loader's own work on core 0 is not Thumb code.
+// A command is 32 bytes; data follow in its direction; an empty packet the other way ends it. As
+// the ROM's source has it (pico-bootrom-rp2040, usb_boot_device.c and async_task.c): a packet that
+// is no command halts both endpoints until the host clears them; data, 256 bytes of which are
+// judged at a time, halt that of their direction; both leave their reason in the status. A command
+// without data is acknowledged whatever became of it. EXEC is refused, and reported: the loader's
+// own work on core 0 is not Thumb code.
 #pragma once
 
 #include <array>
@@ -77,13 +80,15 @@ struct Call {
   std::array<std::uint32_t, 2> arguments{};
 };
 
+enum class Pipe : std::uint8_t { in, out };
+
 /// What the two bulk endpoints can be told.
 class Pipes {
  public:
   virtual ~Pipes() = default;
   virtual void take() = 0;                                      ///< accept an OUT packet
   virtual void give(std::span<const std::uint8_t> packet) = 0;  ///< at most 64 bytes
-  virtual void halt() = 0;                                      ///< both
+  virtual void halt(Pipe pipe) = 0;
 };
 
 }  // namespace picoboot
@@ -121,12 +126,16 @@ class Picoboot {
  private:
   enum class Step : std::uint8_t { command, data_out, data_in, acknowledge_out, acknowledge_in };
   void begin(std::span<const std::uint8_t> packet, LoaderBus& bus, picoboot::Pipes& pipes);
-  picoboot::Status check(std::uint32_t& size) const;
-  picoboot::Status check_range(std::uint32_t alignment, bool flash_only, bool writes) const;
+  picoboot::Status check() const;
+  picoboot::Status check_data(bool writes) const;
+  bool can_erase() const;
+  bool can_hold_vectors() const;
   void execute(LoaderBus& bus, picoboot::Pipes& pipes);
-  void refuse(picoboot::Status status, picoboot::Pipes& pipes);
+  void refuse(picoboot::Pipes& pipes);
+  void refuse_data(picoboot::Status status, picoboot::Pipes& pipes);
   void finish(picoboot::Pipes& pipes);
   void next_in(LoaderBus& bus, picoboot::Pipes& pipes);
+  void next_out(picoboot::Pipes& pipes);
   void data(std::span<const std::uint8_t> packet, LoaderBus& bus, picoboot::Pipes& pipes);
   void reboot(LoaderBus& bus);
   void vectorize(LoaderBus& bus);
@@ -145,8 +154,9 @@ class Picoboot {
   picoboot::Status status_ = picoboot::Status::ok;
   bool in_progress_ = false, rebooting_ = false;
   std::uint32_t address_ = 0, left_ = 0;
-  std::uint32_t filled_ = 0;   ///< bytes of the page in the buffer
-  std::uint32_t emptied_ = 0;  ///< of these, bytes on their way to the host
+  std::uint32_t filled_ = 0;                       ///< bytes of the page in the buffer
+  std::uint32_t emptied_ = 0;                      ///< of these, bytes on their way to the host
+  picoboot::Status found_ = picoboot::Status::ok;  ///< what there is against the page that comes
   std::optional<picoboot::Call> call_;
   bool calling_ = false, dropped_ = false;
 };

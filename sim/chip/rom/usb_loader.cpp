@@ -188,11 +188,11 @@ void UsbLoader::give(std::span<const std::uint8_t> packet) {
   arm(bulk_in, bc::full | (in_data1_ ? bc::pid : 0u) | size);
 }
 
-void UsbLoader::halt() {
-  halted_in_ = halted_out_ = true;
-  taking_ = false;
-  bus_->store(dpram + buffer_control_of(bulk_in), bc::stall, Width::word);
-  bus_->store(dpram + buffer_control_of(bulk_out), bc::stall, Width::word);
+void UsbLoader::halt(picoboot::Pipe pipe) {
+  const bool in = pipe == picoboot::Pipe::in;
+  (in ? halted_in_ : halted_out_) = true;
+  if (!in) taking_ = false;
+  bus_->store(dpram + buffer_control_of(in ? bulk_in : bulk_out), bc::stall, Width::word);
 }
 
 // --- control transfers ---

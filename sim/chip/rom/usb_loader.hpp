@@ -65,7 +65,7 @@ class UsbLoader final : private picoboot::Pipes {
   // picoboot::Pipes
   void take() override;
   void give(std::span<const std::uint8_t> packet) override;
-  void halt() override;
+  void halt(picoboot::Pipe pipe) override;
 
   std::uint32_t reg(std::uint32_t offset);
   void set_reg(std::uint32_t offset, std::uint32_t value);

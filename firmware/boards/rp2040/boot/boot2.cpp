@@ -6,6 +6,7 @@
 // nothing.
 #include "firmware/boards/rp2040/boot/xip.hpp"
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
+#include "shared/boards/pico_flash.hpp"
 
 // From the linker script: stack pointer and entry of the loader come first.
 extern "C" const std::uint32_t loader_begin[];
@@ -20,3 +21,7 @@ extern "C" [[gnu::section(".boot2"), gnu::used, noreturn]] void boot2() {
       "r"(loader_begin[1]));
   __builtin_unreachable();
 }
+
+/// By which `lamplock flash` knows what to check.
+extern "C" [[gnu::section(".boot2.mark"), gnu::used]] constexpr auto boot2_mark =
+    lamplock::boards::image_mark;
