@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
-#include "host/usb/access.hpp"
+#include "host/access.hpp"
 #include "host/usb/known_devices.hpp"
 
 namespace lamplock::cli {
@@ -22,7 +22,7 @@ DeviceRow board_row(const DeviceInfo& device, const usb::Sysfs& sysfs) {
   }
   row.node = ports.front();
   row.use = "--board " + row.node + ", lamplock flash";
-  row.problem = usb::access_problem(row.node).text();
+  row.problem = access_problem(row.node).text();
   return row;
 }
 
@@ -50,7 +50,7 @@ DeviceRow pendant_row(const DeviceInfo& device, const usb::Sysfs& sysfs) {
     return row;
   }
   row.node = nodes.front();
-  row.problem = usb::access_problem(row.node).text();
+  row.problem = access_problem(row.node).text();
   return row;
 }
 
@@ -63,8 +63,7 @@ std::vector<DeviceRow> gpio_rows(const fs::path& nodes) {
     const std::string name = at->path().filename().string();
     if (name.starts_with("gpiochip"))
       rows.push_back({"GPIO", name, "", "", at->path().string(),
-                      "inputs and outputs of this computer",
-                      usb::access_problem(at->path()).text()});
+                      "inputs and outputs of this computer", access_problem(at->path()).text()});
   }
   std::sort(rows.begin(), rows.end(),
             [](const DeviceRow& a, const DeviceRow& b) { return a.node < b.node; });

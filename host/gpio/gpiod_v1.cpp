@@ -32,16 +32,16 @@ struct Line {
 std::string text_of(const char* text) { return text == nullptr ? "" : text; }
 
 Line find_by_name(const std::string& name) {
-  bool problems = false;
+  std::string closed;
   for (const std::string& file : chip_files()) {
     Chip chip(::gpiod_chip_open(file.c_str()));
     if (!chip) {
-      problems = true;
+      closed = file;
     } else if (gpiod_line* line = ::gpiod_chip_find_line(chip.get(), name.c_str())) {
       return {std::move(chip), line};
     }
   }
-  throw no_line_error(name, problems);
+  throw no_line_error(name, closed);
 }
 
 Line find(const std::string& text) {
@@ -49,7 +49,7 @@ Line find(const std::string& text) {
   if (!place.name.empty()) return find_by_name(place.name);
   Chip chip(::gpiod_chip_open(place.chip.c_str()));
   if (!chip) throw chip_error(place.chip, errno);
-  if (place.number >= ::gpiod_chip_num_lines(chip.get())) throw no_line_error(text, false);
+  if (place.number >= ::gpiod_chip_num_lines(chip.get())) throw no_line_error(text);
   gpiod_line* line = ::gpiod_chip_get_line(chip.get(), place.number);
   if (line == nullptr) throw request_error(text, errno);
   return {std::move(chip), line};
@@ -131,7 +131,7 @@ ChipInfo info_of(const std::string& file) {
   ChipInfo info{.file = file};
   const Chip chip(::gpiod_chip_open(file.c_str()));
   if (!chip) {
-    info.problem = chip_problem(errno);
+    info.problem = chip_problem(file, errno);
     return info;
   }
   info.label = text_of(::gpiod_chip_label(chip.get()));

@@ -54,17 +54,17 @@ struct Line {
 std::string text_of(const char* text) { return text == nullptr ? "" : text; }
 
 Found find_by_name(const std::string& name) {
-  bool problems = false;
+  std::string closed;
   for (const std::string& file : chip_files()) {
     Chip chip(::gpiod_chip_open(file.c_str()));
     if (!chip) {
-      problems = true;
+      closed = file;
       continue;
     }
     const int number = ::gpiod_chip_get_line_offset_from_name(chip.get(), name.c_str());
     if (number >= 0) return {std::move(chip), static_cast<unsigned>(number)};
   }
-  throw no_line_error(name, problems);
+  throw no_line_error(name, closed);
 }
 
 Found find(const std::string& text) {
@@ -74,7 +74,7 @@ Found find(const std::string& text) {
   if (!chip) throw chip_error(place.chip, errno);
   const ChipData data(::gpiod_chip_get_info(chip.get()));
   if (!data) throw chip_error(place.chip, errno);
-  if (place.number >= ::gpiod_chip_info_get_num_lines(data.get())) throw no_line_error(text, false);
+  if (place.number >= ::gpiod_chip_info_get_num_lines(data.get())) throw no_line_error(text);
   return {std::move(chip), place.number};
 }
 
@@ -194,7 +194,7 @@ ChipInfo info_of(const std::string& file) {
   const Chip chip(::gpiod_chip_open(file.c_str()));
   const ChipData data(chip ? ::gpiod_chip_get_info(chip.get()) : nullptr);
   if (!data) {
-    info.problem = chip_problem(errno);
+    info.problem = chip_problem(file, errno);
     return info;
   }
   info.label = text_of(::gpiod_chip_info_get_label(data.get()));

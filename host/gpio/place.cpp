@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "host/access.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::gpio {
@@ -18,11 +19,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* device_folder = "/dev/";
 constexpr const char* chip_prefix = "gpiochip";
-/// What to do where the system does not let us.
-constexpr const char* permission_remedy =
-    "install 60-lamplock.rules (cmake --install, or the Debian package) and join the group "
-    "plugdev, "
-    "or gpio where there is one";
 
 }  // namespace
 
@@ -57,26 +53,24 @@ std::vector<std::string> chip_files(const std::string& folder) {
   return files;
 }
 
-std::string chip_problem(int error) {
-  if (error == EACCES || error == EPERM)
-    return fmt::format("may not be opened; {}", permission_remedy);
+std::string chip_problem(const std::string& chip, int error) {
+  if (is_denied(error)) return fmt::format("may not be opened; {}", access_remedy(chip));
   return fmt::format("cannot be opened ({}); see what chips `lamplock lines` lists",
                      std::strerror(error));
 }
 
 Error chip_error(const std::string& chip, int error) {
-  if (error == EACCES || error == EPERM)
-    return {Exit::no_device, chip, "may not be opened", permission_remedy};
+  if (is_denied(error)) return {Exit::no_device, chip, "may not be opened", access_remedy(chip)};
   return {Exit::no_device, chip,
           error == ENOENT ? "there is no such chip"
                           : fmt::format("cannot be opened ({})", std::strerror(error)),
           "see what chips `lamplock lines` lists"};
 }
 
-Error no_line_error(const std::string& place, bool problems) {
-  if (problems)
+Error no_line_error(const std::string& place, const std::string& closed_chip) {
+  if (!closed_chip.empty())
     return {Exit::no_device, place, "is no line of the chips that may be opened",
-            permission_remedy};
+            access_remedy(closed_chip)};
   return {Exit::bad_input, place, "there is no such line",
           "see what lines `lamplock lines` lists, or give chip and number as in gpiochip0:17"};
 }
@@ -86,9 +80,6 @@ Error request_error(const std::string& place, int error) {
     case EBUSY:
       return {Exit::no_device, place, "is used by another program or driver",
               "see by whom with `lamplock lines`"};
-    case EACCES:
-    case EPERM:
-      return {Exit::no_device, place, "may not be used", permission_remedy};
     case EINVAL:
     case ENOTSUP:
     case ENXIO:

@@ -27,11 +27,12 @@ Place parse_place(const std::string& text);
 std::vector<std::string> chip_files(const std::string& folder = "/dev");
 
 /// Why a chip could not be opened, with the remedy: "may not be opened; ...".
-std::string chip_problem(int error);
+std::string chip_problem(const std::string& chip, int error);
 /// For a chip that could not be opened.
 Error chip_error(const std::string& chip, int error);
-/// For a place that no chip has; `problems`: some chips could not be looked at.
-Error no_line_error(const std::string& place, bool problems);
+/// For a place that no chip has; `closed_chip`: one that could not be looked at, empty if all
+/// could.
+Error no_line_error(const std::string& place, const std::string& closed_chip = "");
 /// For a line that could not be had.
 Error request_error(const std::string& place, int error);
 

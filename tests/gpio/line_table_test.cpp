@@ -128,12 +128,13 @@ TEST(Place, ChipsAreListedByNumber) {
 }
 
 TEST(Place, ErrorsAreOneLineWithARemedy) {
-  EXPECT_THAT(chip_error("/dev/gpiochip0", EACCES).what(), HasSubstr("60-lamplock.rules"));
+  EXPECT_THAT(chip_error("/dev/gpiochip0", EACCES).what(), HasSubstr("rule for lines"));
+  EXPECT_THAT(chip_problem("/dev/gpiochip0", EPERM), HasSubstr("60-lamplock.rules"));
   EXPECT_EQ(chip_error("/dev/gpiochip9", ENOENT).exit(), Exit::no_device);
   EXPECT_THAT(request_error("GPIO4", EBUSY).what(), HasSubstr("used by another program"));
   EXPECT_EQ(request_error("GPIO4", EINVAL).exit(), Exit::bad_input);
-  EXPECT_EQ(no_line_error("GPIO99", false).exit(), Exit::bad_input);
-  EXPECT_EQ(no_line_error("GPIO99", true).exit(), Exit::no_device);
+  EXPECT_EQ(no_line_error("GPIO99").exit(), Exit::bad_input);
+  EXPECT_EQ(no_line_error("GPIO99", "/dev/gpiochip0").exit(), Exit::no_device);
 }
 
 }  // namespace
