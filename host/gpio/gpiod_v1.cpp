@@ -14,7 +14,6 @@ namespace lamplock::gpio {
 namespace {
 
 constexpr const char* consumer = "lamplock";
-constexpr std::int64_t us_per_s = 1'000'000, ns_per_us = 1'000;
 /// Changes that the kernel keeps for a line (drivers/gpio/gpiolib-cdev.c).
 constexpr unsigned kept_events = 16;
 
@@ -69,9 +68,8 @@ int bias_flag(Bias bias) {
   return 0;
 }
 
-/// Finds a line and asks for it. Throws Error.
-Line request(const LineRequest& wanted, int type, bool active) {
-  Line found = find(wanted.place);
+/// Asks for a line that was found. False, with errno, if that is refused.
+bool request(const Line& found, const LineRequest& wanted, int type, bool active) {
   int flags = wanted.active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
   if (type == GPIOD_LINE_REQUEST_DIRECTION_OUTPUT) {
     if (wanted.drive == Drive::open_drain) flags |= GPIOD_LINE_REQUEST_FLAG_OPEN_DRAIN;
@@ -79,32 +77,23 @@ Line request(const LineRequest& wanted, int type, bool active) {
     flags |= bias_flag(wanted.bias);
   }
   const gpiod_line_request_config config{consumer, type, flags};
-  if (::gpiod_line_request(found.line, &config, active ? 1 : 0) != 0)
-    throw request_error(wanted.place, errno);
-  return found;
+  return ::gpiod_line_request(found.line, &config, active ? 1 : 0) == 0;
 }
 
+/// An input, with its edges if `has_edges`.
 class WatchedInput final : public Input {
  public:
-  explicit WatchedInput(Line line) : line_(std::move(line)) {}
+  WatchedInput(Line line, bool has_edges) : line_(std::move(line)), has_edges_(has_edges) {}
 
-  std::vector<Event> events(std::chrono::microseconds time) override {
-    const timespec limit{static_cast<time_t>(time.count() / us_per_s),
-                         static_cast<long>(time.count() % us_per_s * ns_per_us)};
-    std::vector<Event> all;
-    if (gone_ || ::gpiod_line_event_wait(line_.line, &limit) <= 0) return all;
+  bool moved() override {
+    constexpr timespec no_wait{};
+    if (gone_ || !has_edges_ || ::gpiod_line_event_wait(line_.line, &no_wait) <= 0) return false;
     std::array<gpiod_line_event, kept_events> read;
     const int count =
         ::gpiod_line_event_read_multiple(line_.line, read.data(), unsigned{read.size()});
     // What can be waited for and not be read is a chip that was unplugged.
     if (count < 0) gone_ = true;
-    for (int i = 0; i < count; ++i) {
-      const gpiod_line_event& event = read[static_cast<std::size_t>(i)];
-      all.push_back(
-          {event.event_type == GPIOD_LINE_EVENT_RISING_EDGE,
-           std::chrono::seconds(event.ts.tv_sec) + std::chrono::nanoseconds(event.ts.tv_nsec)});
-    }
-    return all;
+    return count > 0;
   }
 
   std::optional<bool> active() override {
@@ -115,6 +104,7 @@ class WatchedInput final : public Input {
 
  private:
   Line line_;
+  bool has_edges_;
   bool gone_ = false;
 };
 
@@ -157,12 +147,18 @@ class HostLines final : public Lines {
     return all;
   }
   std::unique_ptr<Input> input(const LineRequest& wanted) override {
-    return std::make_unique<WatchedInput>(
-        request(wanted, GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES, false));
+    Line line = find(wanted.place);
+    const bool has_edges = request(line, wanted, GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES, false);
+    if (!has_edges &&
+        !(has_no_edges(errno) && request(line, wanted, GPIOD_LINE_REQUEST_DIRECTION_INPUT, false)))
+      throw request_error(wanted.place, errno);
+    return std::make_unique<WatchedInput>(std::move(line), has_edges);
   }
   std::unique_ptr<Output> output(const LineRequest& wanted, bool active) override {
-    return std::make_unique<DrivenOutput>(
-        request(wanted, GPIOD_LINE_REQUEST_DIRECTION_OUTPUT, active));
+    Line line = find(wanted.place);
+    if (!request(line, wanted, GPIOD_LINE_REQUEST_DIRECTION_OUTPUT, active))
+      throw request_error(wanted.place, errno);
+    return std::make_unique<DrivenOutput>(std::move(line));
   }
 };
 

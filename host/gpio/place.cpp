@@ -75,6 +75,8 @@ Error no_line_error(const std::string& place, const std::string& closed_chip) {
           "see what lines `lamplock lines` lists, or give chip and number as in gpiochip0:17"};
 }
 
+bool has_no_edges(int error) { return error == ENXIO || error == ENODEV; }
+
 Error request_error(const std::string& place, int error) {
   switch (error) {
     case EBUSY:

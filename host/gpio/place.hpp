@@ -33,6 +33,10 @@ Error chip_error(const std::string& chip, int error);
 /// For a place that no chip has; `closed_chip`: one that could not be looked at, empty if all
 /// could.
 Error no_line_error(const std::string& place, const std::string& closed_chip = "");
+/// A request with edges was refused because the chip has none: its driver has no interrupts
+/// (gpiod_to_irq() in drivers/gpio/gpiolib.c: ENXIO; older kernels ENODEV, by way of the request
+/// itself). Without edges it may be had.
+bool has_no_edges(int error);
 /// For a line that could not be had.
 Error request_error(const std::string& place, int error);
 

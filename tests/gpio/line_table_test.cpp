@@ -133,6 +133,8 @@ TEST(Place, ErrorsAreOneLineWithARemedy) {
   EXPECT_EQ(chip_error("/dev/gpiochip9", ENOENT).exit(), Exit::no_device);
   EXPECT_THAT(request_error("GPIO4", EBUSY).what(), HasSubstr("used by another program"));
   EXPECT_EQ(request_error("GPIO4", EINVAL).exit(), Exit::bad_input);
+  EXPECT_TRUE(has_no_edges(ENXIO) && has_no_edges(ENODEV));
+  EXPECT_FALSE(has_no_edges(EBUSY) || has_no_edges(EINVAL)) << "not to be asked for again";
   EXPECT_EQ(no_line_error("GPIO99").exit(), Exit::bad_input);
   EXPECT_EQ(no_line_error("GPIO99", "/dev/gpiochip0").exit(), Exit::no_device);
 }
