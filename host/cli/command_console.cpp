@@ -87,7 +87,10 @@ void add_console(CLI::App& program, Action& action) {
   const auto options = std::make_shared<Options>();
   options->board.add_choice(*app);
   options->machine.add_machine(*app);
-  app->callback([options, &action] { action = [options] { return talk(*options); }; });
+  app->callback([options, &action] {
+    options->board.profile = options->machine.machine;
+    action = [options] { return talk(*options); };
+  });
 }
 
 }  // namespace lamplock::cli

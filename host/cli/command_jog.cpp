@@ -107,7 +107,10 @@ void add_jog(CLI::App& program, Action& action) {
   options->board.add_choice(*app);
   options->machine.add_machine(*app);
   add_options(*app, options);
-  app->callback([options, &action] { action = [options] { return jog(*options); }; });
+  app->callback([options, &action] {
+    options->board.profile = options->machine.machine;
+    action = [options] { return jog(*options); };
+  });
 }
 
 }  // namespace lamplock::cli

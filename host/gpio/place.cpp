@@ -93,4 +93,23 @@ Error request_error(const std::string& place, int error) {
   }
 }
 
+void check_free(const std::vector<ChipInfo>& chips, const std::string& text) {
+  const Place place = parse_place(text);
+  std::string closed;
+  bool has_chip = false;
+  for (const ChipInfo& chip : chips) {
+    if (!place.chip.empty() && chip.file != place.chip) continue;
+    has_chip = true;
+    if (!chip.problem.empty()) closed = chip.file;
+    for (const LineInfo& line : chip.lines) {
+      if (place.name.empty() ? line.number != place.number : line.name != place.name) continue;
+      if (line.user.empty()) return;
+      throw Error(Exit::no_device, text, fmt::format("is used by {}", line.user),
+                  "give another line, or end what uses it");
+    }
+  }
+  if (!place.chip.empty() && !has_chip) throw chip_error(place.chip, ENOENT);
+  throw no_line_error(text, closed);
+}
+
 }  // namespace lamplock::gpio

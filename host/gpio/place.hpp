@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/gpio/lines.hpp"
 
 namespace lamplock::gpio {
 
@@ -37,6 +38,9 @@ Error no_line_error(const std::string& place, const std::string& closed_chip = "
 /// (gpiod_to_irq() in drivers/gpio/gpiolib.c: ENXIO; older kernels ENODEV, by way of the request
 /// itself). Without edges it may be had.
 bool has_no_edges(int error);
+/// Looks for a line without asking for it: throws Error if no chip has it, or somebody uses it.
+void check_free(const std::vector<ChipInfo>& chips, const std::string& place);
+
 /// For a line that could not be had.
 Error request_error(const std::string& place, int error);
 

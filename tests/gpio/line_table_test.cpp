@@ -74,6 +74,22 @@ TEST(LineTable, SaysWhereItIsWrongAndWhatToDo) {
   EXPECT_THAT(error("[door\n"), HasSubstr("lines.toml:"));
 }
 
+TEST(LineTable, StandsInAMachineProfileToo) {
+  const test::TemporaryFolder folder;
+  const auto lines_of = [&](const std::string& text) {
+    return read_machine_lines(folder.write("machine.toml", text));
+  };
+  const LineTable lines =
+      lines_of("name = 'a'\n[lines]\ndebounce_ms = 5\n[lines.estop]\nline = 'GPIO17'\n[pendant]\n");
+  ASSERT_TRUE(lines.estop);
+  EXPECT_EQ(lines.estop->place, "GPIO17");
+  EXPECT_EQ(lines.debounce, 5ms);
+  EXPECT_FALSE(lines_of("name = 'a'\n").guards());
+  EXPECT_THAT(error_of([&] { lines_of("[lines.stop]\nline = 'a'\n"); }),
+              HasSubstr("machine.toml:1: unknown key 'stop'"));
+  EXPECT_THAT(error_of([&] { lines_of("lines = 'a.toml'\n"); }), HasSubstr("must be a table"));
+}
+
 TEST(LineTable, TheExampleNamesEveryRole) {
   const LineTable lines = read_line_table(LAMPLOCK_ROOT "/examples/lines.toml");
   EXPECT_TRUE(lines.estop && lines.door && lines.interlock && lines.lamp && lines.run &&
@@ -125,6 +141,28 @@ TEST(Place, ChipsAreListedByNumber) {
   EXPECT_TRUE(files[0].ends_with("/gpiochip2"));
   EXPECT_TRUE(files[1].ends_with("/gpiochip10"));
   EXPECT_TRUE(chip_files("/no/such/folder").empty());
+}
+
+TEST(Place, LinesAreLookedForWithoutBeingAskedFor) {
+  const std::vector<ChipInfo> chips{
+      {.file = "/dev/gpiochip0", .lines = {{0, "FREE", "", false}, {1, "TAKEN", "led", true}}},
+      {.file = "/dev/gpiochip1", .problem = "may not be opened"}};
+  EXPECT_NO_THROW(check_free(chips, "FREE"));
+  EXPECT_NO_THROW(check_free(chips, "gpiochip0:0"));
+  const auto error = [&](const char* place) {
+    try {
+      check_free(chips, place);
+    } catch (const Error& thrown) {
+      return std::string(thrown.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(error("TAKEN"), HasSubstr("is used by led"));
+  EXPECT_THAT(error("gpiochip0:1"), HasSubstr("is used by led"));
+  EXPECT_THAT(error("gpiochip0:2"), HasSubstr("there is no such line"));
+  EXPECT_THAT(error("gpiochip9:3"), HasSubstr("there is no such chip"));
+  EXPECT_THAT(error("gpiochip1:3"), HasSubstr("chips that may be opened"));
+  EXPECT_THAT(error("OTHER"), HasSubstr("chips that may be opened")) << "it may be on that one";
 }
 
 TEST(Place, ErrorsAreOneLineWithARemedy) {
