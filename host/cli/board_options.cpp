@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <stdexcept>
 
@@ -12,7 +13,6 @@
 #include "host/cli/staged_file.hpp"
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
-#include "host/gpio/line_table.hpp"
 #include "host/link/sender.hpp"
 #include "host/report/statistics.hpp"
 #include "host/units.hpp"
@@ -26,6 +26,7 @@ using settings::Id;
 
 constexpr double percent = 0.01;
 constexpr unsigned most_shots = 255;  ///< at one point, of the pulse stream
+constexpr const char* lines_variable = "LAMPLOCK_LINES";
 constexpr const char* board_group = "Board";
 constexpr const char* lamp_group = "Lamp of a simulated board";
 constexpr const char* drives_group = "Drives of a simulated board";
@@ -114,10 +115,23 @@ void BoardOptions::add_choice(CLI::App& app) {
       ->group(board_group);
   app.add_option("--lines", lines,
                  "E-stop, door and interlock on lines of this computer (TOML), watched while a "
-                 "real board works")
-      ->envname("LAMPLOCK_LINES")
+                 "real board works; else [lines] of the machine profile")
+      ->envname(lines_variable)
       ->type_name("FILE")
       ->group(board_group);
+}
+
+gpio::LineTable BoardOptions::line_table() const {
+  if (is_simulated()) {
+    // What stands in the environment is for every command, those without a board too.
+    const char* const every_command = std::getenv(lines_variable);
+    if (!lines.empty() && (every_command == nullptr || lines != every_command))
+      throw Error(Exit::bad_input, "--lines", "a simulated board has no lines of this computer",
+                  "leave it out, or give the real board with --board");
+    return {};
+  }
+  if (!lines.empty()) return gpio::read_line_table(lines);
+  return profile.empty() ? gpio::LineTable{} : gpio::read_machine_lines(profile);
 }
 
 sim::chip::UsbFunction BoardOptions::usb_function() const {
@@ -224,12 +238,12 @@ void BoardOptions::check(const std::string& input, const std::string& save) cons
     throw Error(Exit::bad_input, "--plot", "only the virtual board tells what its ticks are",
                 "leave it out, or use --board virtual");
   check_image(board, image);
+  line_table();
   if (is_simulated()) return;
   const auto only_simulated = [](const std::string& option) {
     throw Error(Exit::bad_input, option, "works on simulated boards only",
                 "leave it out, or use --board virtual");
   };
-  if (!lines.empty()) gpio::read_line_table(lines);
   if (!vcd.empty()) only_simulated("--vcd");
   if (!shots.empty()) only_simulated("--shots");
   if (faults.any()) only_simulated("--jitter, --wander, --dropouts, --runts");

@@ -11,6 +11,7 @@
 
 #include "host/cli/motion_plot_file.hpp"
 #include "host/cli/outputs.hpp"
+#include "host/gpio/line_table.hpp"
 #include "shared/settings_table.hpp"
 #include "sim/chip/usb_host/usb_function.hpp"
 #include "sim/world/drives.hpp"
@@ -43,6 +44,7 @@ struct SimulatedDrives {
 /// Where a job runs and what is left of it.
 struct BoardOptions {
   std::string board = "virtual", image{}, usb = "serial", lines{};
+  std::string profile{};  ///< of the machine, which may name lines too; the command fills it in
   std::size_t from = 0;
   std::uint32_t fired = 0, job_speed = 100;
   bool yes = false, dry = false, json = false;
@@ -60,6 +62,9 @@ struct BoardOptions {
   /// --timing, --plot and what is simulated
   void add_job(CLI::App& app);
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
+  /// Lines of this computer for a real board: those of --lines, else of the profile. Throws
+  /// Error(bad_input), also for --lines with a simulated board.
+  gpio::LineTable line_table() const;
   /// What a simulated chip is talked to over.
   sim::chip::UsbFunction usb_function() const;
   /// Refuses what the board cannot do, and files that would be written over each other or over

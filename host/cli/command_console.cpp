@@ -76,7 +76,10 @@ void add_console(CLI::App& program, Action& action) {
       "  echo '$$' | lamplock console --board virtual");
   const auto choice = std::make_shared<BoardChoice>();
   choice->add(*app);
-  app->callback([choice, &action] { action = [choice] { return talk(*choice); }; });
+  app->callback([choice, &action] {
+    choice->board.profile = choice->machine.machine;
+    action = [choice] { return talk(*choice); };
+  });
 }
 
 }  // namespace lamplock::cli

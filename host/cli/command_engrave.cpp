@@ -17,7 +17,8 @@ struct Options {
   OriginOption origin;
 };
 
-Exit engrave(const Options& options) {
+Exit engrave(Options options) {
+  options.board.profile = options.engraving.description().machine.profile;
   Console console(options.board.json);
   options.board.check(options.engraving.input, options.engraving.save_file());
   options.engraving.check_save();

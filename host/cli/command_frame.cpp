@@ -52,10 +52,11 @@ points::PointCloud corners(const points::Bounds& box) {
 
 Exit frame(Options options) {
   options.board.dry = true;
+  const glass::Description description = options.engraving.description();
+  options.board.profile = description.machine.profile;
   Console console(options.board.json);
   options.board.check(options.engraving.input);
   auto port = open_port(options.board);
-  const glass::Description description = options.engraving.description();
   const job::Profile profile = frame_profile(options, description);
   const std::optional<points::Point> origin = options.origin.ask(port.get());
   glass::Volume volume = volume_at(origin, description, profile.settings);

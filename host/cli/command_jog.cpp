@@ -101,7 +101,10 @@ void add_jog(CLI::App& program, Action& action) {
   const auto options = std::make_shared<Options>();
   options->add(*app);
   add_options(*app, options);
-  app->callback([options, &action] { action = [options] { return jog(*options); }; });
+  app->callback([options, &action] {
+    options->board.profile = options->machine.machine;
+    action = [options] { return jog(*options); };
+  });
 }
 
 }  // namespace lamplock::cli

@@ -6,12 +6,13 @@
 #include "host/gpio/board_lines.hpp"
 #include "host/gpio/host_lines.hpp"
 #include "host/gpio/line_table.hpp"
+#include "host/gpio/place.hpp"
 
 namespace lamplock::cli {
 namespace {
 
 struct Options {
-  std::string file;
+  std::string file, profile;
   bool json = false;
 };
 
@@ -31,9 +32,17 @@ std::vector<Wired> wired_lines(const gpio::LineTable& table) {
           {"bootsel", table.bootsel, nullptr, nullptr}};
 }
 
-/// What an input says now; outputs stay as they are.
+gpio::LineTable table_of(const Options& options) {
+  return options.file.empty() ? gpio::read_machine_lines(options.profile)
+                              : gpio::read_line_table(options.file);
+}
+
+/// What an input says now; an output is there and free, and stays as it is. Throws Error.
 std::string state_of(gpio::Lines& lines, const Wired& wired) {
-  if (wired.active == nullptr) return "output";
+  if (wired.active == nullptr) {
+    gpio::check_free(lines.chips(), wired.line->place);
+    return "output";
+  }
   const std::optional<bool> active = lines.input(*wired.line)->active();
   return !active ? "lost" : *active ? wired.active : wired.inactive;
 }
@@ -72,8 +81,8 @@ Json chip_json(const gpio::ChipInfo& chip, Console& console) {
 Exit show(const Options& options) {
   Console console(options.json);
   const std::unique_ptr<gpio::Lines> lines = gpio::host_lines();
-  if (!options.file.empty()) {
-    const gpio::LineTable table = gpio::read_line_table(options.file);
+  if (!options.file.empty() || !options.profile.empty()) {
+    const gpio::LineTable table = table_of(options);
     console.document(
         {{"library", gpio::library_version()}, {"table", table_json(*lines, table, console)}});
     return Exit::done;
@@ -90,26 +99,32 @@ using Pull = void (*)(gpio::Lines&, const gpio::LineTable&, const gpio::Sleep&);
 
 Exit pull(const Options& options, Pull what, const char* done) {
   Console console(false);
-  const gpio::LineTable table = gpio::read_line_table(options.file);
+  const gpio::LineTable table = table_of(options);
   const std::unique_ptr<gpio::Lines> lines = gpio::host_lines();
   what(*lines, table, gpio::real_sleep);
   console.line(done);
   return Exit::done;
 }
 
-CLI::Option* add_file(CLI::App& app, Options& options) {
-  return app
-      .add_option("--lines", options.file, "Which line does what (TOML), see examples/lines.toml")
+void add_file(CLI::App& app, Options& options) {
+  app.add_option("--lines", options.file, "Which line does what (TOML), see examples/lines.toml")
       ->envname("LAMPLOCK_LINES")
+      ->type_name("FILE");
+  app.add_option("--machine", options.profile, "Without --lines: machine profile with [lines]")
       ->type_name("FILE");
 }
 
 void add_pull(CLI::App& app, Action& action, const std::shared_ptr<Options>& options,
               const char* name, const std::string& help, Pull what, const char* done) {
   CLI::App* command = app.add_subcommand(name, help);
-  add_file(*command, *options)->required();
-  command->callback(
-      [options, &action, what, done] { action = [=] { return pull(*options, what, done); }; });
+  add_file(*command, *options);
+  command->callback([options, &action, what, done, name = std::string(name)] {
+    if (options->file.empty() && options->profile.empty())
+      throw Error(Exit::bad_input, "lamplock lines " + name,
+                  "no line is named for the board's pins",
+                  "give --lines, or --machine with [lines]");
+    action = [=] { return pull(*options, what, done); };
+  });
 }
 
 }  // namespace
@@ -119,7 +134,8 @@ void add_lines(CLI::App& program, Action& action) {
       "lines", "Lines of this computer (GPIO): list them, show what is wired, reset the board");
   app->require_subcommand(0, 1);
   app->footer(
-      "With --lines it shows what the inputs of that file say now; outputs are left alone.\n"
+      "With --lines it shows what the inputs of that file say now; outputs are left alone,\n"
+      "only looked for.\n"
       "reset and loader pull the board's pins at once: see that no job runs.\n"
       "Example:\n  lamplock lines\n"
       "  lamplock lines --lines examples/lines.toml\n"

@@ -124,7 +124,10 @@ CLI::App* add(CLI::App& app, Action& action, const std::shared_ptr<Options>& opt
   options->machine.add_machine(*command);
   command->add_flag("--json", options->board.json, "Print the result as JSON on stdout")
       ->group("Board");
-  command->callback([&action, what] { action = what; });
+  command->callback([&action, options, what] {
+    options->board.profile = options->machine.machine;
+    action = what;
+  });
   return command;
 }
 

@@ -66,7 +66,10 @@ void add_send(CLI::App& program, Action& action) {
   app->add_flag("--go-on", options->program.go_on, "Programs: go on after lines that were refused")
       ->group("Board");
   options->program.machine.add_machine(*app);
-  app->callback([options, &action] { action = [options] { return send_file(*options); }; });
+  app->callback([options, &action] {
+    options->board.profile = options->program.machine.machine;
+    action = [options] { return send_file(*options); };
+  });
 }
 
 }  // namespace lamplock::cli

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <system_error>
 
+#include "host/access.hpp"
 #include "host/link/usb_transport.hpp"
-#include "host/usb/access.hpp"
 #include "host/usb/known_devices.hpp"
 
 namespace lamplock::cli {
@@ -34,7 +34,7 @@ DeviceRow board_row(const DeviceInfo& device, const usb::Sysfs& sysfs) {
     return row;
   }
   row.node = ports.front();
-  const usb::AccessProblem problem = usb::access_problem(row.node);
+  const AccessProblem problem = access_problem(row.node);
   if (!problem) add(row.use, ", ", "--board " + row.node + ", lamplock flash");
   add(row.problem, "; ", problem.text());
   return row;
@@ -60,7 +60,7 @@ DeviceRow pendant_row(const DeviceInfo& device, const usb::Sysfs& sysfs) {
     return row;
   }
   row.node = nodes.front();
-  row.problem = usb::access_problem(row.node).text();
+  row.problem = access_problem(row.node).text();
   if (row.problem.empty()) row.use = "lamplock jog";
   return row;
 }
@@ -73,7 +73,7 @@ std::vector<DeviceRow> gpio_rows(const fs::path& nodes) {
        at.increment(failure)) {
     const std::string name = at->path().filename().string();
     if (!name.starts_with("gpiochip")) continue;
-    const std::string problem = usb::access_problem(at->path()).text();
+    const std::string problem = access_problem(at->path()).text();
     rows.push_back({"GPIO", name, "", "", at->path().string(),
                     problem.empty() ? "inputs and outputs of this computer" : "", problem});
   }

@@ -32,8 +32,7 @@ void send_now(link::LinePort& port, std::uint8_t byte) {
 
 Guarding::Guarding(const BoardOptions& options, link::Transport& transport)
     : transport_(transport) {
-  if (options.lines.empty() || options.is_simulated()) return;
-  const gpio::LineTable table = gpio::read_line_table(options.lines);
+  const gpio::LineTable table = options.line_table();
   if (!table.guards()) return;
   lines_ = gpio::host_lines();
   guard_ = std::make_unique<gpio::Guard>(*lines_, table);

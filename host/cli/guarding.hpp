@@ -27,7 +27,7 @@ namespace lamplock::cli {
 /// What an open door does to a job.
 enum class AtDoor : std::uint8_t { holds, ends };
 
-/// Watches the lines while one thing runs; without --lines, and on simulated boards, nothing.
+/// Watches the lines while one thing runs; without lines, and on simulated boards, nothing.
 class Guarding {
  public:
   /// Asks for the lines; time is that of the transport, which must outlive this. Throws Error.

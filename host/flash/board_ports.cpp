@@ -1,10 +1,10 @@
 #include "host/flash/board_ports.hpp"
 
+#include "host/access.hpp"
 #include "host/error.hpp"
 #include "host/flash/target.hpp"
 #include "host/link/serial_transport.hpp"
 #include "host/link/usb_serial_transport.hpp"
-#include "host/usb/access.hpp"
 
 namespace lamplock::flash {
 
@@ -18,7 +18,7 @@ std::unique_ptr<link::Transport> SystemPorts::open(const usb::DeviceInfo& board)
   if (port.empty())
     throw Error(Exit::no_device, name_of(board), "the system has made no serial port for it",
                 "check that the kernel has cdc_acm");
-  if (const usb::AccessProblem problem = usb::access_problem(port))
+  if (const AccessProblem problem = access_problem(port))
     throw Error(Exit::no_device, port, problem.what, problem.remedy);
   return std::make_unique<link::SerialTransport>(port);
 }

@@ -6,7 +6,6 @@
 
 #include <gpiod.h>
 
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -21,7 +20,6 @@ namespace lamplock::gpio {
 inline constexpr const char* consumer = "lamplock";
 /// Changes that the kernel keeps for a line (drivers/gpio/gpiolib-cdev.c).
 inline constexpr unsigned kept_events = 16;
-inline constexpr std::int64_t ns_per_us = 1'000;
 
 struct CloseChip {
   void operator()(gpiod_chip* chip) const { ::gpiod_chip_close(chip); }
@@ -34,16 +32,16 @@ inline Chip open_chip(const std::string& file) { return Chip(::gpiod_chip_open(f
 /// What `find` gives of the first chip on which it gives something. Throws no_line_error().
 template <class Find>
 auto find_on_chips(const std::string& name, const Find& find) {
-  bool problems = false;
+  std::string closed;
   for (const std::string& file : chip_files()) {
     Chip chip = open_chip(file);
     if (!chip) {
-      problems = true;
+      closed = file;
     } else if (auto found = find(std::move(chip))) {
       return std::move(*found);
     }
   }
-  throw no_line_error(name, problems);
+  throw no_line_error(name, closed);
 }
 
 inline std::string text_of(const char* text) { return text == nullptr ? "" : text; }

@@ -12,7 +12,6 @@
 namespace lamplock::gpio {
 namespace {
 
-constexpr std::int64_t us_per_s = 1'000'000;
 
 /// A line and the chip that it belongs to, which is closed behind it.
 struct Line {
@@ -29,7 +28,7 @@ Line find(const std::string& text) {
     });
   Chip chip = open_chip(place.chip);
   if (!chip) throw chip_error(place.chip, errno);
-  if (place.number >= ::gpiod_chip_num_lines(chip.get())) throw no_line_error(text, false);
+  if (place.number >= ::gpiod_chip_num_lines(chip.get())) throw no_line_error(text);
   gpiod_line* line = ::gpiod_chip_get_line(chip.get(), place.number);
   if (line == nullptr) throw request_error(text, errno);
   return {std::move(chip), line};
@@ -49,9 +48,8 @@ int bias_flag(Bias bias) {
   return 0;
 }
 
-/// Finds a line and asks for it. Throws Error.
-Line request(const LineRequest& wanted, int type, bool active) {
-  Line found = find(wanted.place);
+/// Asks for a line that was found. False, with errno, if that is refused.
+bool request(const Line& found, const LineRequest& wanted, int type, bool active) {
   int flags = wanted.active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
   if (type == GPIOD_LINE_REQUEST_DIRECTION_OUTPUT) {
     if (wanted.drive == Drive::open_drain) flags |= GPIOD_LINE_REQUEST_FLAG_OPEN_DRAIN;
@@ -59,31 +57,22 @@ Line request(const LineRequest& wanted, int type, bool active) {
     flags |= bias_flag(wanted.bias);
   }
   const gpiod_line_request_config config{consumer, type, flags};
-  if (::gpiod_line_request(found.line, &config, active ? 1 : 0) != 0)
-    throw request_error(wanted.place, errno);
-  return found;
+  return ::gpiod_line_request(found.line, &config, active ? 1 : 0) == 0;
 }
 
+/// An input, with its edges if `has_edges`.
 class WatchedInput final : public Input {
  public:
-  explicit WatchedInput(Line line) : line_(std::move(line)) {}
+  WatchedInput(Line line, bool has_edges) : line_(std::move(line)), has_edges_(has_edges) {}
 
-  std::vector<Event> events(std::chrono::microseconds time) override {
-    const timespec limit{static_cast<time_t>(time.count() / us_per_s),
-                         static_cast<long>(time.count() % us_per_s * ns_per_us)};
-    std::vector<Event> all;
-    if (gone_ || ::gpiod_line_event_wait(line_.line, &limit) <= 0) return all;
+  bool moved() override {
+    constexpr timespec no_wait{};
+    if (gone_ || !has_edges_ || ::gpiod_line_event_wait(line_.line, &no_wait) <= 0) return false;
     std::array<gpiod_line_event, kept_events> read;
     const int count = ::gpiod_line_event_read_multiple(line_.line, read.data(), kept_events);
     // What can be waited for and not be read is a chip that was unplugged.
     if (count < 0) gone_ = true;
-    for (int i = 0; i < count; ++i) {
-      const gpiod_line_event& event = read[static_cast<std::size_t>(i)];
-      all.push_back(
-          {event.event_type == GPIOD_LINE_EVENT_RISING_EDGE,
-           std::chrono::seconds(event.ts.tv_sec) + std::chrono::nanoseconds(event.ts.tv_nsec)});
-    }
-    return all;
+    return count > 0;
   }
 
   std::optional<bool> active() override {
@@ -94,6 +83,7 @@ class WatchedInput final : public Input {
 
  private:
   Line line_;
+  bool has_edges_;
   bool gone_ = false;
 };
 
@@ -110,7 +100,7 @@ ChipInfo info_of(const std::string& file) {
   ChipInfo info{.file = file};
   const Chip chip = open_chip(file);
   if (!chip) {
-    info.problem = chip_problem(errno);
+    info.problem = chip_problem(file, errno);
     return info;
   }
   info.label = text_of(::gpiod_chip_label(chip.get()));
@@ -130,12 +120,18 @@ class HostLines final : public Lines {
  public:
   std::vector<ChipInfo> chips() override { return all_chips(info_of); }
   std::unique_ptr<Input> input(const LineRequest& wanted) override {
-    return std::make_unique<WatchedInput>(
-        request(wanted, GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES, false));
+    Line line = find(wanted.place);
+    const bool has_edges = request(line, wanted, GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES, false);
+    if (!has_edges &&
+        !(has_no_edges(errno) && request(line, wanted, GPIOD_LINE_REQUEST_DIRECTION_INPUT, false)))
+      throw request_error(wanted.place, errno);
+    return std::make_unique<WatchedInput>(std::move(line), has_edges);
   }
   std::unique_ptr<Output> output(const LineRequest& wanted, bool active) override {
-    return std::make_unique<DrivenOutput>(
-        request(wanted, GPIOD_LINE_REQUEST_DIRECTION_OUTPUT, active));
+    Line line = find(wanted.place);
+    if (!request(line, wanted, GPIOD_LINE_REQUEST_DIRECTION_OUTPUT, active))
+      throw request_error(wanted.place, errno);
+    return std::make_unique<DrivenOutput>(std::move(line));
   }
 };
 

@@ -1,6 +1,5 @@
-// libgpiod 2.0 and later (Debian 13). Debian 12, on which lamplock is built and tested, does not
-// have it: this file was written after the library's own documentation of its functions, checked
-// against their declarations, and has not run.
+// libgpiod 2.0 and later (Debian 13). A test compiles and links it with Debian 13's library
+// (tests/gpiod_v2); at chips of a kernel it has not run.
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -56,7 +55,7 @@ Found find(const std::string& text) {
   if (!chip) throw chip_error(place.chip, errno);
   const ChipData data(::gpiod_chip_get_info(chip.get()));
   if (!data) throw chip_error(place.chip, errno);
-  if (place.number >= ::gpiod_chip_info_get_num_lines(data.get())) throw no_line_error(text, false);
+  if (place.number >= ::gpiod_chip_info_get_num_lines(data.get())) throw no_line_error(text);
   return {std::move(chip), place.number};
 }
 
@@ -78,11 +77,11 @@ gpiod_line_value value_of(bool active) {
   return active ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
 }
 
-Settings input_settings(const LineRequest& wanted) {
+Settings input_settings(const LineRequest& wanted, gpiod_line_edge edges) {
   Settings settings(::gpiod_line_settings_new());
   if (!settings) throw request_error(wanted.place, errno);
   ::gpiod_line_settings_set_direction(settings.get(), GPIOD_LINE_DIRECTION_INPUT);
-  ::gpiod_line_settings_set_edge_detection(settings.get(), GPIOD_LINE_EDGE_BOTH);
+  ::gpiod_line_settings_set_edge_detection(settings.get(), edges);
   ::gpiod_line_settings_set_bias(settings.get(), bias_of(wanted.bias));
   ::gpiod_line_settings_set_active_low(settings.get(), wanted.active_low);
   return settings;
@@ -99,42 +98,34 @@ Settings output_settings(const LineRequest& wanted, bool active) {
   return settings;
 }
 
-/// Finds a line and asks for it. Throws Error.
-Line request(const LineRequest& wanted, const Settings& settings) {
-  const Found found = find(wanted.place);
+/// Asks for a line that was found. Nothing, with errno, if that is refused.
+Request request(const Found& found, const Settings& settings) {
   const LineConfig lines(::gpiod_line_config_new());
   const RequestConfig who(::gpiod_request_config_new());
   if (!lines || !who ||
       ::gpiod_line_config_add_line_settings(lines.get(), &found.number, 1, settings.get()) != 0)
-    throw request_error(wanted.place, errno);
+    return nullptr;
   ::gpiod_request_config_set_consumer(who.get(), consumer);
-  Request made(::gpiod_chip_request_lines(found.chip.get(), who.get(), lines.get()));
-  if (!made) throw request_error(wanted.place, errno);
-  return {std::move(made), found.number};
+  return Request(::gpiod_chip_request_lines(found.chip.get(), who.get(), lines.get()));
 }
 
+/// An input, with its edges if `has_edges`.
 class WatchedInput final : public Input {
  public:
-  explicit WatchedInput(Line line)
-      : line_(std::move(line)), buffer_(::gpiod_edge_event_buffer_new(kept_events)) {}
+  WatchedInput(Line line, bool has_edges)
+      : line_(std::move(line)),
+        buffer_(has_edges ? ::gpiod_edge_event_buffer_new(kept_events) : nullptr) {}
 
-  std::vector<Event> events(std::chrono::microseconds time) override {
-    std::vector<Event> all;
-    if (gone_ ||
-        ::gpiod_line_request_wait_edge_events(line_.request.get(), time.count() * ns_per_us) <= 0)
-      return all;
+  bool moved() override {
+    constexpr std::int64_t no_wait_ns = 0;
+    if (gone_ || !buffer_ ||
+        ::gpiod_line_request_wait_edge_events(line_.request.get(), no_wait_ns) <= 0)
+      return false;
     const int count =
         ::gpiod_line_request_read_edge_events(line_.request.get(), buffer_.get(), kept_events);
     // What can be waited for and not be read is a chip that was unplugged.
     if (count < 0) gone_ = true;
-    for (int i = 0; i < count; ++i) {
-      gpiod_edge_event* event =
-          ::gpiod_edge_event_buffer_get_event(buffer_.get(), static_cast<unsigned long>(i));
-      all.push_back({::gpiod_edge_event_get_event_type(event) == GPIOD_EDGE_EVENT_RISING_EDGE,
-                     std::chrono::nanoseconds(
-                         static_cast<std::int64_t>(::gpiod_edge_event_get_timestamp_ns(event)))});
-    }
-    return all;
+    return count > 0;
   }
 
   std::optional<bool> active() override {
@@ -147,7 +138,7 @@ class WatchedInput final : public Input {
 
  private:
   Line line_;
-  EventBuffer buffer_;
+  EventBuffer buffer_;  ///< none without edges
   bool gone_ = false;
 };
 
@@ -176,7 +167,7 @@ ChipInfo info_of(const std::string& file) {
   const Chip chip = open_chip(file);
   const ChipData data(chip ? ::gpiod_chip_get_info(chip.get()) : nullptr);
   if (!data) {
-    info.problem = chip_problem(errno);
+    info.problem = chip_problem(file, errno);
     return info;
   }
   info.label = text_of(::gpiod_chip_info_get_label(data.get()));
@@ -191,10 +182,19 @@ class HostLines final : public Lines {
  public:
   std::vector<ChipInfo> chips() override { return all_chips(info_of); }
   std::unique_ptr<Input> input(const LineRequest& wanted) override {
-    return std::make_unique<WatchedInput>(request(wanted, input_settings(wanted)));
+    const Found found = find(wanted.place);
+    Request made = request(found, input_settings(wanted, GPIOD_LINE_EDGE_BOTH));
+    const bool has_edges = made != nullptr;
+    if (!has_edges && has_no_edges(errno))
+      made = request(found, input_settings(wanted, GPIOD_LINE_EDGE_NONE));
+    if (!made) throw request_error(wanted.place, errno);
+    return std::make_unique<WatchedInput>(Line{std::move(made), found.number}, has_edges);
   }
   std::unique_ptr<Output> output(const LineRequest& wanted, bool active) override {
-    return std::make_unique<DrivenOutput>(request(wanted, output_settings(wanted, active)));
+    const Found found = find(wanted.place);
+    Request made = request(found, output_settings(wanted, active));
+    if (!made) throw request_error(wanted.place, errno);
+    return std::make_unique<DrivenOutput>(Line{std::move(made), found.number});
   }
 };
 

@@ -177,6 +177,17 @@ LineTable parse_line_table(std::string_view text, const std::filesystem::path& f
   return Reader(file).read(root);
 }
 
+LineTable read_machine_lines(const std::filesystem::path& profile) {
+  const toml::table root = read_toml(profile);
+  const auto lines = root.find("lines");
+  if (lines == root.end()) return {};
+  const toml::table* table = lines->second.as_table();
+  if (table == nullptr)
+    fail(toml_location(profile, lines->first.source()), "'lines' must be a table",
+         "write [lines.estop] and below it line = \"...\"");
+  return Reader(profile).read(*table);
+}
+
 LineTable read_line_table(const std::filesystem::path& file) {
   return parse_line_table(read_file(file), file);
 }

@@ -1,4 +1,5 @@
-// Which lines of the computer do what: the file that `--lines` names.
+// Which lines of the computer do what: the file that `--lines` names, or [lines] of a machine
+// profile.
 //
 // In:  a TOML file (examples/lines.toml). Out: requests by role.
 // Who: the guard of jobs (guard.hpp), reset and boot lines (board_lines.hpp), the command line.
@@ -37,5 +38,9 @@ LineTable parse_line_table(std::string_view text, const std::filesystem::path& f
 
 /// Reads a file. Throws as parse_line_table().
 LineTable read_line_table(const std::filesystem::path& file);
+
+/// What a machine profile says under `lines`: [lines.estop] and so on; no lines if it says nothing.
+/// Throws as parse_line_table().
+LineTable read_machine_lines(const std::filesystem::path& profile);
 
 }  // namespace lamplock::gpio

@@ -1,6 +1,6 @@
 // Lines of the host computer (GPIO): which chips there are, and single lines as inputs and outputs.
 //
-// In:  requests by a line's name or its chip and number. Out: levels, edges with their time.
+// In:  requests by a line's name or its chip and number. Out: levels, and whether they have moved.
 //      A chip that is unplugged is an ordinary event, told by a value; only asking for a line
 //      throws.
 // Who: the guard of a running job (guard.hpp), reset and boot lines (board_lines.hpp), the list of
@@ -9,7 +9,6 @@
 // Levels are logical: active is what `active_low` makes of the pin.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -18,7 +17,9 @@
 
 namespace lamplock::gpio {
 
-/// The resistor inside the chip; `as_is` leaves it as it was found.
+/// The resistor inside the chip; `as_is` leaves it as it was found. A chip that has none is asked
+/// in vain and nobody is told: the kernel takes that for success (gpio_set_bias() in
+/// drivers/gpio/gpiolib.c). A broken wire is seen only with a resistor that is there.
 enum class Bias : std::uint8_t { as_is, none, pull_up, pull_down };
 
 /// An open drain pulls down when its pin is low, and lets go when it is high.
@@ -32,19 +33,14 @@ struct LineRequest {
   Drive drive = Drive::push_pull;  ///< of outputs
 };
 
-/// A change of an input.
-struct Event {
-  bool active = false;             ///< from then on
-  std::chrono::nanoseconds at{0};  ///< by the kernel's clock of lines
-};
-
 /// An input that is watched. Released with the object.
 class Input {
  public:
   virtual ~Input() = default;
-  /// The changes since the last call, in their order; waits up to `time` for the first. A chip that
-  /// is gone has none.
-  virtual std::vector<Event> events(std::chrono::microseconds time) = 0;
+  /// There were edges since the last call, in whatever direction. Never on a chip that cannot be
+  /// woken by its pins (FT232H, MCP2221): what comes and goes between two looks at the level of
+  /// such a one is not seen. Nor on a chip that is gone.
+  virtual bool moved() = 0;
   /// The level now; nothing if the chip is gone.
   virtual std::optional<bool> active() = 0;
 };
@@ -80,8 +76,8 @@ class Lines {
   virtual ~Lines() = default;
   /// Every chip, by number.
   virtual std::vector<ChipInfo> chips() = 0;
-  /// Asks for an input. Throws Error: no_device (no such chip, not permitted, in use), bad_input
-  /// (no such line, a bias that the chip does not have).
+  /// Asks for an input, with edges where the chip has them. Throws Error: no_device (no such chip,
+  /// not permitted, in use), bad_input (no such line, something that the chip refuses).
   virtual std::unique_ptr<Input> input(const LineRequest& wanted) = 0;
   /// Asks for an output that is at once at this level. Throws as input().
   virtual std::unique_ptr<Output> output(const LineRequest& wanted, bool active) = 0;

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "host/access.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::gpio {
@@ -18,11 +19,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* device_folder = "/dev/";
 constexpr const char* chip_prefix = "gpiochip";
-/// What to do where the system does not let us.
-constexpr const char* permission_remedy =
-    "install 60-lamplock.rules (cmake --install, or the Debian package) and join the group "
-    "plugdev, "
-    "or gpio where there is one";
 
 }  // namespace
 
@@ -57,38 +53,35 @@ std::vector<std::string> chip_files(const std::string& folder) {
   return files;
 }
 
-std::string chip_problem(int error) {
-  if (error == EACCES || error == EPERM)
-    return fmt::format("may not be opened; {}", permission_remedy);
+std::string chip_problem(const std::string& chip, int error) {
+  if (is_denied(error)) return fmt::format("may not be opened; {}", access_remedy(chip));
   return fmt::format("cannot be opened ({}); see what chips `lamplock lines` lists",
                      std::strerror(error));
 }
 
 Error chip_error(const std::string& chip, int error) {
-  if (error == EACCES || error == EPERM)
-    return {Exit::no_device, chip, "may not be opened", permission_remedy};
+  if (is_denied(error)) return {Exit::no_device, chip, "may not be opened", access_remedy(chip)};
   return {Exit::no_device, chip,
           error == ENOENT ? "there is no such chip"
                           : fmt::format("cannot be opened ({})", std::strerror(error)),
           "see what chips `lamplock lines` lists"};
 }
 
-Error no_line_error(const std::string& place, bool problems) {
-  if (problems)
+Error no_line_error(const std::string& place, const std::string& closed_chip) {
+  if (!closed_chip.empty())
     return {Exit::no_device, place, "is no line of the chips that may be opened",
-            permission_remedy};
+            access_remedy(closed_chip)};
   return {Exit::bad_input, place, "there is no such line",
           "see what lines `lamplock lines` lists, or give chip and number as in gpiochip0:17"};
 }
+
+bool has_no_edges(int error) { return error == ENXIO || error == ENODEV; }
 
 Error request_error(const std::string& place, int error) {
   switch (error) {
     case EBUSY:
       return {Exit::no_device, place, "is used by another program or driver",
               "see by whom with `lamplock lines`"};
-    case EACCES:
-    case EPERM:
-      return {Exit::no_device, place, "may not be used", permission_remedy};
     case EINVAL:
     case ENOTSUP:
     case ENXIO:
@@ -98,6 +91,25 @@ Error request_error(const std::string& place, int error) {
       return {Exit::no_device, place, fmt::format("cannot be used ({})", std::strerror(error)),
               "see that its chip is there with `lamplock lines`"};
   }
+}
+
+void check_free(const std::vector<ChipInfo>& chips, const std::string& text) {
+  const Place place = parse_place(text);
+  std::string closed;
+  bool has_chip = false;
+  for (const ChipInfo& chip : chips) {
+    if (!place.chip.empty() && chip.file != place.chip) continue;
+    has_chip = true;
+    if (!chip.problem.empty()) closed = chip.file;
+    for (const LineInfo& line : chip.lines) {
+      if (place.name.empty() ? line.number != place.number : line.name != place.name) continue;
+      if (line.user.empty()) return;
+      throw Error(Exit::no_device, text, fmt::format("is used by {}", line.user),
+                  "give another line, or end what uses it");
+    }
+  }
+  if (!place.chip.empty() && !has_chip) throw chip_error(place.chip, ENOENT);
+  throw no_line_error(text, closed);
 }
 
 }  // namespace lamplock::gpio

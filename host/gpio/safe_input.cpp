@@ -6,9 +6,9 @@ namespace lamplock::gpio {
 
 void SafeInput::look(Time now) {
   if (lost_) return;
-  // Events first: a pulse that ends between the two calls has left its edges. Any edge will do: one
-  // to the quiet level says that it was not quiet before.
-  const bool moved = !input_->events(Time{0}).empty();
+  // Edges first: a pulse that ends between the two calls has left its own. Any edge will do: one to
+  // the quiet level says that it was not quiet before.
+  const bool moved = input_->moved();
   const std::optional<bool> level = input_->active();
   lost_ = !level;
   const bool tripped = !level || *level || moved;

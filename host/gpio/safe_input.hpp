@@ -3,8 +3,9 @@
 // In:  a line, the time. Out: whether all is well. Who: the guard.
 //
 // The two directions are not alike. One look at the active level, or one edge since the last look,
-// and the input has tripped at once; it is released when it was quiet for the debounce time.
-// A line that cannot be read any more is not well, for good.
+// and the input has tripped at once; it is released when it was quiet for the debounce time. Chips
+// without edges have the looks only: what is shorter than the time between two of them may be
+// missed. A line that cannot be read any more is not well, for good.
 #pragma once
 
 #include <chrono>

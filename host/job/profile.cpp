@@ -9,6 +9,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/gpio/line_table.hpp"
 #include "host/toml_file.hpp"
 #include "host/units.hpp"
 #include "shared/units.hpp"
@@ -60,7 +61,8 @@ void read_axes(Profile& profile, Id x_row, std::string_view key, const toml::nod
 
 void read_key(Profile& profile, std::string_view key, const toml::node& node,
               const std::string& where) {
-  if (key == "pendant") return;  // no setting: host/pendant/key_map.hpp reads it
+  // No settings: host/pendant/key_map.hpp and host/gpio/line_table.hpp read them.
+  if (key == "pendant" || key == "lines") return;
   if (key == "name") {
     const auto text = node.value<std::string>();
     if (!text || !node.is_string()) refuse(where, "'name' must be a text", "write it in quotes");
@@ -83,6 +85,7 @@ Profile read_profile(const std::filesystem::path& file) {
   const toml::table table = read_toml(file);
   Profile profile;
   profile.name = file.stem().string();
+  if (table.contains("lines")) gpio::read_machine_lines(file);  // refuses what is wrong in it
   for (const auto& [key, node] : table)
     read_key(profile, key.str(), node, toml_location(file, key.source()));
   return profile;

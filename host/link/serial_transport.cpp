@@ -9,6 +9,7 @@
 #include <boost/asio/serial_port.hpp>
 #include <utility>
 
+#include "host/access.hpp"
 #include "host/error.hpp"
 
 namespace lamplock::link {
@@ -20,7 +21,7 @@ struct SerialTransport::Port {
   unsigned baud;
   asio::io_context context;
   asio::serial_port port{context};
-  std::string failure;
+  boost::system::error_code failure;
 };
 
 namespace {
@@ -48,8 +49,9 @@ void ask_low_latency(int descriptor) {
 SerialTransport::SerialTransport(std::string port, unsigned baud)
     : port_(std::make_unique<Port>(std::move(port), baud)) {
   if (!SerialTransport::open())
-    throw Error(Exit::no_device, port_->name, "cannot open the port (" + port_->failure + ")",
-                "check cable, name and access rights");
+    throw Error(
+        Exit::no_device, port_->name, "cannot open the port (" + port_->failure.message() + ")",
+        is_denied(port_->failure.value()) ? access_remedy(port_->name) : "check cable and name");
   set_connected(true);
 }
 
@@ -65,7 +67,7 @@ bool SerialTransport::open() {
   if (!error)
     port.set_option(asio::serial_port::flow_control(asio::serial_port::flow_control::none), error);
   if (error) {
-    port_->failure = error.message();
+    port_->failure = error;
     SerialTransport::close();
     return false;
   }

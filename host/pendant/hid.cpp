@@ -1,14 +1,11 @@
 #include "host/pendant/hid.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <hidapi/hidapi.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <system_error>
 
+#include "host/access.hpp"
 #include "host/error.hpp"
 
 namespace lamplock::pendant {
@@ -40,14 +37,6 @@ class HidapiDevice final : public HidDevice {
   Handle handle_;
 };
 
-/// hidapi does not tell why it cannot open a node.
-bool is_permitted(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor < 0) return errno != EACCES && errno != EPERM;
-  ::close(descriptor);
-  return true;
-}
-
 }  // namespace
 
 std::vector<HidInfo> list_pendants() {
@@ -68,10 +57,9 @@ std::vector<HidInfo> list_pendants() {
 
 std::unique_ptr<HidDevice> open_pendant(const HidInfo& info) {
   const std::string where = fmt::format("{} at {}", info.id->name, info.path);
-  if (!is_permitted(info.path))
-    throw Error(Exit::no_device, where, "no permission to use it",
-                "install 60-lamplock.rules (cmake --install, or the Debian package), then plug in "
-                "again");
+  // hidapi does not tell why it cannot open a node.
+  if (const AccessProblem problem = access_problem(info.path))
+    throw Error(Exit::no_device, where, problem.what, problem.remedy);
   Handle handle(::hid_open_path(info.path.c_str()));
   if (!handle) throw Error(Exit::no_device, where, "cannot be opened", "plug it in again");
   return std::make_unique<HidapiDevice>(std::move(handle));

@@ -8,8 +8,8 @@
 #include <thread>
 #include <utility>
 
+#include "host/access.hpp"
 #include "host/error.hpp"
-#include "host/usb/access.hpp"
 #include "host/usb/libusb_stream.hpp"
 
 namespace lamplock::usb {

@@ -1,10 +1,17 @@
-// The rules of udev name the identifiers that the firmware and the devices have.
+// The rules of udev name the identifiers that the firmware and the devices have; so does
+// docs/install.md.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <regex>
+#include <set>
+#include <sstream>
+
 #include "firmware/boards/rp2040/usb/descriptors.hpp"
 #include "host/file.hpp"
+#include "host/pendant/pendant_ids.hpp"
+#include "host/usb/known_devices.hpp"
 
 namespace lamplock {
 namespace {
@@ -27,6 +34,82 @@ TEST(UdevRules, NameTheBoardAsItNamesItself) {
   EXPECT_TRUE(name.starts_with("lamplock")) << "the rules say product==\"lamplock*\"";
 }
 
+/// "10ce:eb70"
+std::string identifier(std::uint16_t vendor, std::uint16_t product) {
+  return fmt::format("{:04x}:{:04x}", vendor, product);
+}
+
+std::set<std::string> pendants() {
+  std::set<std::string> all;
+  for (const pendant::PendantId& id : pendant::pendant_ids)
+    all.insert(identifier(id.vendor, id.product));
+  return all;
+}
+
+/// The boot loader of an RP2040 (datasheet, 2.8.5.1), as the program knows it.
+std::string loader() {
+  constexpr std::uint16_t vendor = 0x2e8a, product = 0x0003;
+  usb::DeviceInfo device;
+  device.vendor = vendor;
+  device.product = product;
+  EXPECT_EQ(usb::known_device(device).kind, usb::Kind::boot_loader);
+  return identifier(vendor, product);
+}
+
+/// The rules themselves: no comments.
+std::vector<std::string> rule_lines() {
+  std::vector<std::string> all;
+  std::istringstream text(rules());
+  for (std::string line; std::getline(text, line);)
+    if (!line.empty() && !line.starts_with('#')) all.push_back(line);
+  return all;
+}
+
+/// Identifiers that the rules give somebody the nodes of a subsystem for.
+std::set<std::string> given(const std::string& subsystem) {
+  static const std::regex numbers(
+      R"re(\{idVendor\}=="([0-9a-f]{4})", ATTRS?\{idProduct\}=="([0-9a-f|]+)")re");
+  std::set<std::string> all;
+  for (const std::string& line : rule_lines()) {
+    std::smatch found;
+    if (!line.starts_with("SUBSYSTEM==\"" + subsystem + "\"") ||
+        line.find("TAG+=\"uaccess\"") == std::string::npos ||
+        !std::regex_search(line, found, numbers))
+      continue;
+    std::istringstream products(found[2]);
+    for (std::string product; std::getline(products, product, '|');)
+      all.insert(found[1].str() + ":" + product);
+  }
+  return all;
+}
+
+TEST(UdevRules, NameTheBoardTheLoaderAndEveryPendantAndNothingElse) {
+  const std::string board = identifier(rp2040::usb::vendor_id, rp2040::usb::product_id);
+  EXPECT_EQ(given("usb"), (std::set<std::string>{board, loader()}));
+  EXPECT_EQ(given("tty"), (std::set<std::string>{board}));
+  EXPECT_EQ(given("hidraw"), pendants());
+}
+
+TEST(UdevRules, GiveNobodyTheLinesOfTheComputer) {
+  for (const std::string& line : rule_lines()) {
+    EXPECT_EQ(line.find("gpio"), std::string::npos) << line;
+  }
+}
+
+TEST(UdevRules, TheTableOfTheDocumentHasTheSameIdentifiers) {
+  std::set<std::string> expected = pendants();
+  expected.insert(identifier(rp2040::usb::vendor_id, rp2040::usb::product_id));
+  expected.insert(loader());
+  static const std::regex number("[0-9a-f]{4}:[0-9a-f]{4}");
+  std::set<std::string> told;
+  std::istringstream page(read_file(LAMPLOCK_ROOT "/docs/install.md"));
+  for (std::string line; std::getline(page, line);)
+    if (line.starts_with('|')) {
+      told.insert(std::sregex_token_iterator(line.begin(), line.end(), number), {});
+    }
+  EXPECT_EQ(told, expected);
+}
+
 /// Every rule is one line of matches and assignments, each with a known operator.
 TEST(UdevRules, AreLinesThatUdevUnderstands) {
   const std::string text = rules();
@@ -42,7 +125,7 @@ TEST(UdevRules, AreLinesThatUdevUnderstands) {
                 testing::MatchesRegex("([A-Z_]+(\\{[A-Za-z_]+\\})?(==|\\+=|=)\"[^\"]*\"(, )?)+"))
         << line;
   }
-  EXPECT_GE(count, 7u);
+  EXPECT_GE(count, 6u);
 }
 
 }  // namespace

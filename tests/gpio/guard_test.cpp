@@ -29,7 +29,9 @@ LineTable table(std::chrono::milliseconds debounce = 20ms) {
 
 /// A guard over model pins and a clock.
 struct Bench {
-  explicit Bench(const LineTable& of = table()) : guard(lines, of) {}
+  explicit Bench(const LineTable& of = table(),
+                 std::shared_ptr<ModelPins> at = std::make_shared<ModelPins>())
+      : pins(std::move(at)), guard(lines, of) {}
 
   Verdict look(Time by = 1ms) {
     now += by;
@@ -51,7 +53,7 @@ struct Bench {
   }
   bool interlock() { return pins->level("I"); }
 
-  std::shared_ptr<ModelPins> pins = std::make_shared<ModelPins>();
+  std::shared_ptr<ModelPins> pins;
   ModelLines lines{pins};
   Time now{1s};
   Guard guard;
@@ -97,6 +99,26 @@ TEST(Guard, APulseBetweenTwoLooksIsSeen) {
   bench.pins->set("E", false);
   EXPECT_EQ(bench.look(), Verdict::stop);
   EXPECT_FALSE(bench.interlock());
+  EXPECT_EQ(bench.guard.reason(), "e-stop pressed (E)");
+}
+
+/// An FT232H tells levels only: a press is seen at the next look, one that is over by then is not.
+TEST(Guard, WithoutEdgesThePollSeesTheLevel) {
+  auto pins = std::make_shared<ModelPins>();
+  for (const char* place : {"E", "D"}) pins->pins[place].has_edges = false;
+  Bench bench(table(), pins);
+  bench.start();
+  bench.pins->set("E", true);
+  bench.pins->set("E", false);
+  EXPECT_EQ(bench.look(), Verdict::clear) << "documented: shorter than the poll";
+  bench.pins->set("D", true);
+  EXPECT_EQ(bench.look(), Verdict::door);
+  EXPECT_FALSE(bench.interlock());
+  bench.pins->set("D", false);
+  for (int i = 1; i < 20; ++i) EXPECT_EQ(bench.look(), Verdict::door) << "debounced all the same";
+  EXPECT_EQ(bench.look(), Verdict::clear);
+  bench.pins->set("E", true);
+  EXPECT_EQ(bench.look(), Verdict::stop);
   EXPECT_EQ(bench.guard.reason(), "e-stop pressed (E)");
 }
 

@@ -74,6 +74,22 @@ TEST(LineTable, SaysWhereItIsWrongAndWhatToDo) {
   EXPECT_THAT(error("[door\n"), HasSubstr("lines.toml:"));
 }
 
+TEST(LineTable, StandsInAMachineProfileToo) {
+  const test::TemporaryFolder folder;
+  const auto lines_of = [&](const std::string& text) {
+    return read_machine_lines(folder.write("machine.toml", text));
+  };
+  const LineTable lines =
+      lines_of("name = 'a'\n[lines]\ndebounce_ms = 5\n[lines.estop]\nline = 'GPIO17'\n[pendant]\n");
+  ASSERT_TRUE(lines.estop);
+  EXPECT_EQ(lines.estop->place, "GPIO17");
+  EXPECT_EQ(lines.debounce, 5ms);
+  EXPECT_FALSE(lines_of("name = 'a'\n").guards());
+  EXPECT_THAT(error_of([&] { lines_of("[lines.stop]\nline = 'a'\n"); }),
+              HasSubstr("machine.toml:1: unknown key 'stop'"));
+  EXPECT_THAT(error_of([&] { lines_of("lines = 'a.toml'\n"); }), HasSubstr("must be a table"));
+}
+
 TEST(LineTable, TheExampleNamesEveryRole) {
   const LineTable lines = read_line_table(LAMPLOCK_ROOT "/examples/lines.toml");
   EXPECT_TRUE(lines.estop && lines.door && lines.interlock && lines.lamp && lines.run &&
@@ -127,13 +143,38 @@ TEST(Place, ChipsAreListedByNumber) {
   EXPECT_TRUE(chip_files("/no/such/folder").empty());
 }
 
+TEST(Place, LinesAreLookedForWithoutBeingAskedFor) {
+  const std::vector<ChipInfo> chips{
+      {.file = "/dev/gpiochip0", .lines = {{0, "FREE", "", false}, {1, "TAKEN", "led", true}}},
+      {.file = "/dev/gpiochip1", .problem = "may not be opened"}};
+  EXPECT_NO_THROW(check_free(chips, "FREE"));
+  EXPECT_NO_THROW(check_free(chips, "gpiochip0:0"));
+  const auto error = [&](const char* place) {
+    try {
+      check_free(chips, place);
+    } catch (const Error& thrown) {
+      return std::string(thrown.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(error("TAKEN"), HasSubstr("is used by led"));
+  EXPECT_THAT(error("gpiochip0:1"), HasSubstr("is used by led"));
+  EXPECT_THAT(error("gpiochip0:2"), HasSubstr("there is no such line"));
+  EXPECT_THAT(error("gpiochip9:3"), HasSubstr("there is no such chip"));
+  EXPECT_THAT(error("gpiochip1:3"), HasSubstr("chips that may be opened"));
+  EXPECT_THAT(error("OTHER"), HasSubstr("chips that may be opened")) << "it may be on that one";
+}
+
 TEST(Place, ErrorsAreOneLineWithARemedy) {
-  EXPECT_THAT(chip_error("/dev/gpiochip0", EACCES).what(), HasSubstr("60-lamplock.rules"));
+  EXPECT_THAT(chip_error("/dev/gpiochip0", EACCES).what(), HasSubstr("rule for lines"));
+  EXPECT_THAT(chip_problem("/dev/gpiochip0", EPERM), HasSubstr("60-lamplock.rules"));
   EXPECT_EQ(chip_error("/dev/gpiochip9", ENOENT).exit(), Exit::no_device);
   EXPECT_THAT(request_error("GPIO4", EBUSY).what(), HasSubstr("used by another program"));
   EXPECT_EQ(request_error("GPIO4", EINVAL).exit(), Exit::bad_input);
-  EXPECT_EQ(no_line_error("GPIO99", false).exit(), Exit::bad_input);
-  EXPECT_EQ(no_line_error("GPIO99", true).exit(), Exit::no_device);
+  EXPECT_TRUE(has_no_edges(ENXIO) && has_no_edges(ENODEV));
+  EXPECT_FALSE(has_no_edges(EBUSY) || has_no_edges(EINVAL)) << "not to be asked for again";
+  EXPECT_EQ(no_line_error("GPIO99").exit(), Exit::bad_input);
+  EXPECT_EQ(no_line_error("GPIO99", "/dev/gpiochip0").exit(), Exit::no_device);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 // A model of chips and their lines behind the interface: pins that a test moves, outputs that it
-// reads, chips that it unplugs, and the edges that a kernel keeps, no more than it keeps.
+// reads, chips that it unplugs, and edges, which not every chip has.
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/error.hpp"
@@ -17,14 +17,12 @@ namespace lamplock::test {
 /// Pins by the place that a request names, with the levels at the pin: true is high.
 class ModelPins {
  public:
-  /// Edges that are kept for a line (drivers/gpio/gpiolib-cdev.c).
-  static constexpr std::size_t kept_edges = 16;
-
   struct Pin {
     bool level = false;
     bool requested = false, plugged = true;
+    bool has_edges = true;  ///< false: a chip without interrupts
     gpio::LineRequest request{};
-    std::deque<bool> edges{};
+    unsigned edges = 0;  ///< since the last look
   };
 
   /// Drives an input.
@@ -32,7 +30,7 @@ class ModelPins {
     Pin& pin = pins[place];
     if (pin.level == level) return;
     pin.level = level;
-    if (pin.requested && pin.edges.size() < kept_edges) pin.edges.push_back(level);
+    if (pin.requested && pin.has_edges) ++pin.edges;
   }
   void unplug(const std::string& place) { pins[place].plugged = false; }
   bool level(const std::string& place) { return pins[place].level; }
@@ -67,13 +65,10 @@ class ModelLines final : public gpio::Lines {
     In(std::shared_ptr<ModelPins> pins, gpio::LineRequest request)
         : pins_(std::move(pins)), request_(std::move(request)) {}
     ~In() override { pins_->pins[request_.place].requested = false; }
-    std::vector<gpio::Event> events(std::chrono::microseconds) override {
+    bool moved() override {
       ModelPins::Pin& pin = pins_->pins[request_.place];
-      std::vector<gpio::Event> all;
-      if (!pin.plugged) return all;
-      for (const bool level : pin.edges) all.push_back({level != request_.active_low, {}});
-      pin.edges.clear();
-      return all;
+      if (!pin.plugged) return false;
+      return std::exchange(pin.edges, 0u) > 0;
     }
     std::optional<bool> active() override {
       const ModelPins::Pin& pin = pins_->pins[request_.place];

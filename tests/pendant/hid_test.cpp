@@ -72,7 +72,7 @@ TEST(Hidapi, without_permission_it_says_what_to_do) {
   constexpr uid_t nobody = 65534;
   const bool root = ::geteuid() == 0;
   if (root) {
-    ASSERT_EQ(::seteuid(nobody), 0);
+    ASSERT_EQ(::setresuid(nobody, nobody, 0), 0);
   }
   std::string text;
   Exit exit = Exit::done;
@@ -83,7 +83,7 @@ TEST(Hidapi, without_permission_it_says_what_to_do) {
     exit = error.exit();
   }
   if (root) {
-    ASSERT_EQ(::seteuid(0), 0);
+    ASSERT_EQ(::setresuid(0, 0, 0), 0);
   }
   EXPECT_EQ(exit, Exit::no_device);
   EXPECT_THAT(text, HasSubstr("XHC WHB04B"));

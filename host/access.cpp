@@ -1,4 +1,4 @@
-#include "host/usb/access.hpp"
+#include "host/access.hpp"
 
 #include <fmt/format.h>
 #include <grp.h>
@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace lamplock::usb {
+namespace lamplock {
 namespace {
 
 /// The group that may read and write the node; empty if that is root's, or none.
@@ -21,7 +21,23 @@ std::string group_with_access(const std::filesystem::path& node) {
   return found == nullptr ? "" : found->gr_name;
 }
 
+/// Chips of lines: installing the rules gives them to nobody.
+bool is_line_chip(const std::filesystem::path& node) {
+  return node.filename().string().starts_with("gpiochip");
+}
+
 }  // namespace
+
+bool is_denied(int error) { return error == EACCES || error == EPERM; }
+
+std::string access_remedy(const std::filesystem::path& node) {
+  if (const std::string group = group_with_access(node); !group.empty())
+    return fmt::format("join its group: sudo adduser $USER {}, then log in again", group);
+  if (is_line_chip(node))
+    return "take the rule for lines into use that stands in 60-lamplock.rules as a comment, or "
+           "run it as root";
+  return "install 60-lamplock.rules (cmake --install, or the Debian package), then plug in again";
+}
 
 AccessProblem access_problem(const std::filesystem::path& node) {
   if (::access(node.c_str(), R_OK | W_OK) == 0) return {};
@@ -29,15 +45,10 @@ AccessProblem access_problem(const std::filesystem::path& node) {
   if (failure == ENOENT)
     return {fmt::format("there is no {}", node.string()),
             "in a container give it the /dev of the computer, otherwise plug in again"};
-  if (failure != EACCES && failure != EPERM)
+  if (!is_denied(failure))
     return {fmt::format("{} cannot be used ({})", node.string(), std::strerror(failure)),
             "plug in again"};
-  const std::string group = group_with_access(node);
-  const std::string what = fmt::format("no permission to use {}", node.string());
-  if (!group.empty())
-    return {what, fmt::format("join its group: sudo adduser $USER {}, then log in again", group)};
-  return {what,
-          "install 60-lamplock.rules (cmake --install, or the Debian package), then plug in again"};
+  return {fmt::format("no permission to use {}", node.string()), access_remedy(node)};
 }
 
-}  // namespace lamplock::usb
+}  // namespace lamplock
