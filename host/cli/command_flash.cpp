@@ -148,9 +148,8 @@ void add_flash(CLI::App& program, Action& action) {
       "  lamplock flash --lines examples/lines.toml\n"
       "  lamplock flash new.uf2 --drive /media/$USER/RPI-RP2\n  lamplock flash --board chip");
   const auto options = std::make_shared<Options>();
-  app->add_option(
-      "IMAGE", options->image,
-      "UF2 or ELF file; without it lamplock-rp2040.uf2 that came with the program");
+  app->add_option("IMAGE", options->image,
+                  "UF2 or ELF file; without it lamplock-rp2040.uf2 that came with the program");
   auto* serial =
       app->add_option("--serial", options->serial, "The board with this serial number: see devices")
           ->type_name("TEXT");

@@ -12,7 +12,6 @@
 namespace lamplock::gpio {
 namespace {
 
-
 /// A line and the chip that it belongs to, which is closed behind it.
 struct Line {
   Chip chip;

@@ -302,15 +302,13 @@ TEST_F(UpdateTest, WithoutPermissionTheDriveIsUsedOrTheRemedyTold) {
 TEST_F(UpdateTest, ADriveThatIsGivenNeedsNoBus) {
   const lamplock::test::TemporaryFolder folder;
   mount(folder.file("drive"));
-  const UpdateReport report =
-      Update({bus_, ports_}, image_, {}).run_on_drive(folder.file("drive"));
+  const UpdateReport report = Update({bus_, ports_}, image_, {}).run_on_drive(folder.file("drive"));
   EXPECT_EQ(report.version, version_of(image_));
   EXPECT_EQ(report.board.place, "1-4");
   // Nothing is seen of the board: the copy counts.
   mount(folder.file("drive"));
   board().firmware_starts = false;
-  const UpdateReport unseen =
-      Update({bus_, ports_}, old_, {}).run_on_drive(folder.file("drive"));
+  const UpdateReport unseen = Update({bus_, ports_}, old_, {}).run_on_drive(folder.file("drive"));
   EXPECT_NE(unseen.version_problem.find("no new board"), std::string::npos);
   EXPECT_TRUE(unseen.confirmed()) << "nobody can be asked";
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
