@@ -35,7 +35,7 @@ class UpdateTest : public testing::Test {
     return "1." + std::to_string(image.sectors.front().bytes[251]) + ":";
   }
   UpdateReport update(const std::string& serial = "") {
-    return Update({bus_, ports_, roots_, pull_}, image_, {}).run(serial);
+    return Update({bus_, ports_, roots_, write_through, pull_}, image_, {}).run(serial);
   }
   /// The error that an update must end with.
   std::string refused(Exit exit, const std::string& serial = "") {
