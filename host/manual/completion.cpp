@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <functional>
 #include <vector>
 
@@ -29,6 +30,13 @@ std::vector<std::string> next_words(const CLI::App& app) {
   return words;
 }
 
+/// A word that is no option may stand in it: a file, most often.
+bool takes_names(const CLI::App& app) {
+  const auto options = app.get_options();
+  return std::any_of(options.begin(), options.end(),
+                     [](const CLI::Option* option) { return option->get_positional(); });
+}
+
 /// The lines of bash that complete the argument of an option.
 std::string bash_argument(const CLI::Option& option) {
   const std::string words = fmt::format("{}", fmt::join(words_of(option), " "));
@@ -51,7 +59,8 @@ std::string bash_completion(const CLI::App& program) {
       const std::string before = blank == std::string::npos ? "" : path.substr(0, blank);
       paths += fmt::format("      \"{} {}\") command=\"{}\" ;;\n", before, app.get_name(), path);
     }
-    words += fmt::format("    \"{}\") words=\"{}\" ;;\n", path, fmt::join(next_words(app), " "));
+    words += fmt::format("    \"{}\") words=\"{}\"{} ;;\n", path, fmt::join(next_words(app), " "),
+                         takes_names(app) ? " names=yes" : "");
     for (const CLI::Option* option : options_of(app))
       if (!argument_of(*option).empty())
         for (const std::string& name : names_of(*option))
@@ -66,8 +75,12 @@ std::string bash_completion(const CLI::App& program) {
          "}\n"
          "_lamplock() {\n"
          "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
-         "  local command='' words='' i\n"
+         "  local command='' words='' names='' i\n"
          "  COMPREPLY=()\n"
+         // Bash takes the sign for a word of its own: --board = usb.
+         "  if [[ $word == = ]]; then word=''\n"
+         "  elif [[ $before == = ]]; then before=${COMP_WORDS[COMP_CWORD - 2]}\n"
+         "  fi\n"
          "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
          "    case \"$command ${COMP_WORDS[i]}\" in\n" +
          paths +
@@ -80,7 +93,7 @@ std::string bash_completion(const CLI::App& program) {
          words +
          "  esac\n"
          "  _lamplock_words \"$words\"\n"
-         "  [[ -n $command && $word != -* ]] && _lamplock_files\n"
+         "  [[ -n $names && $word != -* ]] && _lamplock_files\n"
          "  return 0\n"
          "}\n"
          "complete -F _lamplock lamplock\n";

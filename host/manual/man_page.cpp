@@ -151,12 +151,16 @@ void write_option(Writer& page, const CLI::Option& option) {
   page.request(option_head(option));
   std::string what = option.get_description();
   if (!what.empty() && what.back() != '.') what += '.';
-  if (option.get_required()) what += " Has to be given.";
+  const std::string variable = option.get_envname();
+  if (option.get_required())
+    what +=
+        variable.empty()
+            ? " Has to be given."
+            : fmt::format(" Has to be given, here or in the environment variable {}.", variable);
   if (!option.get_default_str().empty())
     what += fmt::format(" Default: {}.", option.get_default_str());
-  if (!option.get_envname().empty())
-    what +=
-        fmt::format(" Without it, what the environment variable {} says.", option.get_envname());
+  if (!variable.empty() && !option.get_required())
+    what += fmt::format(" Without it, what the environment variable {} says.", variable);
   page.words(what);
 }
 

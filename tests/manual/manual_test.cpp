@@ -159,6 +159,8 @@ TEST(Completion, BashOffersWhatFits) {
   EXPECT_EQ(shell.offers("lamplock hi"), "\n");
   EXPECT_EQ(shell.offers("lamplock cut --d"), "--depth\n--dry\n");
   EXPECT_EQ(shell.offers("lamplock cut --mode s"), "slow\n");
+  EXPECT_EQ(shell.offers("lamplock cut --mode = s"), "slow\n") << "as bash parts --mode=s";
+  EXPECT_THAT(shell.offers("lamplock cut --mode ="), HasSubstr("slow\n"));
   EXPECT_EQ(shell.offers("lamplock cut --depth 3"), "\n") << "a number is nobody's business";
   EXPECT_EQ(shell.offers("lamplock cut --depth 3 --se"), "\n");
   EXPECT_EQ(shell.offers("lamplock deep in"), "inner\n");
@@ -169,6 +171,8 @@ TEST(Completion, BashOffersWhatFits) {
             folder.file("shape.stl").string() + "\n");
   EXPECT_EQ(shell.offers("lamplock cut -o " + folder.file("sh").string()),
             folder.file("shape.stl").string() + "\n");
+  EXPECT_EQ(shell.offers("lamplock deep inner " + folder.file("sh").string()), "\n")
+      << "it takes no file";
 }
 
 TEST(Completion, BashKnowsEveryCommandOfTheProgram) {
@@ -180,6 +184,8 @@ TEST(Completion, BashKnowsEveryCommandOfTheProgram) {
   }
   EXPECT_THAT(shell.offers("lamplock operate ze"), HasSubstr("zero"));
   EXPECT_THAT(shell.offers("lamplock engrave --mod"), HasSubstr("--mode"));
+  EXPECT_THAT(bash_completion(*program.app), Not(HasSubstr(":{")))
+      << "a set that was not taken apart";
 }
 
 TEST(Completion, FishQuotesWhatIsAwkward) {
