@@ -311,7 +311,7 @@ TEST_F(LibusbStreamTest, BytesThatDoNotLeaveAreTheEnd) {
 TEST_F(LibusbStreamTest, WhatWasTakenStillLeaves) {
   const Bytes sent = random_bytes(queued, random_);
   ASSERT_EQ(stream_->write(sent), sent.size());
-  std::jthread board([&, random = random_]() mutable {
+  std::jthread board([&] {
     std::this_thread::sleep_for(milliseconds(20));
     const Bytes taken = take_all(queued);
     EXPECT_TRUE(taken == sent);
