@@ -171,6 +171,8 @@ void add_flash(CLI::App& program, Action& action) {
   app->callback([options, drive, &action] {
     if (options->board == "chip" && !drive->empty())
       throw CLI::ValidationError("--drive", "a simulated board has no drive");
+    if (options->board == "chip" && !options->lines.empty())
+      throw CLI::ValidationError("--lines", "a simulated board has no lines of this computer");
     action = [options] { return flash_board(*options); };
   });
 }

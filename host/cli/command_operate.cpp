@@ -164,8 +164,8 @@ void add_operate(CLI::App& program, Action& action) {
   app->require_subcommand(1);
   app->footer(
       "The board keeps these places over power loss: zero is G54, the sample position G28, the\n"
-      "place to come back to G30. Ctrl-C holds the machine. Engrave at the taught zero with\n"
-      "lamplock engrave --origin zero.\n"
+      "place to come back to G30. Ctrl-C holds the machine; homing it resets. Engrave at the\n"
+      "taught zero with lamplock engrave --origin zero.\n"
       "Example:\n  lamplock operate zero --axes XY --board /dev/ttyACM0\n"
       "  lamplock operate pulse --flashes 3 --board /dev/ttyACM0");
   const auto options = std::make_shared<Options>();

@@ -20,11 +20,12 @@ struct Options {
   ProgramOptions program;
 };
 
-/// A job says itself which machine it is for, and has no lines.
+/// A job says itself which machine it is for; of a profile it needs the computer's lines alone.
 void check_job_options(const ProgramOptions& program) {
-  if (program.go_on || !program.machine.machine.empty())
-    throw Error(Exit::bad_input, program.go_on ? "--go-on" : "--machine",
-                "is for programs of G-code, not for jobs", "leave it out");
+  if (program.go_on)
+    throw Error(Exit::bad_input, "--go-on", "is for programs of G-code, not for jobs",
+                "leave it out");
+  if (!program.machine.machine.empty()) program.machine.profile();  // a broken one guards nothing
 }
 
 Exit send_file(const Options& options) {
@@ -53,7 +54,7 @@ void add_send(CLI::App& program, Action& action) {
   app->footer(
       "Programs (.gcode .nc .ngc .gc .tap .cnc) stop at their first error. While one runs: Ctrl-C\n"
       "holds the machine and resets it once it stands; in a terminal ! holds, Enter goes on,\n"
-      "+ - = change the feed.\n"
+      "+ - = change the feed. Of the --machine of a job only its lines of the computer are used.\n"
       "Example:\n  lamplock send model.llj --board /dev/ttyACM0\n"
       "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # go on after a stop\n"
       "  lamplock send part.ngc --board /dev/ttyACM0");

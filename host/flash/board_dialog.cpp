@@ -17,6 +17,9 @@ namespace {
 using Time = std::chrono::microseconds;
 
 constexpr Time slice{5'000}, again{500'000}, patience{3'000'000};
+/// Once the host of a job over the pulse stream has died, the port is heard after 10 s
+/// (firmware/boards/rp2040/usb/listener.hpp, job_lease_us).
+constexpr Time patience_with_jobs{12'000'000};
 
 /// Lines until one is taken; false after `time`, or when the connection breaks.
 bool listen(link::LinePort& port, Time time, const std::function<bool(const std::string&)>& take) {
@@ -34,9 +37,9 @@ bool listen(link::LinePort& port, Time time, const std::function<bool(const std:
 }
 
 /// By the real-time byte alone.
-link::BoardStatus ask_status(link::LinePort& port, const std::string& where) {
+link::BoardStatus ask_status(link::LinePort& port, const std::string& where, Time time) {
   link::BoardStatus status;
-  const Time end = port.transport().now() + patience;
+  const Time end = port.transport().now() + time;
   while (port.transport().now() < end && port.transport().connected()) {
     port.send_realtime(link::realtime::status);
     const bool told = listen(port, again, [&](const std::string& line) {
@@ -46,15 +49,19 @@ link::BoardStatus ask_status(link::LinePort& port, const std::string& where) {
     });
     if (told) return status;
   }
+  if (!port.transport().connected())
+    throw Error(Exit::job_failed, where, "its port has gone while it was asked",
+                "plug it in again, then flash");
   throw Error(Exit::no_device, where, "does not answer",
               "end other programs that use it (over its pulse stream a job may run), then flash");
 }
 
 }  // namespace
 
-std::string version_at_rest(link::Transport& transport, const std::string& where) {
+std::string version_at_rest(link::Transport& transport, const std::string& where, Asked asked) {
   link::LinePort port(transport);
-  const link::BoardStatus status = ask_status(port, where);
+  const link::BoardStatus status =
+      ask_status(port, where, asked == Asked::to_be_sure ? patience_with_jobs : patience);
   // As the firmware judges `$BOOT`: machine/controller_text.cpp.
   if (!status.is("Idle") && !status.is("Alarm"))
     throw Error(Exit::job_failed, where, fmt::format("is not at rest ({})", status.state),

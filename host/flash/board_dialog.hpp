@@ -11,10 +11,16 @@
 
 namespace lamplock::flash {
 
+/// How long a board may be silent before it counts as one that does not answer.
+enum class Asked {
+  briefly,     ///< 3 s: nothing is done to it then
+  to_be_sure,  ///< 12 s: a job over the pulse stream whose host has died is heard of too
+};
+
 /// The version of a board that rests. Nothing but a status request, which may come between any two
 /// bytes, is sent before it has said that it does. Throws Error: job_failed while it does
-/// something, no_device if it does not answer. `where`: for errors.
-std::string version_at_rest(link::Transport& transport, const std::string& where);
+/// something or if its port goes meanwhile, no_device if it does not answer. `where`: for errors.
+std::string version_at_rest(link::Transport& transport, const std::string& where, Asked asked);
 
 /// Sends it to its boot loader; it leaves the bus soon afterwards. Throws Error(job_failed) if it
 /// refuses, no_device if it does not answer.

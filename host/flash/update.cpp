@@ -102,14 +102,18 @@ void Update::stop_board(const DeviceInfo& board) {
   // Kept, so that no job begins meanwhile.
   const std::unique_ptr<usb::Device> stream = take_stream(board);
   const auto transport = site_.ports.open(board);
+  // Without its stream nobody can tell whether a job runs over that: it is silent here then. And of
+  // several boards the lines may be another's.
+  const bool may_pull =
+      site_.pull_loader_lines && board.problem.empty() && flashable(site_.bus).size() == 1;
   try {
-    report_.version_before = version_at_rest(*transport, name);
+    report_.version_before =
+        version_at_rest(*transport, name, may_pull ? Asked::to_be_sure : Asked::briefly);
     step("board", fmt::format("{}, version {}", name, report_.version_before));
     enter_boot_loader(*transport, name);
   } catch (const Error& error) {
-    // One that is at work or refuses has said so. Of several boards the lines may be another's.
-    const bool silent = error.exit() == Exit::no_device;
-    if (!silent || !site_.pull_loader_lines || flashable(site_.bus).size() > 1) throw;
+    // One that is at work or refuses has said so; one whose port has gone may be at work.
+    if (!may_pull || error.exit() != Exit::no_device || !transport->connected()) throw;
     pull_loader_lines(name + " does not answer");
   }
 }

@@ -6,10 +6,10 @@
 // Who: `lamplock flash`.
 //
 // A board with a job is left alone, and so is one whose pulse stream another program has: while a
-// job runs over that, the board does not answer at its serial port. One that is silent, or not even
-// on the bus, may be reset into its loader by lines of the computer, if it cannot be another one
-// than is meant. Where the loader may not be used over USB the image is copied to its drive, if
-// that is mounted.
+// job runs over that, the board does not answer at its serial port. One that is silent for longer
+// than such a job lasts without its host, or not even on the bus, may be reset into its loader by
+// lines of the computer, if it cannot be another one than is meant. (A job over UART0 is not seen.)
+// Where the loader may not be used over USB the image is copied to its drive, if that is mounted.
 #pragma once
 
 #include <filesystem>

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -21,6 +22,11 @@ namespace {
 constexpr double same_place_mm = 0.01;
 /// A dwell is answered when everything before it has been done.
 constexpr const char* wait_for_rest = "G4 P0";
+constexpr const char* home_line = "$H";
+
+using Time = std::chrono::microseconds;
+/// A byte that is to stop the machine may be lost; braking takes its time.
+constexpr Time look_again{1'000}, repeat_stop{50'000}, longest_stop{5'000'000};
 
 /// Numbers of "[G54:1.000,2.000,0.000]"; nothing if the line is another one.
 std::optional<std::vector<double>> parse_place(std::string_view line, std::string_view name) {
@@ -146,7 +152,7 @@ std::vector<std::string> lines_of(Operation operation, const Places& places,
   if (operation == Operation::zero || operation == Operation::init) require_unshifted(places);
   switch (operation) {
     case Operation::home:
-      return {"$H"};
+      return {home_line};
     case Operation::zero:
       return {teaching_line(places, axes)};
     case Operation::init:
@@ -161,6 +167,43 @@ std::vector<std::string> lines_of(Operation operation, const Places& places,
   }
   return {};
 }
+
+namespace {
+
+/// Looks for `time`; true if the last report that came meanwhile says that the machine stands.
+bool seen_standing(LinePort& port, Time time) {
+  bool stands = false;
+  const Time end = port.transport().now() + time;
+  while (port.transport().now() < end) {
+    port.flush();
+    while (const auto line = port.receive()) {
+      const auto status = parse_status(*line);
+      if (status) stands = status->stands();
+    }
+    port.transport().wait(look_again);
+  }
+  return stands;
+}
+
+/// Holds the machine, or resets it where it homes, which obeys no hold; until it says that it
+/// stands. Throws Error(job_failed) if it does not.
+void stop(LinePort& port, bool homes) {
+  port.drop_unbegun_lines();
+  const Time end = port.transport().now() + longest_stop;
+  bool stood = false;
+  while (port.transport().now() < end) {
+    if (!stood) port.send_realtime(homes ? realtime::reset : realtime::hold);
+    port.send_realtime(realtime::status);
+    const bool stands = seen_standing(port, repeat_stop);
+    // The first report may have been on its way before.
+    if (stands && stood) return;
+    stood = stands;
+  }
+  throw Error(Exit::job_failed, "machine", "could not be stopped; it may still move",
+              "press its emergency stop");
+}
+
+}  // namespace
 
 void require_ready(LinePort& port, Operation operation) {
   const BoardStatus status = greet(port).status;
@@ -179,8 +222,10 @@ void run_lines(LinePort& port, const std::vector<std::string>& lines,
   while (!talk.failure() && !talk.done()) {
     talk.step();
     if (!give_up()) continue;
-    port.send_realtime(realtime::hold);
-    port.flush();
+    const bool homes = std::find(lines.begin(), lines.end(), home_line) != lines.end();
+    stop(port, homes);
+    if (homes)
+      throw Error(Exit::interrupted, "machine", "was reset while it homed", "home it again");
     throw Error(Exit::interrupted, "machine", "holds",
                 "go on with ~ or end it with :reset in lamplock console");
   }

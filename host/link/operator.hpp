@@ -57,7 +57,8 @@ std::vector<std::string> lines_of(Operation operation, const Places& places,
 void require_ready(LinePort& port, Operation operation);
 
 /// Sends lines and waits until the last one is done. `give_up`: asked all the while, true holds the
-/// machine and ends it. Throws Error: job_failed (refused, alarm), no_device, interrupted.
+/// machine, or resets it while it homes, and ends it. Throws Error: job_failed (refused, alarm),
+/// no_device, interrupted.
 void run_lines(LinePort& port, const std::vector<std::string>& lines,
                const std::function<bool()>& give_up);
 

@@ -63,6 +63,7 @@ TEST(FlashCommand, NoBoardIsStatus3AndWrongUsageStatus2) {
   EXPECT_THAT(drive.err, HasSubstr("is not the drive"));
   EXPECT_EQ(run({"flash", image, "--drive", "x", "--serial", no_serial}).status, 2);
   EXPECT_EQ(run({"flash", image, "--drive", "x", "--board", "chip"}).status, 2);
+  EXPECT_EQ(run({"flash", image, "--lines", "x", "--board", "chip"}).status, 2);
   EXPECT_EQ(run({"flash", image, "--board", "virtual"}).status, 2);
 }
 

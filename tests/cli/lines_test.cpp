@@ -41,6 +41,31 @@ TEST(Lines, a_profile_may_name_them) {
   EXPECT_EQ(run({"engrave", model, "--machine", profile, "--yes"}).status, 0) << "simulated";
 }
 
+/// A command that forgot them would run beside an e-stop that nobody reads.
+TEST(Lines, every_command_of_a_real_board_takes_those_of_its_profile) {
+  const Folder folder;
+  const std::string port = folder / "port";
+  test::Running sim({"sim", "--pty", port});
+  ASSERT_TRUE(sim.wait_for("listening"));
+  const std::string profile = folder.write("m.toml", "[lines.estop]\nline = 'gpiochip4095:1'\n");
+  const std::string points = folder.write("a.xyz", "0 0 0\n"), job = folder / "a.llj";
+  ASSERT_EQ(run({"job", points, "-o", job}).status, 0);
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"engrave", points, "--yes"},
+                                             {"frame", points},
+                                             {"send", job, "--yes"},
+                                             {"send", folder.write("a.ngc", "G0 X1\n"), "--yes"},
+                                             {"operate", "init"},
+                                             {"console"},
+                                             {"jog", "--pendant", "none"}}) {
+    std::vector<std::string> arguments = command;
+    arguments.insert(arguments.end(), {"--board", port, "--machine", profile});
+    const Finished ended = run(arguments);
+    EXPECT_EQ(ended.status, 3) << command[0] << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("there is no such chip")) << command[0];
+  }
+}
+
 TEST(Lines, every_line_of_the_file_is_looked_for) {
   const Folder folder;
   for (const char* role : {"estop", "interlock", "run"}) {

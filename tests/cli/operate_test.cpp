@@ -1,7 +1,9 @@
 // What an operator does between jobs: `lamplock operate`, with a simulation at the end of a port.
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/cli/program.hpp"
 #include "tests/cli/shots.hpp"
@@ -56,6 +58,18 @@ TEST_F(Operate, teaches_zero_and_goes_there) {
   go("G53 G0 X1 Y2 Z3");
   EXPECT_EQ(places({"zero"})["zero_mm"], (Place{1, 2, 3}));
   EXPECT_EQ(shots(), 0u);
+}
+
+/// Homing obeys no hold: only a reset keeps an axis from a switch that does not come.
+TEST_F(Operate, stops_when_it_is_interrupted_homing_too) {
+  go("$22=1\n$25=60");
+  Running homing({"operate", "home", "--board", port_, "--json"});
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  homing.interrupt();
+  const Finished ended = homing.finish();
+  EXPECT_EQ(ended.status, 130);
+  EXPECT_THAT(ended.err, HasSubstr("reset while it homed"));
+  EXPECT_THAT(run({"console", "--board", port_}, "?\n").out, HasSubstr("<Alarm|"));
 }
 
 TEST_F(Operate, points_are_engraved_at_the_taught_zero) {

@@ -84,7 +84,8 @@ class BoardTransport final : public link::Transport {
     for (const std::uint8_t byte : bytes) {
       if (byte == '?') {
         board_.heard.emplace_back("?");
-        if (!board_.status.empty()) say("<" + board_.status + "|MPos:0.000,0.000,0.000>");
+        if (!board_.status.empty() && bus_.now() >= board_.heard_from)
+          say("<" + board_.status + "|MPos:0.000,0.000,0.000>");
       } else if (byte != '\n') {
         line_ += static_cast<char>(byte);
       } else {
@@ -103,7 +104,9 @@ class BoardTransport final : public link::Transport {
     bus_.sleep(std::chrono::ceil<std::chrono::milliseconds>(time));
   }
   std::chrono::microseconds now() const override { return bus_.now(); }
-  bool connected() const override { return board_.runs() && bus_.now() >= board_.back_at; }
+  bool connected() const override {
+    return board_.runs() && bus_.now() >= board_.back_at && bus_.now() < board_.port_goes_at;
+  }
   bool reconnect() override { return false; }
 
  private:

@@ -22,8 +22,10 @@ namespace lamplock::flash::test {
 struct BoardModel {
   std::string place = "1-4", serial = "A1";
   FlashModel flash{};
-  LoaderFaults faults{};          ///< of its loader
-  std::string status = "Idle";    ///< what it answers to '?'; empty: nothing
+  LoaderFaults faults{};                    ///< of its loader
+  std::string status = "Idle";              ///< what it answers to '?'; empty: nothing
+  std::chrono::milliseconds heard_from{0};  ///< it answers nothing before
+  std::chrono::milliseconds port_goes_at = std::chrono::milliseconds::max();
   int boot_error = 0;             ///< its answer to `$BOOT`; 0: goes
   std::string problem{};          ///< the board may not be opened
   std::string loader_problem{};   ///< the loader may not be opened

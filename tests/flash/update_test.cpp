@@ -251,6 +251,25 @@ TEST_F(UpdateByLines, ABoardThatAnswersIsNeverReset) {
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 
+/// Silence at the port is no sign of death where a job may run over the pulse stream: nobody may
+/// look whether one does, its host has died a moment ago, or the port has gone while it was asked.
+TEST_F(UpdateByLines, ABoardThatMayBeAtWorkIsNeverReset) {
+  board().status = "";
+  board().problem = "no permission to use /dev/bus/usb/001/004";
+  const lamplock::test::TemporaryFolder folder;
+  roots_ = {folder.file("")};
+  refused(Exit::no_device);
+  board().problem = "";
+  board().status = "Hold:0";
+  board().heard_from = bus_.now() + std::chrono::seconds(10);
+  refused(Exit::job_failed);
+  board().status = "";
+  board().port_goes_at = bus_.now() + std::chrono::seconds(1);
+  refused(Exit::job_failed);
+  EXPECT_EQ(pulled_, 0);
+  EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+}
+
 /// Which of several boards is at the lines nobody knows, and the other one may be at work.
 TEST_F(UpdateByLines, NothingIsPulledWhereTheBoardMayBeAnother) {
   bus_.boards.resize(2);
