@@ -50,10 +50,13 @@ class MovingMachine {
     ::tcgetattr(port, &modes);
     ::cfmakeraw(&modes);
     ::tcsetattr(port, TCSANOW, &modes);
-    EXPECT_EQ(::write(port, "?", 1), 1);
-    std::string text;
     pollfd watched{port, POLLIN, 0};
     char byte = 0;
+    // A program that was killed has left the answer to its last question.
+    constexpr int quiet_ms = 50;
+    while (::poll(&watched, 1, quiet_ms) > 0 && ::read(port, &byte, 1) == 1) continue;
+    EXPECT_EQ(::write(port, "?", 1), 1);
+    std::string text;
     constexpr int longest_ms = 20'000;
     while (text.find('>') == std::string::npos && ::poll(&watched, 1, longest_ms) > 0 &&
            ::read(port, &byte, 1) == 1)
