@@ -9,6 +9,7 @@
 #include "host/file.hpp"
 #include "host/program/path_picture.hpp"
 #include "host/program/program_run.hpp"
+#include "shared/units.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -22,8 +23,6 @@ struct Options {
   std::size_t most_problems = 20;
   bool json = false;
 };
-
-constexpr const char* axis_names = "XYZA";
 
 /// Hours, minutes, seconds.
 std::string time_text(double seconds) {
@@ -44,7 +43,7 @@ void say_result(Console& console, const ProgramRun& run) {
   console.say("feed      {:.3f} mm", run.feed_mm);
   console.say("rapid     {:.3f} mm", run.rapid_mm);
   for (int a = 0; a < run.axes; ++a)
-    console.say("{}         {:.3f} to {:.3f} mm", axis_names[a], run.bounds.low[index(a)],
+    console.say("{}         {:.3f} to {:.3f} mm", axis_letters[index(a)], run.bounds.low[index(a)],
                 run.bounds.high[index(a)]);
   if (run.locked != 0) console.say("shots     {} on the beat", run.beats.shots);
   if (run.pauses != 0) console.say("pauses    {}, whose time is not counted", run.pauses);

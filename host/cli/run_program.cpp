@@ -19,6 +19,7 @@
 #include "host/link/board_settings.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/program/program_run.hpp"
+#include "shared/units.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -27,7 +28,6 @@ using link::LineEnd;
 using link::LineResult;
 
 constexpr std::array program_extensions{".gcode", ".nc", ".ngc", ".gc", ".tap", ".cnc"};
-constexpr std::string_view axis_names = "XYZA";
 
 /// A program and what is known of it before it is sent.
 struct Program {
@@ -84,8 +84,8 @@ std::optional<double> planned_time(const Program& program, link::LinePort& port)
 
 std::string place_text(const link::BoardStatus& status) {
   std::string text;
-  for (std::size_t a = 0; a < status.position.size() && a < axis_names.size(); ++a)
-    text += fmt::format("{}{}{:.3f}", a == 0 ? "" : " ", axis_names[a], status.position[a]);
+  for (std::size_t a = 0; a < status.position.size() && a < axis_letters.size(); ++a)
+    text += fmt::format("{}{}{:.3f}", a == 0 ? "" : " ", axis_letters[a], status.position[a]);
   return text.empty() ? "an unknown place" : text;
 }
 

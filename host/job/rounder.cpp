@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <limits>
-#include <string_view>
 
 #include "host/units.hpp"
+#include "shared/units.hpp"
 
 namespace lamplock::job {
 
@@ -31,13 +31,12 @@ bool Rounder::round(const points::Point& point, StepPosition& steps) const {
 }
 
 std::string describe_work_space(const settings::Values& values) {
-  constexpr std::string_view axis_names = "XYZA";
   std::string text;
   for (int axis = 0; axis < values.whole(Id::axes); ++axis) {
     const double corner = in_units(values, Id::min_corner_x, axis);
     const double travel = in_units(values, Id::travel_x, axis);
     text += fmt::format("{}{} {:g}..{:g}", axis == 0 ? "" : ", ",
-                        axis_names[static_cast<std::size_t>(axis)], corner, corner + travel);
+                        axis_letters[static_cast<std::size_t>(axis)], corner, corner + travel);
   }
   return text + " mm";
 }

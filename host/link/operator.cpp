@@ -123,6 +123,39 @@ std::vector<std::string> leave_for(const std::string& there, const Places& place
   return lines;
 }
 
+/// Looks for `time`; true if the last report that came meanwhile says that the machine stands.
+bool seen_standing(LinePort& port, Time time) {
+  bool stands = false;
+  const Time end = port.transport().now() + time;
+  while (port.transport().now() < end) {
+    port.flush();
+    while (const auto line = port.receive()) {
+      const auto status = parse_status(*line);
+      if (status) stands = status->stands();
+    }
+    port.transport().wait(look_again);
+  }
+  return stands;
+}
+
+/// Holds the machine, or resets it where it homes, which obeys no hold; until it says that it
+/// stands. Throws Error(job_failed) if it does not.
+void stop(LinePort& port, bool homes) {
+  port.drop_unbegun_lines();
+  const Time end = port.transport().now() + longest_stop;
+  bool stood = false;
+  while (port.transport().now() < end) {
+    if (!stood) port.send_realtime(homes ? realtime::reset : realtime::hold);
+    port.send_realtime(realtime::status);
+    const bool stands = seen_standing(port, repeat_stop);
+    // The first report may have been on its way before.
+    if (stands && stood) return;
+    stood = stands;
+  }
+  throw Error(Exit::job_failed, "machine", "could not be stopped; it may still move",
+              "press its emergency stop");
+}
+
 }  // namespace
 
 Places ask_places(LinePort& port) {
@@ -167,43 +200,6 @@ std::vector<std::string> lines_of(Operation operation, const Places& places,
   }
   return {};
 }
-
-namespace {
-
-/// Looks for `time`; true if the last report that came meanwhile says that the machine stands.
-bool seen_standing(LinePort& port, Time time) {
-  bool stands = false;
-  const Time end = port.transport().now() + time;
-  while (port.transport().now() < end) {
-    port.flush();
-    while (const auto line = port.receive()) {
-      const auto status = parse_status(*line);
-      if (status) stands = status->stands();
-    }
-    port.transport().wait(look_again);
-  }
-  return stands;
-}
-
-/// Holds the machine, or resets it where it homes, which obeys no hold; until it says that it
-/// stands. Throws Error(job_failed) if it does not.
-void stop(LinePort& port, bool homes) {
-  port.drop_unbegun_lines();
-  const Time end = port.transport().now() + longest_stop;
-  bool stood = false;
-  while (port.transport().now() < end) {
-    if (!stood) port.send_realtime(homes ? realtime::reset : realtime::hold);
-    port.send_realtime(realtime::status);
-    const bool stands = seen_standing(port, repeat_stop);
-    // The first report may have been on its way before.
-    if (stands && stood) return;
-    stood = stands;
-  }
-  throw Error(Exit::job_failed, "machine", "could not be stopped; it may still move",
-              "press its emergency stop");
-}
-
-}  // namespace
 
 void require_ready(LinePort& port, Operation operation) {
   const BoardStatus status = greet(port).status;

@@ -19,7 +19,7 @@ namespace lamplock::pendant {
 class DisplayWriter {
  public:
   explicit DisplayWriter(std::unique_ptr<HidDevice> device);
-  /// What is not written yet is not written any more.
+  /// A batch that has begun is written to its end; what waits behind it is not.
   ~DisplayWriter();
   DisplayWriter(const DisplayWriter&) = delete;
   DisplayWriter& operator=(const DisplayWriter&) = delete;

@@ -12,6 +12,7 @@
 #include "host/program/line_run.hpp"
 #include "host/text.hpp"
 #include "shared/boards/pico_pins.hpp"
+#include "shared/units.hpp"
 #include "shared/wire/framing.hpp"
 
 namespace lamplock::program_run {
@@ -22,7 +23,6 @@ using program::ActionKind;
 using settings::Id;
 
 constexpr double e7 = static_cast<double>(program::one_e7);
-constexpr std::string_view axis_names = "XYZA";
 
 /// The machine: its lines, and its position.
 class Machine {
@@ -97,7 +97,7 @@ class Machine {
     run_.problems.push_back(
         {line, 0, 0,
          fmt::format("{} {:.3f} mm is outside of the work space, {:.3f} to {:.3f} mm",
-                     axis_names[index(axis)],
+                     axis_letters[index(axis)],
                      static_cast<double>(action.target_e7[index(axis)]) / e7, low,
                      low + values_.milli(Id::travel_x, axis) / 1e3)});
   }

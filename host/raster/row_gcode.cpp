@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/units.hpp"
+#include "shared/units.hpp"
 #include "shared/wire/framing.hpp"
 
 namespace lamplock::raster {
@@ -54,7 +55,7 @@ class Writer {
   std::string place(const StepPosition& steps) const {
     std::string text;
     for (int axis = 0; axis < job_.header.axes; ++axis)
-      text += fmt::format(" {}{}", "XYZA"[index(axis)],
+      text += fmt::format(" {}{}", axis_letters[index(axis)],
                           number(mm(steps[index(axis)], axis), most_decimals));
     return text;
   }

@@ -6,6 +6,7 @@
 
 #include "host/units.hpp"
 #include "shared/beat.hpp"
+#include "shared/units.hpp"
 
 namespace lamplock::report {
 namespace {
@@ -70,7 +71,7 @@ class AxisWriter {
       : beats_(beats), part_beats_(part_beats), axis_(index(axis)) {
     steps_per_mm_ = in_units(values, Id::steps_per_mm_x, axis);
     series_.number = axis;
-    series_.name = std::string(1, "XYZA"[axis]);
+    series_.name = std::string(1, axis_letters[axis_]);
     series_.most_speed_m_s = in_units(values, Id::max_rate_x, axis) / mm_min_per_m_s;
     series_.most_accel_m_s2 = in_units(values, Id::acceleration_x, axis) / mm_s2_per_m_s2;
   }
