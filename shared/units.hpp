@@ -22,6 +22,8 @@ inline constexpr std::uint32_t ticks_per_second = 1'000'000'000u / tick_ns;
 /// nominal ($905, $910), a tick 5 % off that ($906).
 inline constexpr std::uint32_t shortest_tick_ns = tick_ns * 3 / 4;
 
+inline constexpr std::int64_t um_per_inch = 25'400;
+
 /// System clock of the reference board; times that cross the board interface are counted in it.
 inline constexpr std::uint32_t clock_hz = 125'000'000;
 inline constexpr std::uint32_t clocks_per_tick = clock_hz / ticks_per_second;

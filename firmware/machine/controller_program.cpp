@@ -9,7 +9,7 @@ using wire::HoldReason;
 using wire::MachineState;
 
 /// Lines of a program, in one round of the main loop: it has other things to do.
-constexpr int most_lines = 4;
+constexpr int max_lines_at_once = 4;
 /// Room for a list, which is an answer to "$"; without it lines wait.
 constexpr std::size_t list_room = 2048;
 /// In the queue, instead of a line that was too long or spoilt.
@@ -31,7 +31,7 @@ void Controller::on_line_too_long() { on_line(lost_line); }
 
 [[gnu::hot]] void Controller::work_lines() {
   if (homing_.active()) return work_homing();
-  for (int i = 0; i < most_lines && !homing_.active(); ++i) {
+  for (int i = 0; i < max_lines_at_once && !homing_.active(); ++i) {
     if (reader_.line_open() && !finish_line()) break;
     if (reset_due_ || program_.cancelling() || program_.batch_waits()) break;
     // Behind a cancelled jog, until the machine stands where the next line begins.

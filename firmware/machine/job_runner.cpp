@@ -6,7 +6,7 @@ namespace lamplock::machine {
 namespace {
 
 /// Motion is begun this long after the ticks already handed out.
-constexpr std::uint32_t start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
+constexpr std::uint32_t job_start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
 /// At rest the host has this long, after the last points, to complete a window.
 constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
 /// A plan is slow that takes more than half as long as its motion lasts: the next one may take
@@ -133,7 +133,7 @@ bool JobRunner::starts_late() const {
 }
 
 std::uint64_t JobRunner::start_beat(std::uint64_t later_ticks) const {
-  const std::uint64_t head = generator_.head() + start_margin_ticks + later_ticks;
+  const std::uint64_t head = generator_.head() + job_start_margin_ticks + later_ticks;
   return clock_.beat_at_or_after(plan_state_.tick > head ? plan_state_.tick : head);
 }
 

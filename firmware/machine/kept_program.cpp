@@ -5,8 +5,6 @@
 namespace lamplock::machine {
 namespace {
 
-using program::Place;
-
 constexpr std::uint8_t version = 1;
 /// Kinds of pieces; those of places are the numbers of their rows (program::ParameterRow).
 constexpr std::uint8_t kind_g28 = static_cast<std::uint8_t>(program::ParameterRow::home_g28),
@@ -37,16 +35,16 @@ std::int64_t range_of(std::uint8_t kind) {
                                             : program::most_position_e7;
 }
 
-void put_place(wire::ByteWriter& out, std::uint8_t kind, const Place& place) {
-  if (program::same_place(place, Place{})) return;
+void put_place(wire::ByteWriter& out, std::uint8_t kind, const program::Place& place) {
+  if (program::same_place(place, program::Place{})) return;
   out.put(kind);
   out.put(static_cast<std::uint8_t>(KeptProgramRecord::place_size));
   for (const std::int64_t value : place) out.put(value);
 }
 
-bool take_place(wire::ByteReader& in, std::size_t size, std::uint8_t kind, Place& place) {
+bool take_place(wire::ByteReader& in, std::size_t size, std::uint8_t kind, program::Place& place) {
   if (size != KeptProgramRecord::place_size) return false;
-  Place read{};
+  program::Place read{};
   for (std::int64_t& value : read) {
     value = in.take<std::int64_t>();
     if (value > range_of(kind) || value < -range_of(kind)) return false;
@@ -89,7 +87,7 @@ bool take_text(std::span<const std::uint8_t> bytes, KeptText& text) {
 
 /// False if it is not understood; nothing has changed then.
 bool take_piece(KeptProgram& kept, std::uint8_t kind, std::span<const std::uint8_t> bytes) {
-  if (Place* place = place_of(kept, kind)) {
+  if (program::Place* place = place_of(kept, kind)) {
     wire::ByteReader in(bytes);
     return take_place(in, bytes.size(), kind, *place);
   }

@@ -6,7 +6,7 @@ namespace lamplock::machine {
 namespace {
 
 /// Lines taken for a batch: more than it uses, so that look-ahead fills up.
-constexpr std::uint32_t most_lines = 2 * LineWork::most_segments;
+constexpr std::uint32_t max_queued_lines = 2 * LineWork::most_segments;
 
 constexpr std::uint32_t nm_per_milli_mm = 1000;
 /// What a line has to last on the average where very many are very short: reading them takes
@@ -72,7 +72,7 @@ void LineWork::obey() {
 }
 
 void LineWork::take_lines() {
-  for (std::uint32_t i = 0; i < most_lines && planner_.free() != 0 && !inbox_.empty(); ++i) {
+  for (std::uint32_t i = 0; i < max_queued_lines && planner_.free() != 0 && !inbox_.empty(); ++i) {
     planner_.push(inbox_.front());
     inbox_.pop();
   }

@@ -20,9 +20,9 @@ constexpr std::int64_t ticks_per_us = ticks_per_second / 1'000'000;
 constexpr std::int64_t tolerated_part = 64;
 
 /// Way of an axis.
-std::int64_t way_of(const MoveEnds& ends, const settings::Values& values, int axis) {
-  const std::int64_t steps = std::int64_t{ends.to[index(axis)]} - ends.from[index(axis)];
-  return abs64(steps) * (parts_per_mm * 1000) / values.milli(Id::steps_per_mm_x, axis);
+std::int64_t way_of(const MoveEnds& ends, const settings::Values& values, int a) {
+  const std::int64_t steps = std::int64_t{ends.to[index(a)]} - ends.from[index(a)];
+  return abs64(steps) * (parts_per_mm * 1000) / values.milli(Id::steps_per_mm_x, a);
 }
 
 std::int64_t time_at_feed_us(const program::Action& move, const MoveEnds& ends,

@@ -8,7 +8,7 @@ namespace {
 using program::Modal;
 using namespace std::string_view_literals;  // a length that -Os does not ask strlen for
 
-constexpr std::int64_t um_per_mm = 1000, um_per_inch = 25'400;
+constexpr std::int64_t um_per_mm = 1000;
 /// 10^-7 mm in a nanometre.
 constexpr std::int64_t nm_e7 = program::one_e7 / 1'000'000;
 

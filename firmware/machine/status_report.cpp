@@ -7,7 +7,7 @@ namespace {
 constexpr std::uint8_t offset_idle = 10, offset_busy = 30;
 constexpr std::uint8_t overrides_idle = 10, overrides_busy = 20;
 
-constexpr std::int64_t um_min_per_mm_min = 1000, um_per_inch = 25'400;
+constexpr std::int64_t um_min_per_mm_min = 1000;
 /// 10^-7 mm in the last digit: 0.001 mm, 0.0001 in.
 constexpr std::int64_t last_of_mm = program::one_e7 / 1000,
                        last_of_inch = program::inch_e7 / 10'000;

@@ -24,27 +24,27 @@ std::int64_t series_q62(std::int64_t term_q62, std::uint32_t n, std::int64_t squ
   return sum;
 }
 
-struct SineCosine {
+struct SineCosineQ62 {
   std::int64_t sine_q62, cosine_q62;
 };
 
 /// Of 0 to 45 degrees.
-SineCosine of_half_quadrant(std::int64_t angle_e7) {
+SineCosineQ62 of_half_quadrant(std::int64_t angle_e7) {
   const std::int64_t x_q62 = (Int128::product(angle_e7, radian_q92) >> 30).to_int64();
   const std::int64_t square_q62 = mul_q62(x_q62, x_q62);
   return {series_q62(x_q62, 1, square_q62), series_q62(one_q62, 0, square_q62)};
 }
 
-SineCosine of_angle(std::int64_t angle_e7) {
+SineCosineQ62 of_angle(std::int64_t angle_e7) {
   std::int64_t rest = angle_e7 % (4 * right_angle_e7);
   if (rest < 0) rest += 4 * right_angle_e7;
   int quadrant = 0;
   for (; rest >= right_angle_e7; ++quadrant) rest -= right_angle_e7;
-  SineCosine s{};
+  SineCosineQ62 s{};
   if (2 * rest <= right_angle_e7) {
     s = of_half_quadrant(rest);
   } else {
-    const SineCosine other = of_half_quadrant(right_angle_e7 - rest);
+    const SineCosineQ62 other = of_half_quadrant(right_angle_e7 - rest);
     s = {other.cosine_q62, other.sine_q62};
   }
   for (; quadrant > 0; --quadrant) s = {s.cosine_q62, -s.sine_q62};
@@ -67,7 +67,7 @@ Rotation::Rotation(int first, int second, const Place& centre_e7, std::int64_t a
       first_(static_cast<std::uint8_t>(first)),
       second_(static_cast<std::uint8_t>(second)),
       active_(true) {
-  const SineCosine s = of_angle(angle_e7);
+  const SineCosineQ62 s = of_angle(angle_e7);
   sine_q62_ = s.sine_q62;
   cosine_q62_ = s.cosine_q62;
 }

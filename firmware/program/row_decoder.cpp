@@ -19,7 +19,7 @@ struct RowCount {
   }
 };
 
-bool inside(const StepPosition& steps, const StepLimits& limits, int axes) {
+bool within_travel(const StepPosition& steps, const StepLimits& limits, int axes) {
   for (int axis = 0; axis < axes; ++axis)
     if (!limits.contains(axis, steps[static_cast<std::size_t>(axis)])) return false;
   return true;
@@ -47,8 +47,8 @@ Result RowDecoder::check(std::span<const std::uint8_t> records, RowRoom room,
         if (index_ + count.lines >= lines_total_) return Result::bad_value;
         if (count.lines == wire::most_lines_a_frame) return Result::bad_value;
         // The first line may begin elsewhere than where another has ended.
-        const bool well =
-            inside(line.steps, limits, axes_) && (!line.light || inside(before, limits, axes_));
+        const bool well = within_travel(line.steps, limits, axes_) &&
+                          (!line.light || within_travel(before, limits, axes_));
         if (!well) return Result::out_of_bounds;
         before = line.steps;
         count.add_line();

@@ -15,8 +15,8 @@ bool is_spline(const SplineRequest& request) {
 
 /// Coefficients have so many more bits, so that a point is rounded once. None of them, nor of the
 /// sums on the way, is above 12 2^46 without, and 2^55 is what times_q48() takes.
-constexpr int fine_bits = 4;
-constexpr std::int64_t fine = 1 << fine_bits;
+constexpr int spline_fine_bits = 4;
+constexpr std::int64_t fine = 1 << spline_fine_bits;
 
 /// Least n with n n >= x.
 std::uint32_t root_up(std::uint64_t x) {
@@ -47,7 +47,7 @@ Spline::Cubic Spline::cubic_of(const SplineRequest& request, std::uint8_t axis) 
 std::int64_t Spline::at(const Cubic& cubic, std::int64_t t_q48) {
   const std::int64_t cd = cubic.c + times_q48(cubic.d, t_q48);
   const std::int64_t bcd = cubic.b + times_q48(cd, t_q48);
-  return cubic.a + ((times_q48(bcd, t_q48) + fine / 2) >> fine_bits);
+  return cubic.a + ((times_q48(bcd, t_q48) + fine / 2) >> spline_fine_bits);
 }
 
 Division Spline::begin(const SplineRequest& request, std::int64_t other_way_e7) {

@@ -2,7 +2,7 @@
 
 namespace lamplock::stepper {
 namespace {
-constexpr std::uint32_t forever = 0xffffffffu;
+constexpr std::uint32_t no_end = 0xffffffffu;
 /// Lead, cruise, tail.
 constexpr std::uint32_t phases = 3;
 
@@ -275,7 +275,7 @@ void TickGenerator::halt() {
 
 void TickGenerator::stand(Run& r) {
   r.run.rate_q62 = r.run.accel_q62 = 0;
-  r.left = forever;
+  r.left = no_end;
 }
 
 TickGenerator::PhaseView TickGenerator::phase_of(const AxisProfile& p, std::uint32_t phase) {

@@ -11,7 +11,8 @@
 namespace lamplock::bench {
 namespace {
 
-constexpr double width = 860, height = 520, left = 70, right = 20, top = 50, bottom = 60;
+constexpr double width = 860, height = 520, chart_left = 70, chart_right = 20, chart_top = 50,
+                 chart_bottom = 60;
 constexpr double lowest_beats = 0.95;
 
 /// Where numbers come to stand: a / f^2 on a logarithmic scale, beats on a linear one.
@@ -19,12 +20,13 @@ struct Scale {
   double least_um, most_um, most_beats;
 
   double x(double way_um) const {
-    return left +
-           (width - left - right) * std::log(way_um / least_um) / std::log(most_um / least_um);
+    return chart_left + (width - chart_left - chart_right) * std::log(way_um / least_um) /
+                            std::log(most_um / least_um);
   }
   double y(double beats) const {
-    return height - bottom -
-           (height - top - bottom) * (beats - lowest_beats) / (most_beats - lowest_beats);
+    return height - chart_bottom -
+           (height - chart_top - chart_bottom) * (beats - lowest_beats) /
+               (most_beats - lowest_beats);
   }
 };
 
@@ -34,17 +36,20 @@ std::string grid(const Scale& scale) {
   std::string picture;
   for (const double um : {100.0, 200.0, 300.0, 500.0, 1000.0, 2000.0, 3000.0, 5000.0}) {
     if (um < scale.least_um || um > scale.most_um) continue;
-    picture += svg::line(scale.x(um), top, scale.x(um), height - bottom, grid_colour);
-    picture += svg::text_at(scale.x(um), height - bottom + 18, "middle", fmt::format("{:g}", um));
+    picture += svg::line(scale.x(um), chart_top, scale.x(um), height - chart_bottom, grid_colour);
+    picture +=
+        svg::text_at(scale.x(um), height - chart_bottom + 18, "middle", fmt::format("{:g}", um));
   }
   for (int tenth = 10; tenth / 10.0 < scale.most_beats; ++tenth) {
     const double beats = tenth / 10.0;
-    picture += svg::line(left, scale.y(beats), width - right, scale.y(beats), grid_colour);
-    picture += svg::text_at(left - 8, scale.y(beats) + 4, "end", fmt::format("{:.1f}", beats));
+    picture +=
+        svg::line(chart_left, scale.y(beats), width - chart_right, scale.y(beats), grid_colour);
+    picture +=
+        svg::text_at(chart_left - 8, scale.y(beats) + 4, "end", fmt::format("{:.1f}", beats));
   }
-  picture += svg::text_at((left + width - right) / 2, height - 14, "middle",
+  picture += svg::text_at((chart_left + width - chart_right) / 2, height - 14, "middle",
                           "acceleration / lamp frequency squared, um (logarithmic)");
-  return picture + svg::turned_text(20, (top + height - bottom) / 2, "beats per point");
+  return picture + svg::turned_text(20, (chart_top + height - chart_bottom) / 2, "beats per point");
 }
 
 /// One set of numbers: a mark for every row, hollow for the faster lamp.
@@ -88,10 +93,10 @@ std::string chart_svg(const BenchReport& report) {
       "fill=\"#fff\"/>\n",
       width, height);
   picture += svg::text_at(
-      left, 24, "start",
+      chart_left, 24, "start",
       "Beats per point at 50 Hz (filled) and 100 Hz (hollow): every row of the source");
   picture += grid(scale);
-  double y = top + 20;
+  double y = chart_top + 20;
   for (const Series& series : all) {
     picture += marks(series, report.measured, scale);
     picture +=

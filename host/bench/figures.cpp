@@ -13,7 +13,7 @@ namespace lamplock::bench {
 namespace {
 
 /// Of walks: a machine of 1 m/s cannot have many more, one step a microsecond being the fastest.
-constexpr double steps_per_mm = 500;
+constexpr double bench_steps_per_mm = 500;
 /// Steps of 1 um, in which the lengths of the histogram are given.
 constexpr double fine_steps_per_mm = 1000;
 
@@ -102,9 +102,9 @@ double start_stop_on_one_axis(const StartStopTime& row) {
 Figures walk_figures(const Machine& machine, int points, std::uint64_t seed,
                      const PointsPlanned& planned) {
   constexpr int axes = 2;
-  const motion::Limits limits = limits_of(
-      machine_settings(machine.lamp_hz, machine.accel_m_s2, machine.speed_m_s, axes, steps_per_mm));
-  return figures_of(limits, histogram_walk(points, axes, steps_per_mm, seed), planned);
+  const motion::Limits limits = limits_of(machine_settings(
+      machine.lamp_hz, machine.accel_m_s2, machine.speed_m_s, axes, bench_steps_per_mm));
+  return figures_of(limits, histogram_walk(points, axes, bench_steps_per_mm, seed), planned);
 }
 
 JerkBeats jerk_beats(const Machine& machine, motion::JoinMode mode, int points, std::uint64_t seed,
@@ -112,12 +112,12 @@ JerkBeats jerk_beats(const Machine& machine, motion::JoinMode mode, int points, 
   constexpr int axes = 2;
   const auto walk =
       mode == motion::JoinMode::path
-          ? course(Course::straight, std::min(points, pulse_points), steps_per_mm, seed)
-          : histogram_walk(points, axes, steps_per_mm, seed);
+          ? course(Course::straight, std::min(points, pulse_points), bench_steps_per_mm, seed)
+          : histogram_walk(points, axes, bench_steps_per_mm, seed);
   JerkBeats beats{};
   for (std::size_t i = 0; i < beats.size(); ++i) {
     settings::Values values = machine_settings(machine.lamp_hz, machine.accel_m_s2,
-                                               machine.speed_m_s, axes, steps_per_mm);
+                                               machine.speed_m_s, axes, bench_steps_per_mm);
     for (int a = 0; a < axes; ++a)
       values.set_milli(settings::for_axis(settings::Id::jerk_x, a),
                        static_cast<std::int32_t>(std::lround(jerk_limits[i] * 1000)));
@@ -130,7 +130,7 @@ JerkBeats jerk_beats(const Machine& machine, motion::JoinMode mode, int points, 
 Figures course_figures(const PulseCourse& row, int draws, std::uint64_t seed,
                        const PointsPlanned& planned) {
   settings::Values values = machine_settings(pulse_machine.lamp_hz, pulse_machine.accel_m_s2,
-                                             pulse_machine.speed_m_s, 2, steps_per_mm);
+                                             pulse_machine.speed_m_s, 2, bench_steps_per_mm);
   const auto jump_milli = static_cast<std::int32_t>(std::lround(row.corner_jump_mm_s * 1000));
   for (int a = 0; a < 2; ++a)
     values.set_milli(settings::for_axis(settings::Id::speed_jump_x, a), jump_milli);
@@ -138,8 +138,8 @@ Figures course_figures(const PulseCourse& row, int draws, std::uint64_t seed,
   std::vector<Figures> all;
   for (int draw = 1; draw <= draws; ++draw) {
     const std::uint64_t draw_seed = (seed - 1) * pulse_draws + static_cast<std::uint64_t>(draw);
-    all.push_back(
-        figures_of(limits, course(row.shape, pulse_points, steps_per_mm, draw_seed), planned));
+    all.push_back(figures_of(limits, course(row.shape, pulse_points, bench_steps_per_mm, draw_seed),
+                             planned));
   }
   return mean(all);
 }

@@ -26,7 +26,7 @@ using std::numbers::pi;
 constexpr double spacing_mm = 0.09;
 /// Dense for a picture of tones in a solid.
 constexpr double sparse_mm = 0.35;
-constexpr double steps_per_mm = 500;
+constexpr double order_steps_per_mm = 500;
 
 using Random = std::mt19937_64;
 
@@ -105,7 +105,7 @@ std::vector<motion::Target> targets_of(const PointCloud& order) {
   std::vector<motion::Target> targets;
   targets.reserve(order.size());
   const auto steps = [](double mm) {
-    return static_cast<std::int32_t>(std::lround(mm * steps_per_mm));
+    return static_cast<std::int32_t>(std::lround(mm * order_steps_per_mm));
   };
   for (const Point& p : order) {
     motion::Target target;
@@ -142,8 +142,8 @@ order::Motion motion_of(const Machine& machine) {
 
 double beats_of_order(const Machine& machine, const PointCloud& order, motion::JoinMode mode) {
   if (order.empty()) return 0;
-  const motion::Limits limits = limits_of(
-      machine_settings(machine.lamp_hz, machine.accel_m_s2, machine.speed_m_s, 3, steps_per_mm));
+  const motion::Limits limits = limits_of(machine_settings(
+      machine.lamp_hz, machine.accel_m_s2, machine.speed_m_s, 3, order_steps_per_mm));
   const auto planner = std::make_unique<motion::Planner>();
   const StreamPlan plan = plan_stream(limits, targets_of(order), {.mode = mode}, *planner);
   if (plan.result != Result::ok)

@@ -33,24 +33,24 @@ constexpr const char* drives_group = "Drives of a simulated board";
 
 }  // namespace
 
-void LampFaults::add(CLI::App& app) {
-  app.add_option("--jitter", jitter_us, "Every flash early or late by up to this")
-      ->type_name("US")
-      ->group(lamp_group);
-  app.add_option("--wander", wander_percent, "Swing of the period, peak to peak, in 10 s")
-      ->type_name("PERCENT")
-      ->group(lamp_group);
-  app.add_option("--dropouts", dropouts_percent, "Flashes that are missing")
-      ->type_name("PERCENT")
-      ->group(lamp_group);
-  app.add_option("--runts", runts_percent, "Flashes with a pulse of noise beside them")
-      ->type_name("PERCENT")
-      ->group(lamp_group);
-  app.add_option("--seed", seed, "Another seed, other faults")
-      ->check(number_from(0, true))
-      ->type_name("N")
-      ->capture_default_str()
-      ->group(lamp_group);
+void LampFaults::add(Command& app) {
+  app.add_option("--jitter", &jitter_us, "Every flash early or late by up to this")
+      .value_name("US")
+      .group(lamp_group);
+  app.add_option("--wander", &wander_percent, "Swing of the period, peak to peak, in 10 s")
+      .value_name("PERCENT")
+      .group(lamp_group);
+  app.add_option("--dropouts", &dropouts_percent, "Flashes that are missing")
+      .value_name("PERCENT")
+      .group(lamp_group);
+  app.add_option("--runts", &runts_percent, "Flashes with a pulse of noise beside them")
+      .value_name("PERCENT")
+      .group(lamp_group);
+  app.add_option("--seed", &seed, "Another seed, other faults")
+      .check(number_from(0, true))
+      .value_name("N")
+      .show_default()
+      .group(lamp_group);
 }
 
 bool LampFaults::any() const {
@@ -74,21 +74,12 @@ sim::LampConfig LampFaults::lamp(const settings::Values& values) const {
   return config;
 }
 
-void SimulatedDrives::add(CLI::App& app) {
-  constexpr const char* name = "--drive-lag";
-  const auto take = [this](const std::vector<double>& values) {
-    if (values.size() > max_axes)
-      throw CLI::ArgumentMismatch::AtMost(name, max_axes, values.size());
-    lag_us = values;
-  };
-  app.add_option_function<std::vector<double>>(name, take,
-                                               "How late each axis follows its steps, X first")
-      ->delimiter(',')
-      ->allow_extra_args(false)  // the word behind it is not another axis
-      ->check(CLI::Range(0.0, settings::row(Id::drive_lag_x).max_milli / milli_per_unit)
-                  .description(""))
-      ->type_name("US,US,...")
-      ->group(drives_group);
+void SimulatedDrives::add(Command& app) {
+  app.add_option("--drive-lag", &lag_us, "How late each axis follows its steps, X first")
+      .count({0, max_axes})
+      .check(number_in({0.0, settings::row(Id::drive_lag_x).max_milli / milli_per_unit}))
+      .value_name("US,US,...")
+      .group(drives_group);
 }
 
 sim::DriveConfig SimulatedDrives::drives(const settings::Values& values) const {
@@ -97,28 +88,28 @@ sim::DriveConfig SimulatedDrives::drives(const settings::Values& values) const {
   return config;
 }
 
-void BoardOptions::add_choice(CLI::App& app) {
-  app.add_option("--board", board,
+void BoardOptions::add_choice(Command& app) {
+  app.add_option("--board", &board,
                  "virtual: the firmware core on a virtual clock, fast; chip: the flash image, "
                  "instruction by instruction; auto: the board that is plugged in; usb or "
                  "usb:SERIAL: its pulse stream; else a serial port or HOST:PORT")
-      ->type_name("virtual|chip|auto|usb|PORT")
-      ->capture_default_str()
-      ->group(board_group);
-  app.add_option("--image", image, "Flash image for the chip; without it that of this build")
-      ->type_name("FILE")
-      ->group(board_group);
-  app.add_option("--usb", usb, "What the chip is talked to over: serial port or pulse stream")
-      ->check(one_of({"serial", "stream"}))
-      ->type_name("serial|stream")
-      ->capture_default_str()
-      ->group(board_group);
-  app.add_option("--lines", lines,
+      .value_name("virtual|chip|auto|usb|PORT")
+      .show_default()
+      .group(board_group);
+  app.add_option("--image", &image, "Flash image for the chip; without it that of this build")
+      .value_name("FILE")
+      .group(board_group);
+  app.add_option("--usb", &usb, "What the chip is talked to over: serial port or pulse stream")
+      .check(one_of({"serial", "stream"}))
+      .value_name("serial|stream")
+      .show_default()
+      .group(board_group);
+  app.add_option("--lines", &lines,
                  "E-stop, door and interlock on lines of this computer (TOML), watched while a "
                  "real board works; else [lines] of the machine profile")
-      ->envname(lines_variable)
-      ->type_name("FILE")
-      ->group(board_group);
+      .environment(lines_variable)
+      .value_name("FILE")
+      .group(board_group);
 }
 
 gpio::LineTable BoardOptions::line_table() const {
@@ -138,65 +129,67 @@ sim::chip::UsbFunction BoardOptions::usb_function() const {
   return usb == "stream" ? sim::chip::UsbFunction::vendor : sim::chip::UsbFunction::serial;
 }
 
-void BoardOptions::add_board(CLI::App& app) {
+void BoardOptions::add_board(Command& app) {
   add_choice(app);
-  app.add_flag("--yes", yes, "Do not ask before the first shot")->group(board_group);
-  app.add_flag("--json", json, "Print the result as JSON on stdout")->group(board_group);
+  app.add_option("--yes", &yes, "Do not ask before the first shot").group(board_group);
+  app.add_json(json).group(board_group);
 }
 
-void BoardOptions::add_job_speed(CLI::App& app) {
-  app.add_option("--job-speed", job_speed,
-                 "Speed of the job; accelerations by its square, never above the machine's own")
-      ->check(CLI::Range(1u, link::highest_job_speed))
-      ->type_name("PERCENT")
-      ->capture_default_str()
-      ->group(board_group);
+void BoardOptions::add_job_speed(Command& app) {
+  app.add_option(
+         "--job-speed", &job_speed,
+         "Speed of the job, 1 to 140; accelerations by its square, never above the machine's own")
+      .check(number_in({1u, link::highest_job_speed}))
+      .value_name("PERCENT")
+      .show_default()
+      .group(board_group);
 }
 
-void BoardOptions::add_part(CLI::App& app) {
-  app.add_option("--from", from,
+void BoardOptions::add_part(Command& app) {
+  app.add_option("--from", &from,
                  "Go on at this point or line: the first one not fired, pauses counted with the "
                  "points")
-      ->check(number_from(0, true))
-      ->type_name("N")
-      ->group(board_group);
-  app.add_option("--fired", fired, "Flashes of the point of --from that were fired before")
-      ->check(CLI::Range(0u, most_shots))
-      ->type_name("N")
-      ->group(board_group);
+      .check(number_from(0, true))
+      .value_name("N")
+      .group(board_group);
+  app.add_option("--fired", &fired,
+                 "Flashes of the point of --from that were fired before, 0 to 255")
+      .check(number_in({0u, most_shots}))
+      .value_name("N")
+      .group(board_group);
 }
 
-void BoardOptions::add_job(CLI::App& app) {
+void BoardOptions::add_job(Command& app) {
   add_part(app);
   add_job_speed(app);
-  app.add_flag("--dry", dry, "Move, never fire")->group(board_group);
-  app.add_option("--hold-at", hold_at,
+  app.add_option("--dry", &dry, "Move, never fire").group(board_group);
+  app.add_option("--hold-at", &hold_at,
                  "Hold for a second once so many points or lines are fired, counted from the "
                  "beginning of the job: to see the machine brake")
-      ->check(CLI::Range(1u, std::numeric_limits<std::uint32_t>::max()).description(""))
-      ->type_name("N")
-      ->group(board_group);
-  app.add_option("--report", report,
+      .check(number_in({1u, std::numeric_limits<std::uint32_t>::max()}))
+      .value_name("N")
+      .group(board_group);
+  app.add_option("--report", &report,
                  "Write report.html, report.json, shots.csv, shots.ply and cloud.png there")
-      ->check(file_name())
-      ->type_name("DIR")
-      ->group(board_group);
-  app.add_option("--statistics", statistics, "Add a line (CSV) about the job to this file")
-      ->check(file_name())
-      ->type_name("FILE")
-      ->group(board_group);
-  app.add_option("--vcd", vcd, "Trace of all pins of a simulated board, for GTKWave")
-      ->check(file_name())
-      ->type_name("FILE")
-      ->group(board_group);
-  app.add_option("--shots", shots, "What the laser of a simulated board fired, as CSV")
-      ->check(file_name())
-      ->type_name("FILE")
-      ->group(board_group);
-  app.add_option("--timing", timing, "Timing of the chip, cycle by cycle, and where they go")
-      ->check(file_name())
-      ->type_name("FILE")
-      ->group(board_group);
+      .check(file_name())
+      .value_name("DIR")
+      .group(board_group);
+  app.add_option("--statistics", &statistics, "Add a line (CSV) about the job to this file")
+      .check(file_name())
+      .value_name("FILE")
+      .group(board_group);
+  app.add_option("--vcd", &vcd, "Trace of all pins of a simulated board, for GTKWave")
+      .check(file_name())
+      .value_name("FILE")
+      .group(board_group);
+  app.add_option("--shots", &shots, "What the laser of a simulated board fired, as CSV")
+      .check(file_name())
+      .value_name("FILE")
+      .group(board_group);
+  app.add_option("--timing", &timing, "Timing of the chip, cycle by cycle, and where they go")
+      .check(file_name())
+      .value_name("FILE")
+      .group(board_group);
   plot.add(app, board_group);
   faults.add(app);
   drives.add(app);

@@ -4,11 +4,11 @@
 // Who: the commands that run something on a board.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/motion_plot_file.hpp"
 #include "host/cli/outputs.hpp"
 #include "host/gpio/line_table.hpp"
@@ -24,7 +24,7 @@ struct LampFaults {
   double jitter_us = 0, wander_percent = 0, dropouts_percent = 0, runts_percent = 0;
   std::uint64_t seed = 1;
 
-  void add(CLI::App& app);
+  void add(Command& app);
   bool any() const;
   /// The lamp that belongs to a machine with these settings. Throws Error(bad_input) for a lamp
   /// that cannot be.
@@ -35,7 +35,7 @@ struct LampFaults {
 struct SimulatedDrives {
   std::vector<double> lag_us{};  ///< by axis
 
-  void add(CLI::App& app);
+  void add(Command& app);
   bool any() const { return !lag_us.empty(); }
   /// Those that belong to a machine with these settings.
   sim::DriveConfig drives(const settings::Values& values) const;
@@ -54,13 +54,13 @@ struct BoardOptions {
   LampFaults faults{};
   SimulatedDrives drives{};
 
-  void add_choice(CLI::App& app);     ///< --board, --image, --usb, --lines
-  void add_board(CLI::App& app);      ///< these, --yes, --json
-  void add_part(CLI::App& app);       ///< --from, --fired
-  void add_job_speed(CLI::App& app);  ///< --job-speed
+  void add_choice(Command& app);     ///< --board, --image, --usb, --lines
+  void add_board(Command& app);      ///< these, --yes, --json
+  void add_part(Command& app);       ///< --from, --fired
+  void add_job_speed(Command& app);  ///< --job-speed
   /// These, --job-speed, --dry, --hold-at, --report, --statistics, --vcd, --shots,
   /// --timing, --plot and what is simulated
-  void add_job(CLI::App& app);
+  void add_job(Command& app);
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// Lines of this computer for a real board: those of --lines, else of the profile. Throws
   /// Error(bad_input), also for --lines with a simulated board.

@@ -1,4 +1,5 @@
 #include "host/cli/bounds_text.hpp"
+#include <nlohmann/json.hpp>
 
 namespace lamplock::cli {
 

@@ -1,6 +1,7 @@
 // `lamplock check`: what a program of G-code does, without a machine.
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -17,7 +18,7 @@ namespace {
 using program_run::Problem;
 using program_run::ProgramRun;
 
-struct Options {
+struct CheckOptions {
   std::string input{}, picture{};
   MachineOptions machine{};
   std::size_t most_problems = 20;
@@ -49,7 +50,7 @@ void say_result(Console& console, const ProgramRun& run) {
   if (run.pauses != 0) console.say("pauses    {}, whose time is not counted", run.pauses);
 }
 
-Json document(const Options& options, const ProgramRun& run) {
+Json document(const CheckOptions& options, const ProgramRun& run) {
   Json low = Json::array(), high = Json::array(), problems = Json::array();
   for (int a = 0; a < run.axes; ++a) {
     low.push_back(run.bounds.low[index(a)]);
@@ -66,7 +67,7 @@ Json document(const Options& options, const ProgramRun& run) {
           {"ended", run.ended},     {"problems", problems}};
 }
 
-Exit check_program(const Options& options) {
+Exit check_program(const CheckOptions& options) {
   Console console(options.json);
   const job::Profile profile = options.machine.profile();
   if (!options.picture.empty()) {
@@ -99,24 +100,25 @@ Exit check_program(const Options& options) {
 
 }  // namespace
 
-void add_check(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_check(Command& program) {
+  Command& app = program.add_command(
       "check", "Read a program of G-code: errors, time, bounds, a picture of its path");
-  app->footer(
+  app.footer(
       "Runs the interpreter and the planner of the firmware; the time is that of the machine.\n"
       "Example:\n  lamplock check part.ngc --machine machine.toml --picture part.svg");
-  const auto options = std::make_shared<Options>();
-  app->add_option("PROGRAM", options->input, "G-code")->required()->type_name("FILE");
-  options->machine.add_machine(*app);
-  app->add_option("--picture", options->picture, "Picture (SVG) of the path, with power in colour")
-      ->check(file_name())
-      ->type_name("FILE");
-  app->add_option("--most", options->most_problems, "Give up after so many wrong lines")
-      ->check(CLI::Range(1, 1'000'000))
-      ->type_name("N")
-      ->capture_default_str();
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  app->callback([options, &action] { action = [options] { return check_program(*options); }; });
+  const auto options = std::make_shared<CheckOptions>();
+  app.add_option("PROGRAM", &options->input, "G-code").required().value_name("FILE");
+  options->machine.add_machine(app);
+  app.add_option("--picture", &options->picture, "Picture (SVG) of the path, with power in colour")
+      .check(file_name())
+      .value_name("FILE");
+  app.add_option("--most", &options->most_problems,
+                 "Give up after so many wrong lines, 1 to 1000000")
+      .check(number_in({1, 1'000'000}))
+      .value_name("N")
+      .show_default();
+  app.add_json(options->json);
+  app.action([options] { return check_program(*options); });
 }
 
 }  // namespace lamplock::cli

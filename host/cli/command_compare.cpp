@@ -1,5 +1,6 @@
 // `lamplock compare`: two reports side by side.
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -9,12 +10,12 @@
 namespace lamplock::cli {
 namespace {
 
-struct Options {
+struct CompareOptions {
   std::string first, second;
   bool json = false;
 };
 
-Exit compare(const Options& options) {
+Exit compare(const CompareOptions& options) {
   Console console(options.json);
   const report::Report first = read_report(options.first), second = read_report(options.second);
   console.text(report::summary(first, second));
@@ -29,16 +30,16 @@ Exit compare(const Options& options) {
 
 }  // namespace
 
-void add_compare(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand("compare", "Show two reports side by side");
-  app->footer(
+void add_compare(Command& program) {
+  Command& app = program.add_command("compare", "Show two reports side by side");
+  app.footer(
       "Example:\n  lamplock engrave model.stl --mode start-stop --report stop\n"
       "  lamplock engrave model.stl --mode free --report free\n  lamplock compare stop free");
-  const auto options = std::make_shared<Options>();
-  app->add_option("FIRST", options->first, "Folder of a report")->required()->type_name("DIR");
-  app->add_option("SECOND", options->second, "Folder of another")->required()->type_name("DIR");
-  app->add_flag("--json", options->json, "Print both and the ratio as JSON on stdout");
-  app->callback([options, &action] { action = [options] { return compare(*options); }; });
+  const auto options = std::make_shared<CompareOptions>();
+  app.add_option("FIRST", &options->first, "Folder of a report").required().value_name("DIR");
+  app.add_option("SECOND", &options->second, "Folder of another").required().value_name("DIR");
+  app.add_json(options->json, "Print both and the ratio as JSON on stdout");
+  app.action([options] { return compare(*options); });
 }
 
 }  // namespace lamplock::cli

@@ -59,10 +59,10 @@ Exit talk(const BoardChoice& choice) {
 
 }  // namespace
 
-void add_console(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_console(Command& program) {
+  Command& app = program.add_command(
       "console", "A terminal to a board: lines go to it, what it says is shown");
-  app->footer(
+  app.footer(
       "Words for bytes that act at once: ? ! ~ or :status :hold :resume :reset :jogcancel,\n"
       ":feed 100 (+10 -10 +1 -1), :rapid 100 (50 25), :power 100 (+10 -10). Ctrl-D or Ctrl-C "
       "leaves;\n"
@@ -75,10 +75,10 @@ void add_console(CLI::App& program, Action& action) {
       "Example:\n  lamplock console --board /dev/ttyACM0\n"
       "  echo '$$' | lamplock console --board virtual");
   const auto choice = std::make_shared<BoardChoice>();
-  choice->add(*app);
-  app->callback([choice, &action] {
+  choice->add(app);
+  app.action([choice] {
     choice->board.profile = choice->machine.machine;
-    action = [choice] { return talk(*choice); };
+    return talk(*choice);
   });
 }
 

@@ -1,5 +1,6 @@
 // `lamplock devices`: what is plugged in, and what is missing to use it.
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -43,15 +44,15 @@ Exit list(bool json) {
 
 }  // namespace
 
-void add_devices(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_devices(Command& program) {
+  Command& app = program.add_command(
       "devices", "Boards, boot loaders, pendants and GPIO chips of this computer");
-  app->footer(
+  app.footer(
       "What may not be used is told with what helps: docs/devices.md.\n"
       "Example:\n  lamplock devices\n  lamplock devices --json");
   const auto json = std::make_shared<bool>(false);
-  app->add_flag("--json", *json, "Print them as JSON on stdout");
-  app->callback([json, &action] { action = [json] { return list(*json); }; });
+  app.add_json(*json, "Print them as JSON on stdout");
+  app.action([json] { return list(*json); });
 }
 
 }  // namespace lamplock::cli

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -19,7 +20,7 @@ using program_run::ServoMachine;
 using report::NamedServoRun;
 using report::ServoErrors;
 
-struct Options {
+struct DiagnoseOptions {
   std::string input{}, picture{};
   ServoMachine machine{};
   double feed_mm_min = 600;
@@ -44,7 +45,7 @@ std::vector<Trajectory> two_trajectories(double feed_mm_min) {
            fmt::format("{}{} X{:g} Y{:g} R{:g}\n", head, code, arc_end[0], arc_end[1], radius)}};
 }
 
-std::vector<Trajectory> trajectories(const Options& options) {
+std::vector<Trajectory> trajectories(const DiagnoseOptions& options) {
   if (options.input.empty()) return two_trajectories(options.feed_mm_min);
   return {{std::filesystem::path(options.input).filename().string(), read_file(options.input)}};
 }
@@ -69,7 +70,7 @@ Json json_of(const ServoErrors& errors) {
           {"axes", axes}};
 }
 
-Json document(const Options& options, const std::vector<ServoErrors>& rows) {
+Json document(const DiagnoseOptions& options, const std::vector<ServoErrors>& rows) {
   const ServoMachine& m = options.machine;
   Json runs = Json::array();
   for (const ServoErrors& row : rows) runs.push_back(json_of(row));
@@ -92,7 +93,7 @@ void check_picture(const std::string& picture) {
   check_target(picture);
 }
 
-Exit diagnose(const Options& options) {
+Exit diagnose(const DiagnoseOptions& options) {
   Console console(options.json);
   check_picture(options.picture);
   const double pulses_per_mm = options.machine.pulses_per_mm();
@@ -123,47 +124,48 @@ Exit diagnose(const Options& options) {
   return Exit::done;
 }
 
-void add_drives(CLI::App& app, ServoMachine& machine) {
+void add_drives(Command& app, ServoMachine& machine) {
   const auto number = [&app](const char* name, double& value, const char* text, const char* unit) {
-    app.add_option(name, value, text)
-        ->check(number_from(0, false))
-        ->type_name(unit)
-        ->capture_default_str()
-        ->group("Drives");
+    app.add_option(name, &value, text)
+        .check(number_from(0, false))
+        .value_name(unit)
+        .show_default()
+        .group("Drives");
   };
   number("--pulses", machine.drive.steps_per_rev, "Pulses of a revolution", "N");
   number("--mm-per-rev", machine.drive.mm_per_rev, "What a revolution moves", "MM");
   number("--encoder", machine.drive.counts_per_rev, "Counts of the encoder, a revolution", "N");
   number("--time-constant", machine.drive.time_constant_ms, "Of the position loop", "MS");
   number("--damping", machine.drive.damping, "Of a loop of second order", "D");
-  app.add_option("--order", machine.drive.order, "Of the position loop")
-      ->check(CLI::Range(1, 2))
-      ->capture_default_str()
-      ->group("Drives");
+  app.add_option("--order", &machine.drive.order, "Of the position loop")
+      .check(number_in({1, 2}))
+      .value_name("1|2")
+      .show_default()
+      .group("Drives");
   number("--accel", machine.accel_mm_s2, "Acceleration of the machine", "MM/S2");
 }
 
 }  // namespace
 
-void add_diagnose(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_diagnose(Command& program) {
+  Command& app = program.add_command(
       "diagnose", "Run a program on simulated servo drives: what their encoders say of it");
-  app->footer(
+  app.footer(
       "Without a program it runs the two trajectories of a Polish paper on the programmed\n"
       "synchronisation of two AC servo drives, whose machine is the default.\n"
       "Example:\n  lamplock diagnose part.ngc --time-constant 3 --picture errors.svg");
-  const auto options = std::make_shared<Options>();
-  app->add_option("PROGRAM", options->input, "G-code; begins at zero")->type_name("FILE");
-  app->add_option("--feed", options->feed_mm_min, "Of the two trajectories")
-      ->check(number_from(0, false))
-      ->type_name("MM/MIN")
-      ->capture_default_str();
-  add_drives(*app, options->machine);
-  app->add_option("--picture", options->picture, "Picture (SVG) of paths and errors")
-      ->check(file_name())
-      ->type_name("FILE");
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  app->callback([options, &action] { action = [options] { return diagnose(*options); }; });
+  const auto options = std::make_shared<DiagnoseOptions>();
+  app.add_option("PROGRAM", &options->input, "G-code; begins at zero").value_name("FILE");
+  app.add_option("--feed", &options->feed_mm_min, "Of the two trajectories")
+      .check(number_from(0, false))
+      .value_name("MM/MIN")
+      .show_default();
+  add_drives(app, options->machine);
+  app.add_option("--picture", &options->picture, "Picture (SVG) of paths and errors")
+      .check(file_name())
+      .value_name("FILE");
+  app.add_json(options->json);
+  app.action([options] { return diagnose(*options); });
 }
 
 }  // namespace lamplock::cli

@@ -11,13 +11,13 @@
 namespace lamplock::cli {
 namespace {
 
-struct Options {
+struct EngraveOptions {
   EngravingOptions engraving;
   BoardOptions board;
   OriginOption origin;
 };
 
-Exit engrave(Options options) {
+Exit engrave(EngraveOptions options) {
   options.board.profile = options.engraving.description().machine.profile;
   Console console(options.board.json);
   options.board.check(options.engraving.input, options.engraving.save_file());
@@ -32,11 +32,11 @@ Exit engrave(Options options) {
 
 }  // namespace
 
-void add_engrave(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_engrave(Command& program) {
+  Command& app = program.add_command(
       "engrave",
       "Engrave a model, or all that a description says: points, order, job and machine in one");
-  app->footer(
+  app.footer(
       "Example:\n  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n"
       "  lamplock engrave examples/block.toml --report report\n"
       "  lamplock engrave points.xyz --board /dev/ttyACM0 --machine machine.toml\n"
@@ -44,13 +44,13 @@ void add_engrave(CLI::App& program, Action& action) {
       "Ctrl-C holds the machine with the laser off, Enter resumes, Ctrl-C again stops. In a\n"
       "terminal a number and Enter is another job speed in percent, + or - and Enter a step.\n"
       "Exit status: 0 done, 1 job failed, 2 bad input, 3 no device, 130 interrupted.");
-  const auto options = std::make_shared<Options>();
-  options->engraving.add(*app, true);
-  options->engraving.add_save(*app);
-  options->board.add_board(*app);
-  options->board.add_job(*app);
-  options->origin.add(*app);
-  app->callback([options, &action] { action = [options] { return engrave(*options); }; });
+  const auto options = std::make_shared<EngraveOptions>();
+  options->engraving.add(app, true);
+  options->engraving.add_save(app);
+  options->board.add_board(app);
+  options->board.add_job(app);
+  options->origin.add(app);
+  app.action([options] { return engrave(*options); });
 }
 
 }  // namespace lamplock::cli

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "host/cli/board_options.hpp"
@@ -30,7 +31,7 @@ namespace {
 
 using Clock = std::chrono::system_clock;
 
-struct Options {
+struct EstimateOptions {
   EngravingOptions engraving;
   BoardOptions job{};  ///< of these: which part of the job, and its speed
   OriginOption origin{};
@@ -39,7 +40,7 @@ struct Options {
 };
 
 /// A job as `send` would take it, or made as `engrave` would make it.
-Work read_work(const Options& options, Console& console) {
+Work read_work(const EstimateOptions& options, Console& console) {
   const std::string& input = options.engraving.input;
   if (lower_extension(input) != ".llj")
     return make_work(options.engraving, false, console, options.origin.ask(nullptr));
@@ -53,7 +54,7 @@ Work read_work(const Options& options, Console& console) {
 
 /// The estimate in the form of a run, as far as one can be foreseen. Of ten million points there is
 /// no room for two copies.
-report::JobRun run_of(Work work, const Options& options, estimate::Estimate told) {
+report::JobRun run_of(Work work, const EstimateOptions& options, estimate::Estimate told) {
   const auto before = static_cast<std::ptrdiff_t>(work.job.points_before(options.job.from));
   work.points.erase(work.points.begin(), work.points.begin() + before);
   report::JobRun run = begin_run(work, std::move(work.points), "estimate", options.job.from);
@@ -68,7 +69,7 @@ report::JobRun run_of(Work work, const Options& options, estimate::Estimate told
   return run;
 }
 
-estimate::Estimate estimate_work(const Work& work, const Options& options) {
+estimate::Estimate estimate_work(const Work& work, const EstimateOptions& options) {
   Progress progress("estimating", work.job.size(), options.job.from);
   estimate::EstimateOptions wanted;
   wanted.first = options.job.from;
@@ -86,7 +87,7 @@ void write_page_file(const report::Report& report, const report::JobRun& run,
   console.phase("page", file);
 }
 
-Exit estimate(const Options& options) {
+Exit estimate(const EstimateOptions& options) {
   Console console(options.json);
   check_distinct({{"--page", options.page}}, options.engraving.input);
   if (!options.page.empty()) check_target(options.page);
@@ -115,25 +116,25 @@ Exit estimate(const Options& options) {
 
 }  // namespace
 
-void add_estimate(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_estimate(Command& program) {
+  Command& app = program.add_command(
       "estimate", "What a job will take, before it is engraved: beats, time, a page to look at");
-  app->footer(
+  app.footer(
       "The job is planned by the firmware's own planner: beats and time are those of the run, if "
       "the\n"
       "lamp never fails and points never come late.\n"
       "Example:\n  lamplock estimate model.stl --size 40 --spacing 0.3 --page model.html\n"
       "  lamplock estimate model.llj --from 5120 --job-speed 80");
-  const auto options = std::make_shared<Options>();
-  options->engraving.add(*app, true);
-  options->job.add_part(*app);
-  options->job.add_job_speed(*app);
-  options->origin.add(*app);
-  app->add_option("--page", options->page, "Page (HTML) that shows the job")
-      ->check(file_name())
-      ->type_name("FILE");
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  app->callback([options, &action] { action = [options] { return estimate(*options); }; });
+  const auto options = std::make_shared<EstimateOptions>();
+  options->engraving.add(app, true);
+  options->job.add_part(app);
+  options->job.add_job_speed(app);
+  options->origin.add(app);
+  app.add_option("--page", &options->page, "Page (HTML) that shows the job")
+      .check(file_name())
+      .value_name("FILE");
+  app.add_json(options->json);
+  app.action([options] { return estimate(*options); });
 }
 
 }  // namespace lamplock::cli

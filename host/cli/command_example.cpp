@@ -8,22 +8,20 @@
 
 namespace lamplock::cli {
 
-void add_example(CLI::App& program, Action& action) {
-  struct Options {
+void add_example(Command& program) {
+  struct ExampleOptions {
     std::string output;
   };
-  CLI::App* app = program.add_subcommand("example", "Write the example model: a nautilus, 60 mm");
-  app->footer("Example:\n  lamplock example model.stl");
-  const auto options = std::make_shared<Options>();
-  app->add_option("OUTPUT", options->output, "STL file to write")->required()->type_name("FILE");
-  app->callback([options, &action] {
-    action = [options] {
-      check_target(options->output);
-      const model::Mesh mesh = model::example_model();
-      write_whole(options->output, [&mesh](const auto& path) { model::write_stl(path, mesh); });
-      Console(false).say("{}: {} triangles, 60 mm", options->output, mesh.triangles.size());
-      return Exit::done;
-    };
+  Command& app = program.add_command("example", "Write the example model: a nautilus, 60 mm");
+  app.footer("Example:\n  lamplock example model.stl");
+  const auto options = std::make_shared<ExampleOptions>();
+  app.add_option("OUTPUT", &options->output, "STL file to write").required().value_name("FILE");
+  app.action([options] {
+    check_target(options->output);
+    const model::Mesh mesh = model::example_model();
+    write_whole(options->output, [&mesh](const auto& path) { model::write_stl(path, mesh); });
+    Console(false).say("{}: {} triangles, 60 mm", options->output, mesh.triangles.size());
+    return Exit::done;
   });
 }
 

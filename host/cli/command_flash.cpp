@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "host/cli/commands.hpp"
@@ -22,7 +23,7 @@ namespace {
 
 using flash::FlashProgress;
 
-struct Options {
+struct FlashOptions {
   std::string image, serial, drive, lines, board = "usb";
   bool json = false;
 };
@@ -101,7 +102,7 @@ Json as_json(const flash::UpdateReport& report, const std::string& image) {
   return document;
 }
 
-Exit flash_site(const flash::UpdateSite& site, const FlashFile& file, const Options& options,
+Exit flash_site(const flash::UpdateSite& site, const FlashFile& file, const FlashOptions& options,
                 Console& console) {
   FlashBar bar;
   flash::UpdateEvents events;
@@ -119,7 +120,7 @@ Exit flash_site(const flash::UpdateSite& site, const FlashFile& file, const Opti
   return report.confirmed() ? Exit::done : Exit::job_failed;
 }
 
-Exit flash_board(const Options& options) {
+Exit flash_board(const FlashOptions& options) {
   Console console(options.json);
   const FlashFile file = read_flash_file(options.image);
   std::function<void()> pull = loader_lines(options.lines);
@@ -136,9 +137,9 @@ Exit flash_board(const Options& options) {
 
 }  // namespace
 
-void add_flash(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand("flash", "The firmware into a board, over USB");
-  app->footer(
+void add_flash(Command& program) {
+  Command& app = program.add_command("flash", "The firmware into a board, over USB");
+  app.footer(
       "Takes a board that runs lamplock and is at rest, or one in its boot loader (BOOTSEL held\n"
       "while plugging in). Settings stay. What differs is written and read back; if anything cuts\n"
       "in, the board comes up in its boot loader and the command is given again.\n"
@@ -147,33 +148,35 @@ void add_flash(CLI::App& program, Action& action) {
       "Example:\n  lamplock flash\n  lamplock flash --serial E661640843322A2B\n"
       "  lamplock flash --lines examples/lines.toml\n"
       "  lamplock flash new.uf2 --drive /media/$USER/RPI-RP2\n  lamplock flash --board chip");
-  const auto options = std::make_shared<Options>();
-  app->add_option("IMAGE", options->image,
-                  "UF2 or ELF file; without it lamplock-rp2040.uf2 that came with the program");
-  auto* serial =
-      app->add_option("--serial", options->serial, "The board with this serial number: see devices")
-          ->type_name("TEXT");
-  auto* drive = app->add_option("--drive", options->drive,
-                                "Copy to this drive of a boot loader, without access to USB")
-                    ->type_name("FOLDER")
-                    ->excludes(serial);
-  app->add_option("--board", options->board,
-                  "usb: a real one; chip: a simulated one with an empty flash, to see it done")
-      ->check(one_of({"usb", "chip"}))
-      ->type_name("usb|chip")
-      ->capture_default_str();
-  app->add_option("--lines", options->lines,
-                  "Lines of this computer at the board's pins RUN and BOOTSEL (TOML), see "
-                  "examples/lines.toml")
-      ->type_name("FILE")
-      ->excludes(drive);
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  app->callback([options, drive, &action] {
-    if (options->board == "chip" && !drive->empty())
-      throw CLI::ValidationError("--drive", "a simulated board has no drive");
-    if (options->board == "chip" && !options->lines.empty())
-      throw CLI::ValidationError("--lines", "a simulated board has no lines of this computer");
-    action = [options] { return flash_board(*options); };
+  const auto options = std::make_shared<FlashOptions>();
+  app.add_option("IMAGE", &options->image,
+                 "UF2 or ELF file; without it lamplock-rp2040.uf2 that came with the program");
+  const Option& serial =
+      app.add_option("--serial", &options->serial, "The board with this serial number: see devices")
+          .value_name("TEXT");
+  const Option& drive = app.add_option("--drive", &options->drive,
+                                       "Copy to this drive of a boot loader, without access to USB")
+                            .value_name("FOLDER")
+                            .excludes(serial);
+  app.add_option("--board", &options->board,
+                 "usb: a real one; chip: a simulated one with an empty flash, to see it done")
+      .check(one_of({"usb", "chip"}))
+      .value_name("usb|chip")
+      .show_default();
+  app.add_option("--lines", &options->lines,
+                 "Lines of this computer at the board's pins RUN and BOOTSEL (TOML), see "
+                 "examples/lines.toml")
+      .value_name("FILE")
+      .excludes(drive);
+  app.add_json(options->json);
+  app.action([options] {
+    const auto refuse = [&options](const std::string& value, const char* name, const char* what) {
+      if (options->board == "chip" && !value.empty())
+        throw Error(Exit::bad_input, name, what, "see lamplock flash --help");
+    };
+    refuse(options->drive, "--drive", "a simulated board has no drive");
+    refuse(options->lines, "--lines", "a simulated board has no lines of this computer");
+    return flash_board(*options);
   });
 }
 

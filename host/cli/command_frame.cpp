@@ -1,6 +1,7 @@
 // `lamplock frame`: shows where the object will be.
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/board_port.hpp"
 #include "host/cli/commands.hpp"
@@ -20,7 +21,7 @@ using settings::Id;
 /// Slow enough to watch.
 constexpr double default_speed_m_s = 0.05;
 
-struct Options {
+struct FrameOptions {
   double speed_m_s = default_speed_m_s;
   EngravingOptions engraving;
   BoardOptions board;
@@ -28,7 +29,7 @@ struct Options {
 };
 
 /// The machine's own speeds, none above the wanted one; no lamp is needed where nothing fires.
-job::Profile frame_profile(const Options& options, const glass::Description& description) {
+job::Profile frame_profile(const FrameOptions& options, const glass::Description& description) {
   job::Profile profile = profile_of(description.machine);
   for (int axis = 0; axis < profile.settings.whole(Id::axes); ++axis) {
     const Id id = settings::for_axis(Id::max_rate_x, axis);
@@ -50,7 +51,7 @@ points::PointCloud corners(const points::Bounds& box) {
           {box.low.x, box.low.y, z}};
 }
 
-Exit frame(Options options) {
+Exit frame(FrameOptions options) {
   options.board.dry = true;
   const glass::Description description = options.engraving.description();
   options.board.profile = description.machine.profile;
@@ -79,23 +80,22 @@ Exit frame(Options options) {
 
 }  // namespace
 
-void add_frame(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_frame(Command& program) {
+  Command& app = program.add_command(
       "frame", "Run round the bounds of an object with firing disabled, at the height of its top");
-  app->footer("Example:\n  lamplock frame model.stl --size 40 --board /dev/ttyACM0");
-  const auto options = std::make_shared<Options>();
-  options->engraving.add_place(*app, true);
-  app->add_option("--speed", options->speed_m_s, "Highest speed, never above the machine's own")
-      ->check(number_from(0, false))
-      ->type_name("M_S")
-      ->capture_default_str()
-      ->group("Machine");
-  options->origin.add(*app);
-  options->board.add_choice(*app);
-  options->board.add_job_speed(*app);
-  app->add_flag("--json", options->board.json, "Print the result as JSON on stdout")
-      ->group("Board");
-  app->callback([options, &action] { action = [options] { return frame(*options); }; });
+  app.footer("Example:\n  lamplock frame model.stl --size 40 --board /dev/ttyACM0");
+  const auto options = std::make_shared<FrameOptions>();
+  options->engraving.add_place(app, true);
+  app.add_option("--speed", &options->speed_m_s, "Highest speed, never above the machine's own")
+      .check(number_from(0, false))
+      .value_name("M_S")
+      .show_default()
+      .group("Machine");
+  options->origin.add(app);
+  options->board.add_choice(app);
+  options->board.add_job_speed(app);
+  app.add_json(options->board.json).group("Board");
+  app.action([options] { return frame(*options); });
 }
 
 }  // namespace lamplock::cli

@@ -1,5 +1,6 @@
 // `lamplock job`: a job file, made or shown.
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/engraving.hpp"
@@ -14,7 +15,7 @@
 namespace lamplock::cli {
 namespace {
 
-struct Options {
+struct JobOptions {
   EngravingOptions engraving;
   std::string output, show;
   bool dry = false, json = false;
@@ -47,7 +48,7 @@ void describe(const job::Job& job, const std::string& file, Console& console) {
 }
 
 /// What is shown is made already.
-void check_show(const Options& options) {
+void check_show(const JobOptions& options) {
   const std::string why = "is for making a job, not for showing one", remedy = "leave it out";
   options.engraving.refuse_options(why, remedy);
   const auto refuse_if = [&](bool given, const char* option) {
@@ -58,7 +59,7 @@ void check_show(const Options& options) {
   refuse_if(options.dry, "--dry");
 }
 
-Exit make_or_show(const Options& options) {
+Exit make_or_show(const JobOptions& options) {
   Console console(options.json);
   const bool show = !options.show.empty();
   if (show == !options.engraving.input.empty())
@@ -84,19 +85,19 @@ Exit make_or_show(const Options& options) {
 
 }  // namespace
 
-void add_job(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand("job", "Make a job file to send later, or show one");
-  app->footer(
+void add_job(Command& program) {
+  Command& app = program.add_command("job", "Make a job file to send later, or show one");
+  app.footer(
       "Example:\n  lamplock job model.stl --size 40 --spacing 0.3 -o model.llj\n"
       "  lamplock job --show model.llj");
-  const auto options = std::make_shared<Options>();
-  options->engraving.add(*app, false);
-  options->engraving.add_save(*app);
-  app->add_option("-o,--output", options->output, "Job file to write")->type_name("FILE.llj");
-  app->add_option("--show", options->show, "Show what is in a job file")->type_name("FILE.llj");
-  app->add_flag("--dry", options->dry, "A job that moves and never fires");
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  app->callback([options, &action] { action = [options] { return make_or_show(*options); }; });
+  const auto options = std::make_shared<JobOptions>();
+  options->engraving.add(app, false);
+  options->engraving.add_save(app);
+  app.add_option("-o,--output", &options->output, "Job file to write").value_name("FILE.llj");
+  app.add_option("--show", &options->show, "Show what is in a job file").value_name("FILE.llj");
+  app.add_option("--dry", &options->dry, "A job that moves and never fires");
+  app.add_json(options->json);
+  app.action([options] { return make_or_show(*options); });
 }
 
 }  // namespace lamplock::cli

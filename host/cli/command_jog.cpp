@@ -1,6 +1,7 @@
 // `lamplock jog`: move a machine by hand, with keys or a pendant.
 #include <array>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -10,7 +11,7 @@
 namespace lamplock::cli {
 namespace {
 
-struct Options : BoardChoice {
+struct JogOptions : BoardChoice {
   std::string pendant = "auto";
   std::optional<std::string> mode;
   std::optional<double> feed_mm_min, step_mm;
@@ -19,7 +20,7 @@ struct Options : BoardChoice {
 /// In the order of pendant::Mode.
 constexpr std::array mode_names{"step", "continuous", "feed"};
 
-JogChoice choice_of(const Options& options) {
+JogChoice choice_of(const JogOptions& options) {
   JogChoice choice;
   choice.pendant = options.pendant;
   choice.map = options.machine.machine.empty() ? pendant::default_key_map()
@@ -47,7 +48,7 @@ Json document_of(const JogSession& session) {
           {"refused", jogger.counts().refused}};
 }
 
-Exit jog(const Options& options) {
+Exit jog(const JogOptions& options) {
   Console console(options.board.json);
   const JogChoice choice = choice_of(options);
   GuardedBoard board(options);
@@ -63,32 +64,31 @@ std::vector<std::string> pendant_names() {
   return names;
 }
 
-void add_options(CLI::App& app, const std::shared_ptr<Options>& options) {
-  app.add_option("--pendant", options->pendant, "auto: the first that is plugged in")
-      ->check(one_of(pendant_names()))
-      ->type_name("auto|none|hb04|whb04b|shuttlexpress|shuttlepro")
-      ->capture_default_str();
-  app.add_option("--mode", options->mode,
+void add_options(Command& app, const std::shared_ptr<JogOptions>& options) {
+  app.add_option("--pendant", &options->pendant, "auto: the first that is plugged in")
+      .check(one_of(pendant_names()))
+      .value_name("auto|none|hb04|whb04b|shuttlexpress|shuttlepro")
+      .show_default();
+  app.add_option("--mode", &options->mode,
                  "What the wheel does at first; held keys go on in continuous. Without it: step "
                  "with a pendant, else continuous")
-      ->check(one_of({mode_names.begin(), mode_names.end()}))
-      ->type_name("step|continuous|feed");
+      .check(one_of({mode_names.begin(), mode_names.end()}))
+      .value_name("step|continuous|feed");
   constexpr double least = 0.001, greatest_step_mm = 100, greatest_feed = 1e6;
-  app.add_option("--feed", options->feed_mm_min, "Feed of jogs; 3000 without it and [pendant]")
-      ->check(CLI::Range(least, greatest_feed).description(""))
-      ->type_name("MM_MIN");
-  app.add_option("--step", options->step_mm, "Length of a step at first; 0.1 without it")
-      ->check(CLI::Range(least, greatest_step_mm).description(""))
-      ->type_name("MM");
-  app.add_flag("--json", options->board.json, "Print the result as JSON on stdout");
+  app.add_option("--feed", &options->feed_mm_min, "Feed of jogs; 3000 without it and [pendant]")
+      .check(number_in({least, greatest_feed}))
+      .value_name("MM_MIN");
+  app.add_option("--step", &options->step_mm, "Length of a step at first; 0.1 without it")
+      .check(number_in({least, greatest_step_mm}))
+      .value_name("MM");
+  app.add_json(options->board.json);
 }
 
 }  // namespace
 
-void add_jog(CLI::App& program, Action& action) {
-  CLI::App* app =
-      program.add_subcommand("jog", "Move the machine by hand, with keys or a USB pendant");
-  app->footer(
+void add_jog(Command& program) {
+  Command& app = program.add_command("jog", "Move the machine by hand, with keys or a USB pendant");
+  app.footer(
       "Keys: arrows X and Y, PgUp and PgDn Z, comma and point A: a step; held they go on.\n"
       "+ - length of the step, m mode, x y z a choose an axis, 0 its zero is here, g go to zero,\n"
       "h home, u unlock, ! hold, ~ go on, Ctrl-X reset, space or Esc stop, q leave.\n"
@@ -98,12 +98,12 @@ void add_jog(CLI::App& program, Action& action) {
       "Keys, pendants and macros are in the table [pendant] of --machine: docs/pendants.md.\n"
       "Example:\n  lamplock jog --board /dev/ttyACM0 --step 0.01\n"
       "  lamplock jog --board virtual --pendant none");
-  const auto options = std::make_shared<Options>();
-  options->add(*app);
-  add_options(*app, options);
-  app->callback([options, &action] {
+  const auto options = std::make_shared<JogOptions>();
+  options->add(app);
+  add_options(app, options);
+  app.action([options] {
     options->board.profile = options->machine.machine;
-    action = [options] { return jog(*options); };
+    return jog(*options);
   });
 }
 

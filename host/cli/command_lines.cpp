@@ -1,5 +1,6 @@
 // `lamplock lines`: the lines of this computer, and the board's reset by them.
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -11,7 +12,7 @@
 namespace lamplock::cli {
 namespace {
 
-struct Options {
+struct LinesOptions {
   std::string file, profile;
   bool json = false;
 };
@@ -32,7 +33,7 @@ std::vector<Wired> wired_lines(const gpio::LineTable& table) {
           {"bootsel", table.bootsel, nullptr, nullptr}};
 }
 
-gpio::LineTable table_of(const Options& options) {
+gpio::LineTable table_of(const LinesOptions& options) {
   return options.file.empty() ? gpio::read_machine_lines(options.profile)
                               : gpio::read_line_table(options.file);
 }
@@ -78,7 +79,7 @@ Json chip_json(const gpio::ChipInfo& chip, Console& console) {
           {"lines", std::move(lines)}};
 }
 
-Exit show(const Options& options) {
+Exit show(const LinesOptions& options) {
   Console console(options.json);
   const std::unique_ptr<gpio::Lines> lines = gpio::host_lines();
   if (!options.file.empty() || !options.profile.empty()) {
@@ -97,7 +98,7 @@ Exit show(const Options& options) {
 
 using Pull = void (*)(gpio::Lines&, const gpio::LineTable&, const gpio::Sleep&);
 
-Exit pull(const Options& options, Pull what, const char* done) {
+Exit pull(const LinesOptions& options, Pull what, const char* done) {
   Console console(false);
   const gpio::LineTable table = table_of(options);
   const std::unique_ptr<gpio::Lines> lines = gpio::host_lines();
@@ -106,49 +107,46 @@ Exit pull(const Options& options, Pull what, const char* done) {
   return Exit::done;
 }
 
-void add_file(CLI::App& app, Options& options) {
-  app.add_option("--lines", options.file, "Which line does what (TOML), see examples/lines.toml")
-      ->envname("LAMPLOCK_LINES")
-      ->type_name("FILE");
-  app.add_option("--machine", options.profile, "Without --lines: machine profile with [lines]")
-      ->type_name("FILE");
+void add_file(Command& app, LinesOptions& options) {
+  app.add_option("--lines", &options.file, "Which line does what (TOML), see examples/lines.toml")
+      .environment("LAMPLOCK_LINES")
+      .value_name("FILE");
+  app.add_option("--machine", &options.profile, "Without --lines: machine profile with [lines]")
+      .value_name("FILE");
 }
 
-void add_pull(CLI::App& app, Action& action, const std::shared_ptr<Options>& options,
-              const char* name, const std::string& help, Pull what, const char* done) {
-  CLI::App* command = app.add_subcommand(name, help);
-  add_file(*command, *options);
-  command->callback([options, &action, what, done, name = std::string(name)] {
+void add_pull(Command& app, const std::shared_ptr<LinesOptions>& options, const char* name,
+              const std::string& help, Pull what, const char* done) {
+  Command& command = app.add_command(name, help);
+  add_file(command, *options);
+  command.action([options, what, done, name = std::string(name)] {
     if (options->file.empty() && options->profile.empty())
       throw Error(Exit::bad_input, "lamplock lines " + name,
                   "no line is named for the board's pins",
                   "give --lines, or --machine with [lines]");
-    action = [=] { return pull(*options, what, done); };
+    return pull(*options, what, done);
   });
 }
 
 }  // namespace
 
-void add_lines(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_lines(Command& program) {
+  Command& app = program.add_command(
       "lines", "Lines of this computer (GPIO): list them, show what is wired, reset the board");
-  app->require_subcommand(0, 1);
-  app->footer(
+  app.footer(
       "With --lines it shows what the inputs of that file say now; outputs are left alone,\n"
       "only looked for.\n"
       "reset and loader pull the board's pins at once: see that no job runs.\n"
       "Example:\n  lamplock lines\n"
       "  lamplock lines --lines examples/lines.toml\n"
       "  lamplock lines reset --lines examples/lines.toml");
-  const auto options = std::make_shared<Options>();
-  add_file(*app, *options);
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  app->callback([options, app, &action] {
-    if (app->get_subcommands().empty()) action = [options] { return show(*options); };
-  });
-  add_pull(*app, action, options, "reset", "Reset the board: pulse its RUN pin", gpio::reset_board,
+  const auto options = std::make_shared<LinesOptions>();
+  add_file(app, *options);
+  app.add_json(options->json);
+  app.action([options] { return show(*options); });
+  add_pull(app, options, "reset", "Reset the board: pulse its RUN pin", gpio::reset_board,
            "the board was reset");
-  add_pull(*app, action, options, "loader",
+  add_pull(app, options, "loader",
            "Reset the board into its boot loader: RUN while BOOTSEL is pressed", gpio::enter_loader,
            "the board was reset into its boot loader");
 }

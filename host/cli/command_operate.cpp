@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/board_files.hpp"
 #include "host/cli/board_link.hpp"
@@ -25,13 +26,13 @@ using link::Places;
 
 constexpr unsigned most_flashes = std::numeric_limits<std::uint8_t>::max();
 
-struct Options {
+struct OperateOptions {
   BoardOptions board;
   MachineOptions machine;
   std::string axes;
   bool teach = false;
   unsigned flashes = 1, channel = 0;
-  std::uint16_t energy = 0;
+  std::uint32_t energy = 0;
 };
 
 std::string place_text(const std::vector<double>& place) {
@@ -53,7 +54,7 @@ void tell(const Places& places, const std::string& done, Console& console) {
                     {"restore_mm", places.left}});
 }
 
-Exit operate(const Options& options, Operation operation, const std::string& name) {
+Exit operate(const OperateOptions& options, Operation operation, const std::string& name) {
   Console console(options.board.json);
   BoardLink board(options.board, options.machine.profile().settings);
   link::require_ready(board.port(), operation);
@@ -72,7 +73,7 @@ Exit operate(const Options& options, Operation operation, const std::string& nam
   return Exit::done;
 }
 
-Exit status(const Options& options) {
+Exit status(const OperateOptions& options) {
   Console console(options.board.json);
   BoardLink board(options.board, options.machine.profile().settings);
   tell(link::ask_places(board.port()), "status", console);
@@ -80,7 +81,7 @@ Exit status(const Options& options) {
 }
 
 /// A job of one point: where the machine stands, by the machine's own settings.
-Work pulse_work(link::LinePort& port, const Options& options) {
+Work pulse_work(link::LinePort& port, const OperateOptions& options) {
   link::require_ready(port, Operation::init);
   job::Profile profile;
   profile.settings = link::read_settings(port).values;
@@ -90,7 +91,7 @@ Work pulse_work(link::LinePort& port, const Options& options) {
   job.dry = options.board.dry;
   job.shots = static_cast<std::uint8_t>(options.flashes);
   job.channel = static_cast<std::uint8_t>(options.channel);
-  job.energy = options.energy;
+  job.energy = static_cast<std::uint16_t>(options.energy);
   Work work{"test pulse", {{axis(0), axis(1), axis(2)}}, {}};
   work.job = job::make_job(work.points, profile, job);
   // Points have three axes; a fourth one stays where it is.
@@ -100,7 +101,7 @@ Work pulse_work(link::LinePort& port, const Options& options) {
   return work;
 }
 
-Exit pulse(const Options& options) {
+Exit pulse(const OperateOptions& options) {
   Console console(options.board.json);
   options.board.check();
   auto transport = open_port(options.board);
@@ -117,74 +118,72 @@ Exit pulse(const Options& options) {
 }
 
 /// Adds an operation, with the options of the board.
-CLI::App* add(CLI::App& app, Action& action, const std::shared_ptr<Options>& options,
-              const char* name, const std::string& help, const std::function<Exit()>& what) {
-  CLI::App* command = app.add_subcommand(name, help);
-  options->board.add_choice(*command);
-  options->machine.add_machine(*command);
-  command->add_flag("--json", options->board.json, "Print the result as JSON on stdout")
-      ->group("Board");
-  command->callback([&action, options, what] {
+Command& add(Command& app, const std::shared_ptr<OperateOptions>& options, const char* name,
+             const std::string& help, const Action& what) {
+  Command& command = app.add_command(name, help);
+  options->board.add_choice(command);
+  options->machine.add_machine(command);
+  command.add_json(options->board.json).group("Board");
+  command.action([options, what] {
     options->board.profile = options->machine.machine;
-    action = what;
+    return what();
   });
   return command;
 }
 
-void add_operation(CLI::App& app, Action& action, const std::shared_ptr<Options>& options,
-                   const char* name, const std::string& help, Operation operation) {
-  add(app, action, options, name, help, [=] { return operate(*options, operation, name); });
+void add_operation(Command& app, const std::shared_ptr<OperateOptions>& options, const char* name,
+                   const std::string& help, Operation operation) {
+  add(app, options, name, help, [=] { return operate(*options, operation, name); });
 }
 
-void add_pulse(CLI::App& app, Action& action, const std::shared_ptr<Options>& options) {
-  CLI::App* command = add(app, action, options, "pulse",
-                          "Fire test flashes where the machine stands, beat by beat; asks first",
-                          [options] { return pulse(*options); });
-  command->add_option("--flashes", options->flashes, "How many")
-      ->check(CLI::Range(1u, most_flashes))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--channel", options->channel, "Beam channel")
-      ->check(CLI::Range(0u, unsigned{wire::highest_channel}))
-      ->type_name("0..3")
-      ->capture_default_str();
-  command->add_option("--energy", options->energy, "Of the flash; 0: as the machine stands")
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_flag("--yes", options->board.yes, "Do not ask before the first shot")
-      ->group("Board");
-  command->add_flag("--dry", options->board.dry, "Go through it, never fire")->group("Board");
+void add_pulse(Command& app, const std::shared_ptr<OperateOptions>& options) {
+  Command& command = add(app, options, "pulse",
+                         "Fire test flashes where the machine stands, beat by beat; asks first",
+                         [options] { return pulse(*options); });
+  command.add_option("--flashes", &options->flashes, "How many, 1 to 255")
+      .check(number_in({1u, most_flashes}))
+      .value_name("N")
+      .show_default();
+  command.add_option("--channel", &options->channel, "Beam channel")
+      .check(number_in({0u, unsigned{wire::highest_channel}}))
+      .value_name("0..3")
+      .show_default();
+  command.add_option("--energy", &options->energy, "Of the flash; 0: as the machine stands")
+      .check(number_in({0, std::numeric_limits<std::uint16_t>::max()}))
+      .value_name("N")
+      .show_default();
+  command.add_option("--yes", &options->board.yes, "Do not ask before the first shot")
+      .group("Board");
+  command.add_option("--dry", &options->board.dry, "Go through it, never fire").group("Board");
 }
 
 }  // namespace
 
-void add_operate(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_operate(Command& program) {
+  Command& app = program.add_command(
       "operate", "Teach zero, go to it, to where the glass is changed and back, test the laser");
-  app->require_subcommand(1);
-  app->footer(
+  app.footer(
       "The board keeps these places over power loss: zero is G54, the sample position G28, the\n"
       "place to come back to G30. Ctrl-C holds the machine; homing it resets. Engrave at the\n"
       "taught zero with lamplock engrave --origin zero.\n"
       "Example:\n  lamplock operate zero --axes XY --board /dev/ttyACM0\n"
       "  lamplock operate pulse --flashes 3 --board /dev/ttyACM0");
-  const auto options = std::make_shared<Options>();
-  add(*app, action, options, "status", "Where the machine stands, and the places it keeps",
+  const auto options = std::make_shared<OperateOptions>();
+  add(app, options, "status", "Where the machine stands, and the places it keeps",
       [options] { return status(*options); });
-  add_operation(*app, action, options, "home", "Find the switches", Operation::home);
-  CLI::App* zero = add(*app, action, options, "zero", "Teach: zero is where the machine stands",
-                       [options] { return operate(*options, Operation::zero, "zero"); });
-  zero->add_option("--axes", options->axes, "Only of these axes, as in XY")->type_name("LETTERS");
-  add_operation(*app, action, options, "init", "Go to zero", Operation::init);
-  CLI::App* sample =
-      add(*app, action, options, "sample", "Go where the glass is changed", [options] {
-        return operate(*options, options->teach ? Operation::teach_sample : Operation::sample,
-                       "sample");
-      });
-  sample->add_flag("--teach", options->teach, "Teach it: it is where the machine stands");
-  add_operation(*app, action, options, "restore",
-                "Go back to where the machine stood before init or sample", Operation::restore);
-  add_pulse(*app, action, options);
+  add_operation(app, options, "home", "Find the switches", Operation::home);
+  Command& zero = add(app, options, "zero", "Teach: zero is where the machine stands",
+                      [options] { return operate(*options, Operation::zero, "zero"); });
+  zero.add_option("--axes", &options->axes, "Only of these axes, as in XY").value_name("LETTERS");
+  add_operation(app, options, "init", "Go to zero", Operation::init);
+  Command& sample = add(app, options, "sample", "Go where the glass is changed", [options] {
+    return operate(*options, options->teach ? Operation::teach_sample : Operation::sample,
+                   "sample");
+  });
+  sample.add_option("--teach", &options->teach, "Teach it: it is where the machine stands");
+  add_operation(app, options, "restore", "Go back to where the machine stood before init or sample",
+                Operation::restore);
+  add_pulse(app, options);
 }
 
 }  // namespace lamplock::cli

@@ -1,5 +1,6 @@
 // `lamplock order`: points in the order of firing.
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/bounds_text.hpp"
 #include "host/cli/commands.hpp"
@@ -15,7 +16,7 @@
 namespace lamplock::cli {
 namespace {
 
-struct Options {
+struct OrderOptions {
   std::string input, output;
   MachineOptions machine{};
   glass::OrderChoice order{};
@@ -37,7 +38,7 @@ void tell_unused(glass::OrderChoice said, const std::string& name, Console& cons
     console.say("warning  {}", warning);
 }
 
-Exit order_points(const Options& options) {
+Exit order_points(const OrderOptions& options) {
   Console console(options.json);
   check_point_file(options.output);
   if (model::classify(options.input) != model::InputKind::points)
@@ -62,23 +63,25 @@ Exit order_points(const Options& options) {
 
 }  // namespace
 
-void add_order(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand("order", "Bring points into the order of firing");
-  app->footer("Example:\n  lamplock order points.xyz --order layers --layer 0.3 -o ordered.xyz");
-  const auto options = std::make_shared<Options>();
-  app->add_option("INPUT", options->input, "Point list")->required()->type_name("FILE");
-  app->add_option("-o,--output", options->output, "Point list to write: .xyz, .ply or .dxf")
-      ->required()
-      ->type_name("FILE");
-  add_parameters(*app, parameters_of(options->order), "Order");
-  app->get_option("--order")->description(
-      "best (default): fewest beats; layers: lowest first, short way in each; serpentine: back and "
-      "forth; nearest: nearest of the layer; cone: cheapest by way and height; given: as they "
-      "come");
-  options->machine.add_machine(*app);
-  options->machine.add_overrides(*app);
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  app->callback([options, &action] { action = [options] { return order_points(*options); }; });
+void add_order(Command& program) {
+  Command& app = program.add_command("order", "Bring points into the order of firing");
+  app.footer("Example:\n  lamplock order points.xyz --order layers --layer 0.3 -o ordered.xyz");
+  const auto options = std::make_shared<OrderOptions>();
+  app.add_option("INPUT", &options->input, "Point list").required().value_name("FILE");
+  app.add_option("-o,--output", &options->output, "Point list to write: .xyz, .ply or .dxf")
+      .required()
+      .value_name("FILE");
+  for (Option* option : add_parameters(app, parameters_of(options->order), "Order"))
+    if (option->name() == "--order")
+      option->help(
+          "best (default): fewest beats; layers: lowest first, short way in each; serpentine: back "
+          "and "
+          "forth; nearest: nearest of the layer; cone: cheapest by way and height; given: as they "
+          "come");
+  options->machine.add_machine(app);
+  options->machine.add_overrides(app);
+  app.add_json(options->json);
+  app.action([options] { return order_points(*options); });
 }
 
 }  // namespace lamplock::cli

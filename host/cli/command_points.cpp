@@ -1,5 +1,6 @@
 // `lamplock points`: a model becomes points.
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -12,13 +13,13 @@
 namespace lamplock::cli {
 namespace {
 
-struct Options {
+struct PointsOptions {
   std::string output;
   bool json = false;
   EngravingOptions engraving;
 };
 
-Exit make_points(const Options& options) {
+Exit make_points(const PointsOptions& options) {
   Console console(options.json);
   check_point_file(options.output);
   options.engraving.check_save();
@@ -44,22 +45,22 @@ Exit make_points(const Options& options) {
 
 }  // namespace
 
-void add_points(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_points(Command& program) {
+  Command& app = program.add_command(
       "points",
       "Turn a mesh, drawing or bitmap into points, or a description into all of its points");
-  app->footer(
+  app.footer(
       "Example:\n  lamplock points model.stl --size 40 --spacing 0.3 -o points.xyz\n"
       "  lamplock points model.stl --block 50,50,80 --lens f43 --transform \"rotate z 30\" \\\n"
       "      --transform fit -o points.ply --save block.toml");
-  const auto options = std::make_shared<Options>();
-  options->engraving.add_place(*app, true);
-  app->add_option("-o,--output", options->output, "Point list to write: .xyz, .ply or .dxf")
-      ->required()
-      ->type_name("FILE");
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  options->engraving.add_save(*app);
-  app->callback([options, &action] { action = [options] { return make_points(*options); }; });
+  const auto options = std::make_shared<PointsOptions>();
+  options->engraving.add_place(app, true);
+  app.add_option("-o,--output", &options->output, "Point list to write: .xyz, .ply or .dxf")
+      .required()
+      .value_name("FILE");
+  app.add_json(options->json);
+  options->engraving.add_save(app);
+  app.action([options] { return make_points(*options); });
 }
 
 }  // namespace lamplock::cli

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -22,10 +23,10 @@
 namespace lamplock::cli {
 namespace {
 
-constexpr double percent = 0.01, default_pitch_mm = 0.1;
+constexpr double share_per_percent = 0.01, default_pitch_mm = 0.1;
 constexpr const char* burning_group = "Burning";
 
-struct Options {
+struct RasterOptions {
   std::string input{}, output{}, gcode{};
   std::optional<double> pitch_mm{}, width_mm{}, overscan_mm{};
   double feed_mm_min = 0, power_min = 0, power_max = 100;
@@ -44,7 +45,7 @@ struct Size {
 };
 
 /// Pixels are those of the picture, unless both pitch and width are given.
-Size size_of(const Options& options, const model::Bitmap& bitmap) {
+Size size_of(const RasterOptions& options, const model::Bitmap& bitmap) {
   const auto width = static_cast<std::size_t>(bitmap.width);
   const auto height = static_cast<std::size_t>(bitmap.height);
   if (!options.width_mm) return {options.pitch_mm.value_or(default_pitch_mm), width, height};
@@ -65,14 +66,15 @@ Size size_of(const Options& options, const model::Bitmap& bitmap) {
 }
 
 /// Its lower left corner: as told, or so that the picture is in the middle of the work space.
-points::Point corner_of(const Options& options, const Size& size, const settings::Values& values) {
+points::Point corner_of(const RasterOptions& options, const Size& size,
+                        const settings::Values& values) {
   const std::vector<double>& told = options.origin_mm;
   if (!told.empty()) return {told[0], told[1], told.size() > 2 ? told[2] : 0};
   const points::Point middle = work_space_mm(values).centre();
   return {middle.x - size.width_mm() / 2, middle.y - size.height_mm() / 2, 0};
 }
 
-void check_outputs(const Options& options) {
+void check_outputs(const RasterOptions& options) {
   if (options.output.empty() && options.gcode.empty())
     throw Error(Exit::bad_input, "lamplock raster", "where to write is missing",
                 "give -o FILE.llj or --gcode FILE.ngc");
@@ -82,13 +84,14 @@ void check_outputs(const Options& options) {
 }
 
 /// Reads the picture and makes rows of it; says what came of it.
-job::Job make_job(const Options& options, Console& console, Json& json) {
+job::Job make_job(const RasterOptions& options, Console& console, Json& json) {
   const job::Profile profile = options.machine.profile();
   const model::Bitmap bitmap = model::read_bitmap(options.input);
   const Size size = size_of(options, bitmap);
-  const raster::Pixels pixels = raster::make_pixels(
-      bitmap, size.columns, size.rows,
-      {options.power_min * percent, options.power_max * percent, options.invert});
+  const raster::Pixels pixels =
+      raster::make_pixels(bitmap, size.columns, size.rows,
+                          {options.power_min * share_per_percent,
+                           options.power_max * share_per_percent, options.invert});
   console.phase("picture", fmt::format("{}: {} x {} pixels of {:g} mm, {:g} x {:g} mm",
                                        options.input, size.columns, size.rows, size.pitch_mm,
                                        size.width_mm(), size.height_mm()));
@@ -118,7 +121,7 @@ void write_result(const std::string& file, std::string_view bytes, const char* n
   json[name] = {{"file", file}, {"bytes", bytes.size()}};
 }
 
-Exit make_raster(const Options& options) {
+Exit make_raster(const RasterOptions& options) {
   Console console(options.json);
   check_outputs(options);
   Json json;
@@ -137,70 +140,65 @@ Exit make_raster(const Options& options) {
 }
 
 /// --origin: two numbers or three.
-void add_origin(CLI::App& app, std::vector<double>& origin_mm) {
-  const auto take = [&origin_mm](const std::vector<double>& values) {
-    if (values.size() < 2 || values.size() > 3)
-      throw CLI::ArgumentMismatch("--origin: give X,Y or X,Y,Z");
-    origin_mm = values;
-  };
-  app.add_option_function<std::vector<double>>(
-         "--origin", take,
+void add_origin(Command& app, std::vector<double>& origin_mm) {
+  app.add_option(
+         "--origin", &origin_mm,
          "Lower left corner in machine coordinates, and height, 0 if left out; without it the "
          "middle of the work space")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->type_name("X,Y[,Z]")
-      ->group(burning_group);
+      .count({2, 3})
+      .value_name("X,Y[,Z]")
+      .group(burning_group);
 }
 
-void add_burning(CLI::App& app, Options& options) {
-  const auto add = [&app](const char* name, auto& value, const char* text, const char* unit) {
-    return app.add_option(name, value, text)->type_name(unit)->group(burning_group);
+void add_burning(Command& app, RasterOptions& options) {
+  const auto add = [&app](const char* name, Target value, const char* text,
+                          const char* unit) -> Option& {
+    return app.add_option(name, value, text).value_name(unit).group(burning_group);
   };
-  add("--feed", options.feed_mm_min, "Speed along the rows", "MM_MIN")
-      ->required()
-      ->check(number_from(0, false));
-  add("--pitch-mm", options.pitch_mm,
+  add("--feed", &options.feed_mm_min, "Speed along the rows", "MM_MIN")
+      .required()
+      .check(number_from(0, false));
+  add("--pitch-mm", &options.pitch_mm,
       "Size of a pixel, and distance of rows; without it and --width-mm 0.1", "MM")
-      ->check(number_from(0, false));
-  add("--width-mm", options.width_mm,
+      .check(number_from(0, false));
+  add("--width-mm", &options.width_mm,
       "Width of the picture; with --pitch-mm pixels are means of those of the picture", "MM")
-      ->check(number_from(0, false));
-  add("--overscan-mm", options.overscan_mm,
+      .check(number_from(0, false));
+  add("--overscan-mm", &options.overscan_mm,
       "Dark way before and behind each row; without it what the machine needs for the feed", "MM")
-      ->check(number_from(0, true));
-  add("--power-max", options.power_max, "Power of black", "PERCENT")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 100.0).description(""));
-  add("--power-min", options.power_min, "Power of the lightest grey; white is dark", "PERCENT")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 100.0).description(""));
+      .check(number_from(0, true));
+  add("--power-max", &options.power_max, "Power of black", "PERCENT")
+      .show_default()
+      .check(number_in({0.0, 100.0}));
+  add("--power-min", &options.power_min, "Power of the lightest grey; white is dark", "PERCENT")
+      .show_default()
+      .check(number_in({0.0, 100.0}));
   add_origin(app, options.origin_mm);
-  app.add_flag("--one-way", options.one_way, "All rows to the right, not back and forth")
-      ->group(burning_group);
-  app.add_flag("--invert", options.invert, "Burn light instead of dark")->group(burning_group);
-  app.add_flag("--dry", options.dry, "A job that moves and never shines")->group(burning_group);
+  app.add_option("--one-way", &options.one_way, "All rows to the right, not back and forth")
+      .group(burning_group);
+  app.add_option("--invert", &options.invert, "Burn light instead of dark").group(burning_group);
+  app.add_option("--dry", &options.dry, "A job that moves and never shines").group(burning_group);
 }
 
 }  // namespace
 
-void add_raster(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_raster(Command& program) {
+  Command& app = program.add_command(
       "raster", "Turn a picture into rows of pixels for a continuous laser ($32=1)");
-  app->footer(
+  app.footer(
       "Example:\n  lamplock raster photo.png --width-mm 60 --pitch-mm 0.1 --feed 12000 \\\n"
       "      --machine examples/laser.toml -o rows.llj\n"
       "  lamplock send rows.llj --board /dev/ttyACM0");
-  const auto options = std::make_shared<Options>();
-  app->add_option("PICTURE", options->input, "Bitmap (png, bmp)")->required()->type_name("FILE");
-  app->add_option("-o,--output", options->output, "Job file to write")->type_name("FILE.llj");
-  app->add_option("--gcode", options->gcode, "The same rows as G-code, lists of powers")
-      ->check(file_name())
-      ->type_name("FILE.ngc");
-  add_burning(*app, *options);
-  options->machine.add_machine(*app);
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  app->callback([options, &action] { action = [options] { return make_raster(*options); }; });
+  const auto options = std::make_shared<RasterOptions>();
+  app.add_option("PICTURE", &options->input, "Bitmap (png, bmp)").required().value_name("FILE");
+  app.add_option("-o,--output", &options->output, "Job file to write").value_name("FILE.llj");
+  app.add_option("--gcode", &options->gcode, "The same rows as G-code, lists of powers")
+      .check(file_name())
+      .value_name("FILE.ngc");
+  add_burning(app, *options);
+  options->machine.add_machine(app);
+  app.add_json(options->json);
+  app.action([options] { return make_raster(*options); });
 }
 
 }  // namespace lamplock::cli

@@ -14,7 +14,7 @@
 namespace lamplock::cli {
 namespace {
 
-struct Options {
+struct SendOptions {
   std::string file;
   BoardOptions board;
   ProgramOptions program;
@@ -28,7 +28,7 @@ void check_job_options(const ProgramOptions& program) {
   if (!program.machine.machine.empty()) program.machine.profile();  // a broken one guards nothing
 }
 
-Exit send_file(const Options& options) {
+Exit send_file(const SendOptions& options) {
   if (is_program(options.file)) return send_program(options.file, options.board, options.program);
   check_job_options(options.program);
   Console console(options.board.json);
@@ -48,28 +48,29 @@ Exit send_file(const Options& options) {
 
 }  // namespace
 
-void add_send(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_send(Command& program) {
+  Command& app = program.add_command(
       "send", "Send a job or a program of G-code to a machine and see it through");
-  app->footer(
+  app.footer(
       "Programs (.gcode .nc .ngc .gc .tap .cnc) stop at their first error. While one runs: Ctrl-C\n"
       "holds the machine and resets it once it stands; in a terminal ! holds, Enter goes on,\n"
       "+ - = change the feed. Of the --machine of a job only its lines of the computer are used.\n"
       "Example:\n  lamplock send model.llj --board /dev/ttyACM0\n"
       "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # go on after a stop\n"
       "  lamplock send part.ngc --board /dev/ttyACM0");
-  const auto options = std::make_shared<Options>();
-  app->add_option("FILE", options->file, "Job file (.llj) of points or rows, or G-code")
-      ->required()
-      ->type_name("FILE");
-  options->board.add_board(*app);
-  options->board.add_job(*app);
-  app->add_flag("--go-on", options->program.go_on, "Programs: go on after lines that were refused")
-      ->group("Board");
-  options->program.machine.add_machine(*app);
-  app->callback([options, &action] {
+  const auto options = std::make_shared<SendOptions>();
+  app.add_option("FILE", &options->file, "Job file (.llj) of points or rows, or G-code")
+      .required()
+      .value_name("FILE");
+  options->board.add_board(app);
+  options->board.add_job(app);
+  app.add_option("--go-on", &options->program.go_on,
+                 "Programs: go on after lines that were refused")
+      .group("Board");
+  options->program.machine.add_machine(app);
+  app.action([options] {
     options->board.profile = options->program.machine.machine;
-    action = [options] { return send_file(*options); };
+    return send_file(*options);
   });
 }
 

@@ -1,5 +1,6 @@
 // `lamplock settings`: what a board keeps, shown, changed, saved and brought back.
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/board_link.hpp"
 #include "host/cli/commands.hpp"
@@ -17,7 +18,7 @@ using link::BoardSettings;
 using link::Change;
 using settings::Id;
 
-struct Options {
+struct SettingsOptions {
   BoardOptions board;
   MachineOptions machine;
   std::string name, file;
@@ -27,7 +28,7 @@ struct Options {
 /// A board that has answered, and what it keeps.
 class Board {
  public:
-  explicit Board(const Options& options)
+  explicit Board(const SettingsOptions& options)
       : link_(options.board, options.machine.profile().settings) {
     link::greet(link_.port());
     settings_ = link::read_settings(link_.port());
@@ -64,7 +65,7 @@ void say_setting(Console& console, std::uint32_t number, const std::string& text
               text == default_text(id) ? ' ' : '*', row.unit, default_text(id), row.description);
 }
 
-Exit list(const Options& options) {
+Exit list(const SettingsOptions& options) {
   Console console(options.board.json);
   const Board board(options);
   Json document = Json::array();
@@ -78,7 +79,7 @@ Exit list(const Options& options) {
   return Exit::done;
 }
 
-Exit get(const Options& options) {
+Exit get(const SettingsOptions& options) {
   Console console(options.board.json);
   const auto number = link::find_number(options.name);
   if (!number)
@@ -97,7 +98,7 @@ Exit get(const Options& options) {
 }
 
 /// Makes what differs so; tells what it was and what it is.
-Exit bring_to(const Options& options, const std::vector<Change>& wanted) {
+Exit bring_to(const SettingsOptions& options, const std::vector<Change>& wanted) {
   Console console(options.board.json);
   Board board(options);
   const std::vector<Change> changes = link::differing(board.settings(), wanted);
@@ -118,7 +119,7 @@ Exit bring_to(const Options& options, const std::vector<Change>& wanted) {
   return Exit::done;
 }
 
-Exit set(const Options& options) {
+Exit set(const SettingsOptions& options) {
   std::vector<Change> wanted;
   for (const std::string& text : options.changes) {
     wanted.push_back(link::parse_change(text, text));
@@ -129,7 +130,7 @@ Exit set(const Options& options) {
   return bring_to(options, wanted);
 }
 
-Exit backup(const Options& options) {
+Exit backup(const SettingsOptions& options) {
   Console console(options.board.json);
   check_target(options.file);
   const Board board(options);
@@ -141,54 +142,55 @@ Exit backup(const Options& options) {
   return Exit::done;
 }
 
-Exit restore(const Options& options) { return bring_to(options, read_settings_file(options.file)); }
+Exit restore(const SettingsOptions& options) {
+  return bring_to(options, read_settings_file(options.file));
+}
 
 /// Adds one of the things to do, with the options of the board.
-CLI::App* add(CLI::App& app, Action& action, const std::shared_ptr<Options>& options,
-              const std::string& name, const std::string& what, const std::string& example,
-              Exit (*run)(const Options&)) {
-  CLI::App* sub = app.add_subcommand(name, what);
-  sub->footer("Example:\n  lamplock settings " + example);
-  options->board.add_choice(*sub);
-  sub->add_flag("--json", options->board.json, "Print the result as JSON on stdout");
-  options->machine.add_machine(*sub);
-  sub->callback([options, &action, run] { action = [options, run] { return run(*options); }; });
+Command& add(Command& app, const std::shared_ptr<SettingsOptions>& options, const std::string& name,
+             const std::string& what, const std::string& example,
+             Exit (*run)(const SettingsOptions&)) {
+  Command& sub = app.add_command(name, what);
+  sub.footer("Example:\n  lamplock settings " + example);
+  options->board.add_choice(sub);
+  sub.add_json(options->board.json);
+  options->machine.add_machine(sub);
+  sub.action([options, run] { return run(*options); });
   return sub;
 }
 
 }  // namespace
 
-void add_settings(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
-      "settings", "The settings of a board: list, get, set, backup, restore");
-  app->require_subcommand(1);
-  app->footer(
+void add_settings(Command& program) {
+  Command& app =
+      program.add_command("settings", "The settings of a board: list, get, set, backup, restore");
+  app.footer(
       "Settings go by number or by name (docs/settings.md). A simulated board starts with those "
       "of\n"
       "--machine and forgets changes when the command ends.\n"
       "Example:\n  lamplock settings list --board /dev/ttyACM0\n"
       "  lamplock settings set acceleration_x=500 120=500 --board /dev/ttyACM0\n"
       "  lamplock settings backup board.toml --board /dev/ttyACM0");
-  const auto options = std::make_shared<Options>();
-  add(*app, action, options, "list", "All settings; a star where one is not the default",
+  const auto options = std::make_shared<SettingsOptions>();
+  add(app, options, "list", "All settings; a star where one is not the default",
       "list --board /dev/ttyACM0", list);
-  add(*app, action, options, "get", "One setting", "get lamp_frequency --board /dev/ttyACM0", get)
-      ->add_option("SETTING", options->name, "Number or name")
-      ->required();
-  add(*app, action, options, "set", "Changes settings, all or none: checked, sent, read back",
+  add(app, options, "get", "One setting", "get lamp_frequency --board /dev/ttyACM0", get)
+      .add_option("SETTING", &options->name, "Number or name")
+      .required();
+  add(app, options, "set", "Changes settings, all or none: checked, sent, read back",
       "set lamp_frequency=50 travel_x=300 --board /dev/ttyACM0", set)
-      ->add_option("CHANGE", options->changes, "NAME=VALUE or NUMBER=VALUE")
-      ->required();
-  add(*app, action, options, "backup",
+      .add_option("CHANGE", &options->changes, "NAME=VALUE or NUMBER=VALUE")
+      .required();
+  add(app, options, "backup",
       "Writes all settings to a file: TOML (.toml), else lines of $NUMBER=VALUE",
       "backup board.toml --board /dev/ttyACM0", backup)
-      ->add_option("FILE", options->file, "File to write")
-      ->required();
-  add(*app, action, options, "restore",
+      .add_option("FILE", &options->file, "File to write")
+      .required();
+  add(app, options, "restore",
       "Brings settings back from a file; writes what differs, and says what that is",
       "restore board.toml --board /dev/ttyACM0", restore)
-      ->add_option("FILE", options->file, "File of backup, or a machine profile")
-      ->required();
+      .add_option("FILE", &options->file, "File of backup, or a machine profile")
+      .required();
 }
 
 }  // namespace lamplock::cli

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <thread>
@@ -22,15 +23,15 @@
 namespace lamplock::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SimulationClock = std::chrono::steady_clock;
 using sim::Picoseconds;
 
 /// The world is looked at this often; a USB frame.
-constexpr std::chrono::milliseconds pace{1};
+constexpr std::chrono::milliseconds poll_interval{1};
 /// Falling behind by more is told, and made up for by waiting less, not by hurrying.
 constexpr std::chrono::milliseconds tolerated_lag{100};
 
-struct Options {
+struct SimOptions {
   std::string board = virtual_board, image, pty, tcp, vcd, shots;
   std::optional<double> seconds;
   bool json = false;
@@ -42,7 +43,7 @@ struct Options {
 /// The board's ports. Whoever spoke last is answered.
 class Ports {
  public:
-  explicit Ports(const Options& options) {
+  explicit Ports(const SimOptions& options) {
     if (!options.pty.empty() || options.tcp.empty())
       ports_.push_back(open_pty("--pty " + options.pty, options.pty));
     if (!options.tcp.empty()) ports_.push_back(open_tcp("--tcp " + options.tcp, options.tcp));
@@ -82,13 +83,15 @@ class Ports {
 };
 
 /// Runs until the user or --seconds ends it.
-void run_at_wall_pace(sim::Board& board, Ports& ports, const Options& options, Console& console) {
+void run_at_wall_pace(sim::Board& board, Ports& ports, const SimOptions& options,
+                      Console& console) {
   const Interrupt interrupt;
-  auto start = Clock::now();
+  auto start = SimulationClock::now();
   const double limit_s = options.seconds.value_or(std::numeric_limits<double>::infinity());
   while (interrupt.count() == 0 && sim::seconds(board.now()) < limit_s) {
     ports.exchange(board);
-    const auto wall = std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start);
+    const auto wall =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(SimulationClock::now() - start);
     const Picoseconds due = wall.count() * sim::ps_per_ns;
     const Picoseconds lag = due - board.now();
     if (lag > std::chrono::nanoseconds(tolerated_lag).count() * sim::ps_per_ns) {
@@ -97,11 +100,11 @@ void run_at_wall_pace(sim::Board& board, Ports& ports, const Options& options, C
       continue;
     }
     board.run_until(due);
-    std::this_thread::sleep_for(pace);
+    std::this_thread::sleep_for(poll_interval);
   }
 }
 
-Exit simulate(const Options& options) {
+Exit simulate(const SimOptions& options) {
   Console console(options.json);
   check_image(options.board, options.image);
   check_distinct({{"--vcd", options.vcd}, {"--shots", options.shots}});
@@ -131,37 +134,37 @@ Exit simulate(const Options& options) {
 
 }  // namespace
 
-void add_sim(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
+void add_sim(Command& program) {
+  Command& app = program.add_command(
       "sim", "A simulated board on a port, at the pace of the wall clock, as hardware would be");
-  app->footer(
+  app.footer(
       "Example:\n  lamplock sim --pty /tmp/engraver --lamp 100\n"
       "  lamplock engrave model.stl --size 5 --board /tmp/engraver     # in another terminal");
-  const auto options = std::make_shared<Options>();
-  app->add_option("--board", options->board,
-                  "virtual: the firmware core on a virtual clock; chip: the flash image, "
-                  "instruction by instruction")
-      ->check(one_of({virtual_board, chip_board}))
-      ->type_name("virtual|chip")
-      ->capture_default_str();
-  app->add_option("--image", options->image,
-                  "Flash image for the chip; without it that of this build")
-      ->type_name("FILE");
-  app->add_option("--pty", options->pty, "Pseudo-terminal, with a link to it of this name")
-      ->type_name("LINK");
-  app->add_option("--tcp", options->tcp, "Listen there; port 0 chooses a free one")
-      ->type_name("HOST:PORT");
-  app->add_option("--seconds", options->seconds, "End after so long")
-      ->check(number_from(0, false))
-      ->type_name("S");
-  app->add_option("--vcd", options->vcd, "Trace of all pins, for GTKWave")->type_name("FILE");
-  app->add_option("--shots", options->shots, "What the laser fired, as CSV")->type_name("FILE");
-  app->add_flag("--json", options->json, "Print the result as JSON on stdout");
-  options->machine.add_machine(*app);
-  options->machine.add_overrides(*app);
-  options->faults.add(*app);
-  options->drives.add(*app);
-  app->callback([options, &action] { action = [options] { return simulate(*options); }; });
+  const auto options = std::make_shared<SimOptions>();
+  app.add_option("--board", &options->board,
+                 "virtual: the firmware core on a virtual clock; chip: the flash image, "
+                 "instruction by instruction")
+      .check(one_of({virtual_board, chip_board}))
+      .value_name("virtual|chip")
+      .show_default();
+  app.add_option("--image", &options->image,
+                 "Flash image for the chip; without it that of this build")
+      .value_name("FILE");
+  app.add_option("--pty", &options->pty, "Pseudo-terminal, with a link to it of this name")
+      .value_name("LINK");
+  app.add_option("--tcp", &options->tcp, "Listen there; port 0 chooses a free one")
+      .value_name("HOST:PORT");
+  app.add_option("--seconds", &options->seconds, "End after so long")
+      .check(number_from(0, false))
+      .value_name("S");
+  app.add_option("--vcd", &options->vcd, "Trace of all pins, for GTKWave").value_name("FILE");
+  app.add_option("--shots", &options->shots, "What the laser fired, as CSV").value_name("FILE");
+  app.add_json(options->json);
+  options->machine.add_machine(app);
+  options->machine.add_overrides(app);
+  options->faults.add(app);
+  options->drives.add(app);
+  app.action([options] { return simulate(*options); });
 }
 
 }  // namespace lamplock::cli

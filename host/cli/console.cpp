@@ -1,5 +1,7 @@
 #include "host/cli/console.hpp"
 
+#include <nlohmann/json.hpp>
+
 namespace lamplock::cli {
 
 void Console::line(const std::string& text) {

@@ -39,13 +39,13 @@ job::JobOptions job_options(const glass::Description& d, const glass::Volume& vo
 
 }  // namespace
 
-void EngravingOptions::add_section(CLI::App& app, const std::vector<glass::Parameter>& parameters,
+void EngravingOptions::add_section(Command& app, const std::vector<glass::Parameter>& parameters,
                                    const std::string& group) {
-  for (CLI::Option* option : add_parameters(app, parameters, group)) options_.push_back(option);
+  for (Option* option : add_parameters(app, parameters, group)) options_.push_back(option);
 }
 
-void EngravingOptions::add_place(CLI::App& app, bool input_required) {
-  app.add_option("INPUT", input, input_help)->required(input_required)->type_name("FILE");
+void EngravingOptions::add_place(Command& app, bool input_required) {
+  app.add_option("INPUT", &input, input_help).required(input_required).value_name("FILE");
   std::vector<glass::Parameter> object = glass::parameters(said_.objects.front());
   object.erase(object.begin());  // the file is INPUT
   add_section(app, object, "Points");
@@ -55,7 +55,7 @@ void EngravingOptions::add_place(CLI::App& app, bool input_required) {
   add_section(app, machine, "Machine");
 }
 
-void EngravingOptions::add(CLI::App& app, bool input_required) {
+void EngravingOptions::add(Command& app, bool input_required) {
   add_place(app, input_required);
   std::vector<glass::Parameter> machine = glass::parameters(said_.machine);
   machine.erase(machine.begin());  // the profile is there
@@ -65,10 +65,10 @@ void EngravingOptions::add(CLI::App& app, bool input_required) {
   add_section(app, glass::parameters(said_.output), "Output");
 }
 
-void EngravingOptions::add_save(CLI::App& app) {
-  app.add_option("--save", save_, "Write what was said here as a description, to repeat it")
-      ->check(file_name())
-      ->type_name("FILE.toml");
+void EngravingOptions::add_save(Command& app) {
+  app.add_option("--save", &save_, "Write what was said here as a description, to repeat it")
+      .check(file_name())
+      .value_name("FILE.toml");
 }
 
 glass::Description EngravingOptions::description() const {
@@ -82,8 +82,8 @@ glass::Description EngravingOptions::description() const {
 }
 
 void EngravingOptions::refuse_options(const std::string& why, const std::string& remedy) const {
-  for (const CLI::Option* option : options_)
-    if (option->count() > 0) throw Error(Exit::bad_input, option->get_name(), why, remedy);
+  for (const Option* option : options_)
+    if (option->is_given()) throw Error(Exit::bad_input, option->name(), why, remedy);
 }
 
 void EngravingOptions::check_save() const {

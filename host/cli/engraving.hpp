@@ -5,11 +5,11 @@
 // Who: `points`, `frame`, `engrave`, `job`, `estimate`.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/work.hpp"
 #include "host/glass/description.hpp"
@@ -23,11 +23,11 @@ class EngravingOptions {
   std::string input{};
 
   /// Adds all options; the input is optional if the command can do without.
-  void add(CLI::App& app, bool input_required);
+  void add(Command& app, bool input_required);
   /// Adds those that decide where points are: the object, the glass, the machine's profile.
-  void add_place(CLI::App& app, bool input_required);
+  void add_place(Command& app, bool input_required);
   /// Adds --save.
-  void add_save(CLI::App& app);
+  void add_save(Command& app);
 
   /// What was said: by the file if that is a description, else by the options. Throws
   /// Error(bad_input), also if both say something.
@@ -45,11 +45,11 @@ class EngravingOptions {
   void save(const glass::Description& description, Console& console) const;
 
  private:
-  void add_section(CLI::App& app, const std::vector<glass::Parameter>& parameters,
+  void add_section(Command& app, const std::vector<glass::Parameter>& parameters,
                    const std::string& group);
 
   glass::Description said_{.objects = std::vector<glass::Object>(1)};
-  std::vector<CLI::Option*> options_;  ///< that a description has keys for
+  std::vector<Option*> options_;  ///< that a description has keys for
   std::string save_;
 };
 

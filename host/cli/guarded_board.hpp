@@ -5,6 +5,7 @@
 #pragma once
 
 #include "host/cli/board_link.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/guarding.hpp"
 #include "host/cli/options.hpp"
 
@@ -15,7 +16,7 @@ struct BoardChoice {
   BoardOptions board;
   MachineOptions machine;
 
-  void add(CLI::App& app) {
+  void add(Command& app) {
     board.add_choice(app);
     machine.add_machine(app);
   }

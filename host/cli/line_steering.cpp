@@ -7,7 +7,7 @@
 namespace lamplock::cli {
 namespace {
 
-constexpr std::chrono::milliseconds look_interval{50};
+constexpr std::chrono::milliseconds line_poll_interval{50};
 /// Until a board that does not show it is told again that a door is open.
 constexpr std::chrono::milliseconds door_interval{500};
 
@@ -34,7 +34,7 @@ void LineSteering::look() {
   }
   look_at_board();
   if (asking_ && clocking_ == Clocking::lock_step) return wait_for_user();
-  if (Clock::now() - looked_at_ < look_interval) return;
+  if (Clock::now() - looked_at_ < line_poll_interval) return;
   looked_at_ = Clock::now();
   if (asking_ || Keyboard::at_terminal()) take_input(std::chrono::milliseconds(0));
 }
@@ -82,7 +82,7 @@ void LineSteering::end(const std::string& why) {
 /// Simulated time stands still until the user has decided.
 void LineSteering::wait_for_user() {
   while (asking_ && interrupt_.count() == 0) {
-    take_input(look_interval);
+    take_input(line_poll_interval);
     if (!asking_ || !keyboard_.ended()) continue;
     progress_.note("nobody is there to say so: it goes on");
     go_on();

@@ -29,25 +29,25 @@ LampMode lamp_mode_named(const std::string& name) {
 
 }  // namespace
 
-void MachineOptions::add_machine(CLI::App& app) {
-  app.add_option("--machine", machine, "Machine profile (TOML); without it the default machine")
-      ->type_name("FILE")
-      ->group(machine_group);
+void MachineOptions::add_machine(Command& app) {
+  app.add_option("--machine", &machine, "Machine profile (TOML); without it the default machine")
+      .value_name("FILE")
+      .group(machine_group);
 }
 
-void MachineOptions::add_overrides(CLI::App& app) {
-  app.add_option("--lamp", lamp_hz, "Lamp frequency")->type_name("HZ")->group(machine_group);
-  app.add_option("--lamp-mode", lamp_mode,
+void MachineOptions::add_overrides(Command& app) {
+  app.add_option("--lamp", &lamp_hz, "Lamp frequency").value_name("HZ").group(machine_group);
+  app.add_option("--lamp-mode", &lamp_mode,
                  "slave: the lamp runs freely, we follow; master: we trigger it; none: free beat")
-      ->check(one_of({"slave", "master", "none"}))
-      ->type_name("slave|master|none")
-      ->group(machine_group);
-  app.add_option("--accel", accel_m_s2, "Highest acceleration of every axis")
-      ->type_name("M_S2")
-      ->group(machine_group);
-  app.add_option("--speed", speed_m_s, "Highest speed of every axis")
-      ->type_name("M_S")
-      ->group(machine_group);
+      .check(one_of({"slave", "master", "none"}))
+      .value_name("slave|master|none")
+      .group(machine_group);
+  app.add_option("--accel", &accel_m_s2, "Highest acceleration of every axis")
+      .value_name("M_S2")
+      .group(machine_group);
+  app.add_option("--speed", &speed_m_s, "Highest speed of every axis")
+      .value_name("M_S")
+      .group(machine_group);
 }
 
 job::Profile MachineOptions::profile() const {

@@ -3,10 +3,10 @@
 // In:  the command line. Out: a profile of the machine. Who: the commands that need one.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
+#include "host/cli/command_line.hpp"
 #include "host/glass/description.hpp"
 #include "host/job/profile.hpp"
 
@@ -18,8 +18,8 @@ struct MachineOptions {
   std::optional<double> lamp_hz{}, accel_m_s2{}, speed_m_s{};
   std::optional<std::string> lamp_mode{};
 
-  void add_machine(CLI::App& app);    ///< --machine alone
-  void add_overrides(CLI::App& app);  ///< lamp, acceleration, speed
+  void add_machine(Command& app);    ///< --machine alone
+  void add_overrides(Command& app);  ///< lamp, acceleration, speed
 
   /// Profile with the overrides. Throws Error(bad_input).
   job::Profile profile() const;

@@ -23,18 +23,17 @@ constexpr std::int64_t latest_beat = std::numeric_limits<std::int32_t>::max();
 
 }  // namespace
 
-void PlotOptions::add(CLI::App& app, const char* group) {
-  app.add_option("--plot", file,
+void PlotOptions::add(Command& app, const char* group) {
+  app.add_option("--plot", &file,
                  "Picture (SVG) of position, speed and acceleration over beats; virtual board")
-      ->check(file_name())
-      ->type_name("FILE")
-      ->group(group);
-  app.add_option("--plot-beats", beats,
+      .check(file_name())
+      .value_name("FILE")
+      .group(group);
+  app.add_option("--plot-beats", &beats,
                  "What it shows, in beats since the first shot; without it the first 200")
-      ->delimiter(',')
-      ->expected(2)
-      ->type_name("FROM,TO")
-      ->group(group);
+      .count({2, 2})
+      .value_name("FROM,TO")
+      .group(group);
 }
 
 void PlotOptions::check() const {

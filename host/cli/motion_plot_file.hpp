@@ -4,12 +4,12 @@
 // Who: jobs on the virtual board, the one whose ticks are there to be traced.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/cli/command_line.hpp"
 #include "host/report/motion_series.hpp"
 #include "shared/settings_table.hpp"
 #include "sim/virtual_board/motion_trace.hpp"
@@ -21,7 +21,7 @@ struct PlotOptions {
   std::string file{};
   std::vector<std::int64_t> beats{};  ///< none, or from and to
 
-  void add(CLI::App& app, const char* group);
+  void add(Command& app, const char* group);
   bool any() const { return !file.empty(); }
   /// Throws Error(bad_input).
   void check() const;

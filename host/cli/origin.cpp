@@ -5,15 +5,15 @@
 
 namespace lamplock::cli {
 
-void OriginOption::add(CLI::App& app) {
+void OriginOption::add(Command& app) {
   app.add_option(
-         "--origin", name,
+         "--origin", &name,
          "machine: points are in the machine's coordinates; zero: in those of the zero that "
          "was taught to the board (lamplock operate zero)")
-      ->check(one_of({"machine", "zero"}))
-      ->type_name("machine|zero")
-      ->capture_default_str()
-      ->group("Board");
+      .check(one_of({"machine", "zero"}))
+      .value_name("machine|zero")
+      .show_default()
+      .group("Board");
 }
 
 std::optional<points::Point> OriginOption::ask(link::Transport* port) const {

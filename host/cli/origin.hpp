@@ -3,10 +3,10 @@
 // In:  --origin; the board. Out: the way from one to the other. Who: `engrave`, `frame`.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
+#include "host/cli/command_line.hpp"
 #include "host/link/transport.hpp"
 #include "host/points/point.hpp"
 
@@ -16,7 +16,7 @@ namespace lamplock::cli {
 struct OriginOption {
   std::string name = "machine";
 
-  void add(CLI::App& app);
+  void add(Command& app);
   /// The taught zero (`lamplock operate zero`) in machine coordinates, mm; nothing for the
   /// machine's own origin. Simulated boards (no port) have been taught nothing: all zero. Asks the
   /// board. Throws Error: no_device, job_failed (also where G92 shifts coordinates).

@@ -20,78 +20,42 @@ std::string kind_of_value(const Parameter& parameter) {
   return fmt::format("{}", fmt::join(parameter.names, "|"));
 }
 
-CLI::Validator text_for(const Parameter& parameter) {
+Check text_for(const Parameter& parameter) {
   if (!parameter.names.empty()) return one_of(parameter.names);
-  const auto check = parameter.check;
-  return {[check](const std::string& text) { return check == nullptr ? "" : check(text); }, ""};
+  return parameter.check == nullptr ? Check() : Check(parameter.check);
 }
 
-/// Makes one option, by the kind of its value.
-class OptionMaker {
- public:
-  OptionMaker(CLI::App& app, const Parameter& parameter) : app_(app), p_(parameter) {}
+/// Describes an option by the kind of its value.
+struct Describe {
+  Option& option;
+  const Parameter& p;
 
-  CLI::Option* make() const {
-    return std::visit([this](auto* place) { return option(*place); }, p_.place);
+  void operator()(const bool*) const {}
+  void operator()(const std::optional<bool>*) const {}
+  void operator()(const double*) const { option.check(number_in(p.range)).show_default(); }
+  void operator()(const int*) const { option.check(number_in(p.range)).show_default(); }
+  void operator()(const std::optional<double>*) const { option.check(number_in(p.range)); }
+  void operator()(const std::optional<Triple>*) const {
+    option.check(number_in(p.range)).count({3, 3});
   }
-
- private:
-  template <class Value>
-  CLI::Option* add(Value& value, const CLI::Validator& check) const {
-    return app_.add_option(p_.option, value, p_.about)->check(check)->type_name(kind_of_value(p_));
-  }
-
-  CLI::Option* option(double& value) const {
-    return add(value, number_in(p_.range))->capture_default_str();
-  }
-  CLI::Option* option(std::optional<double>& value) const {
-    return add(value, number_in(p_.range));
-  }
-  CLI::Option* option(int& value) const {
-    return add(value, number_in(p_.range))->capture_default_str();
-  }
-  CLI::Option* option(bool& value) const { return app_.add_flag(p_.option, value, p_.about); }
-  CLI::Option* option(std::optional<bool>& value) const {
-    const std::string both = fmt::format("{},!--no-{}", p_.option, p_.option.substr(2));
-    return app_.add_flag_function(
-        both, [&value](std::int64_t count) { value = count > 0; }, p_.about);
-  }
-  CLI::Option* option(std::string& value) const {
-    CLI::Option* made = add(value, text_for(p_));
-    return value.empty() ? made : made->capture_default_str();
-  }
-  CLI::Option* option(std::optional<std::string>& value) const { return add(value, text_for(p_)); }
-  CLI::Option* option(std::optional<Triple>& value) const {
-    const std::string& name = p_.option;
-    const auto take = [&value, name](const std::vector<double>& numbers) {
-      Triple three{};
-      if (numbers.size() != three.size())
-        throw CLI::ArgumentMismatch(name + ": give three numbers, X,Y,Z");
-      std::copy(numbers.begin(), numbers.end(), three.begin());
-      value = three;
-    };
-    return app_.add_option_function<std::vector<double>>(name, take, p_.about)
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->check(number_in(p_.range))
-        ->type_name(kind_of_value(p_));
-  }
-  CLI::Option* option(std::vector<std::string>& value) const {
-    return add(value, text_for(p_))->allow_extra_args(false);
-  }
-
-  CLI::App& app_;
-  const Parameter& p_;
+  void operator()(const std::string*) const { option.check(text_for(p)).show_default(); }
+  void operator()(const std::optional<std::string>*) const { option.check(text_for(p)); }
+  void operator()(const std::vector<std::string>*) const { option.check(text_for(p)); }
 };
 
 }  // namespace
 
-std::vector<CLI::Option*> add_parameters(CLI::App& app, const std::vector<Parameter>& parameters,
-                                         const std::string& group) {
-  std::vector<CLI::Option*> options;
+std::vector<Option*> add_parameters(Command& app, const std::vector<Parameter>& parameters,
+                                    const std::string& group) {
+  std::vector<Option*> options;
   options.reserve(parameters.size());
-  for (const Parameter& parameter : parameters)
-    options.push_back(OptionMaker(app, parameter).make()->group(group));
+  for (const Parameter& parameter : parameters) {
+    const Target target = std::visit([](auto* place) { return Target(place); }, parameter.place);
+    Option& option = app.add_option(parameter.option, target, parameter.about);
+    option.value_name(kind_of_value(parameter)).group(group);
+    std::visit(Describe{option, parameter}, parameter.place);
+    options.push_back(&option);
+  }
   return options;
 }
 

@@ -4,17 +4,16 @@
 //      to the parameter's place. Who: the commands that make points or jobs.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "host/cli/command_line.hpp"
 #include "host/glass/parameters.hpp"
 
 namespace lamplock::cli {
 
 /// Adds them in a group of the help; gives the options. The places must outlive the parsing.
-std::vector<CLI::Option*> add_parameters(CLI::App& app,
-                                         const std::vector<glass::Parameter>& parameters,
-                                         const std::string& group);
+std::vector<Option*> add_parameters(Command& app, const std::vector<glass::Parameter>& parameters,
+                                    const std::string& group);
 
 }  // namespace lamplock::cli

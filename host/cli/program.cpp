@@ -1,39 +1,61 @@
 #include "host/cli/program.hpp"
 
+#include "host/cli/commands.hpp"
+#include "host/version.hpp"
+
 namespace lamplock::cli {
 
-std::unique_ptr<CLI::App> make_program(Action& action) {
-  auto program = std::make_unique<CLI::App>(
-      "Engraves points inside glass, in step with the laser's lamp.", "lamplock");
-  program->set_version_flag("--version", "lamplock " LAMPLOCK_VERSION);
-  program->require_subcommand(1);
+std::unique_ptr<Command> make_empty_program() {
+  auto program = std::make_unique<Command>(
+      "lamplock", "Engraves points inside glass, in step with the laser's lamp.");
+  program->version(std::string("lamplock ") + version());
+  return program;
+}
+
+std::unique_ptr<Command> make_own_commands() {
+  auto program = make_empty_program();
   program->footer(
       "Example:\n  lamplock example model.stl\n"
       "  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n\n"
       "Each command explains itself: lamplock engrave --help");
-  add_example(*program, action);
-  add_estimate(*program, action);
-  add_engrave(*program, action);
-  add_points(*program, action);
-  add_order(*program, action);
-  add_check(*program, action);
-  add_diagnose(*program, action);
-  add_job(*program, action);
-  add_raster(*program, action);
-  add_send(*program, action);
-  add_settings(*program, action);
-  add_devices(*program, action);
-  add_flash(*program, action);
-  add_console(*program, action);
-  add_frame(*program, action);
-  add_operate(*program, action);
-  add_jog(*program, action);
-  add_lines(*program, action);
-  add_compare(*program, action);
-  add_sim(*program, action);
-  add_chip(*program, action);
-  add_bench(*program, action);
+  add_example(*program);
+  add_estimate(*program);
+  add_engrave(*program);
+  add_points(*program);
+  add_order(*program);
+  add_check(*program);
+  add_diagnose(*program);
+  add_job(*program);
+  add_raster(*program);
+  add_send(*program);
+  add_settings(*program);
+  add_devices(*program);
+  add_flash(*program);
+  add_console(*program);
+  add_frame(*program);
+  add_operate(*program);
+  add_jog(*program);
+  add_lines(*program);
+  add_compare(*program);
+  add_sim(*program);
   return program;
+}
+
+std::unique_ptr<Command> make_program() {
+  auto program = make_own_commands();
+  add_chip_command(*program).separate_program("lamplock-chip");
+  add_bench_command(*program).separate_program("lamplock-bench");
+  return program;
+}
+
+Command& add_chip_command(Command& program) {
+  return program.add_command("chip",
+                             "Runs any image for the RP2040 in the chip simulator, cycle by cycle");
+}
+
+Command& add_bench_command(Command& program) {
+  return program.add_command(
+      "bench", "Plans the measured rows and walks of the sources, beside the exact optimum");
 }
 
 }  // namespace lamplock::cli

@@ -1,31 +1,38 @@
 #include "host/cli/validators.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <limits>
 #include <utility>
 
+#include "host/text.hpp"
+
 namespace lamplock::cli {
 
-CLI::Validator number_in(const glass::Range& range) {
-  const auto check = [range](const std::string& text) -> std::string {
-    double value = 0;
-    if (!CLI::detail::lexical_cast(text, value)) return text + " is not a number";
-    return range.refusal(value);
+Check number_in(const glass::Range& range) {
+  return [range](const std::string& text) -> std::string {
+    std::string_view digits = text;
+    if (digits.starts_with('+')) digits.remove_prefix(1);
+    const auto value = number_of<double>(digits);
+    return value ? range.refusal(*value) : text + " is not a number";
   };
-  return {check, ""};
 }
 
-CLI::Validator number_from(double low, bool included) {
+Check number_from(double low, bool included) {
   return number_in({low, std::numeric_limits<double>::infinity(), included});
 }
 
-CLI::Validator file_name() {
-  return {[](const std::string& text) { return std::string(text.empty() ? "has no name" : ""); },
-          ""};
+Check file_name() {
+  return [](const std::string& text) { return std::string(text.empty() ? "has no name" : ""); };
 }
 
-CLI::Validator one_of(std::vector<std::string> names) {
-  // Without its description: the help names the choices already.
-  return CLI::IsMember(std::move(names)).description("");
+Check one_of(std::vector<std::string> names) {
+  return [names = std::move(names)](const std::string& text) -> std::string {
+    if (std::find(names.begin(), names.end(), text) != names.end()) return "";
+    return fmt::format("'{}' is not one of {}", text, fmt::join(names, ", "));
+  };
 }
 
 }  // namespace lamplock::cli

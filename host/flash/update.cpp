@@ -22,7 +22,7 @@ using usb::Kind;
 constexpr milliseconds enumeration_time{15'000};
 /// What the system does then: permissions by rules, the driver of the port, mounting.
 constexpr milliseconds settling_time{5'000};
-constexpr milliseconds look_again{50};
+constexpr milliseconds poll_interval{50};
 /// The answer to the order comes before the restart.
 constexpr milliseconds restart_delay{100};
 
@@ -36,7 +36,7 @@ auto poll(usb::Bus& bus, milliseconds time, Look&& look) -> decltype(look()) {
   for (;;) {
     if (auto found = look()) return found;
     if (bus.now() >= end) return {};
-    bus.sleep(look_again);
+    bus.sleep(poll_interval);
   }
 }
 

@@ -11,23 +11,23 @@ namespace {
 
 // Data sheets of N-BK7 (SCHOTT) and of fused silica; K9 is the Chinese name of the same crown
 // glass.
-constexpr std::array known{Material{"k9", 1.5168, "crown glass K9, the usual block"},
-                           Material{"bk7", 1.5168, "crown glass BK7, the same as K9"},
-                           Material{"fused-silica", 1.458, "fused silica, quartz glass"}};
+constexpr std::array known_materials{Material{"k9", 1.5168, "crown glass K9, the usual block"},
+                                     Material{"bk7", 1.5168, "crown glass BK7, the same as K9"},
+                                     Material{"fused-silica", 1.458, "fused silica, quartz glass"}};
 
 }  // namespace
 
-std::span<const Material> materials() { return known; }
+std::span<const Material> materials() { return known_materials; }
 
 std::vector<std::string> material_names() {
   std::vector<std::string> names;
-  names.reserve(known.size());
-  for (const Material& material : known) names.emplace_back(material.name);
+  names.reserve(known_materials.size());
+  for (const Material& material : known_materials) names.emplace_back(material.name);
   return names;
 }
 
 double index_of(const std::string& material) {
-  for (const Material& one : known)
+  for (const Material& one : known_materials)
     if (one.name == material) return one.index;
   throw Error(Exit::bad_input, "material", fmt::format("'{}' is not known", material),
               "use k9, bk7 or fused-silica, or give the index");

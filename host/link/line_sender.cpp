@@ -12,7 +12,7 @@ namespace {
 
 using Time = std::chrono::microseconds;
 
-constexpr Time longest_wait{20'000};
+constexpr Time max_line_wait{20'000};
 constexpr Time shortest_wait{1'000};
 /// Reports in a row that make an end: an idle one may come between an ok and the motion.
 constexpr int idle_reports_at_end = 2;
@@ -49,7 +49,7 @@ bool LineSender::step() {
   }
   poll();
   port_.flush();
-  port_.transport().wait(port_.backlog() > 0 ? shortest_wait : longest_wait);
+  port_.transport().wait(port_.backlog() > 0 ? shortest_wait : max_line_wait);
   return true;
 }
 

@@ -32,8 +32,8 @@ constexpr microseconds reconnect_interval{200'000};
 constexpr microseconds rest_timeout{10'000'000};
 /// Rounds in which the machine may refuse points for a passing reason before the job fails.
 constexpr int most_soft_refusals = 20;
-constexpr microseconds longest_wait{10'000};
-constexpr microseconds shortest_wait{500};
+constexpr microseconds max_frame_wait{10'000};
+constexpr microseconds min_frame_wait{500};
 constexpr std::int64_t us_per_ms = 1'000;
 
 std::uint32_t choose_session(std::uint32_t wanted) {
@@ -541,7 +541,7 @@ void JobSender::throw_not_stopped() {
 }
 
 JobSender::Time JobSender::pause_length() const {
-  return connection_.backlog() > 0 ? Time(shortest_wait) : Time(longest_wait);
+  return connection_.backlog() > 0 ? Time(min_frame_wait) : Time(max_frame_wait);
 }
 
 }  // namespace lamplock::link

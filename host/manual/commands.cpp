@@ -8,7 +8,7 @@ namespace lamplock::manual {
 namespace {
 
 /// Parts of an argument: alternatives, and what follows each other.
-std::vector<std::string> parts_of(const CLI::Option& option) {
+std::vector<std::string> parts_of(const cli::Option& option) {
   std::vector<std::string> parts(1);
   for (const char c : argument_of(option))
     if (c == '|' || c == ',' || c == ' ')
@@ -18,7 +18,7 @@ std::vector<std::string> parts_of(const CLI::Option& option) {
   return parts;
 }
 
-bool has_part(const CLI::Option& option, std::initializer_list<std::string_view> wanted) {
+bool has_part(const cli::Option& option, std::initializer_list<std::string_view> wanted) {
   const auto parts = parts_of(option);
   return std::any_of(parts.begin(), parts.end(), [&](const std::string& part) {
     return std::any_of(wanted.begin(), wanted.end(),
@@ -33,37 +33,26 @@ bool is_word(const std::string& part) {
 
 }  // namespace
 
-std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App* command) {
-    return !command->get_name().empty() && !command->get_group().empty();
-  });
+std::vector<const cli::Option*> options_of(const cli::Command& command) {
+  std::vector<const cli::Option*> options{&cli::help_option()};
+  if (!command.version().empty()) options.push_back(&cli::version_option());
+  for (const cli::Option& option : command.options())
+    if (!option.is_positional() && !option.group().empty()) options.push_back(&option);
+  return options;
 }
 
-std::vector<const CLI::Option*> options_of(const CLI::App& app) {
-  return app.get_options([](const CLI::Option* option) {
-    return !option->get_positional() && !option->get_group().empty();
-  });
+std::vector<const cli::Option*> positionals_of(const cli::Command& command) {
+  std::vector<const cli::Option*> positionals;
+  for (const cli::Option& option : command.options())
+    if (option.is_positional()) positionals.push_back(&option);
+  return positionals;
 }
 
-std::vector<const CLI::Option*> positionals_of(const CLI::App& app) {
-  return app.get_options([](const CLI::Option* option) {
-    return option->get_positional() && !option->get_group().empty();
-  });
+std::string argument_of(const cli::Option& option) {
+  return option.is_flag() || !option.bare().empty() ? "" : option.value_name();
 }
 
-std::vector<std::string> names_of(const CLI::Option& option) {
-  std::vector<std::string> names;
-  names.reserve(option.get_snames().size() + option.get_lnames().size());
-  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
-  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
-  return names;
-}
-
-std::string argument_of(const CLI::Option& option) {
-  return option.get_items_expected_max() == 0 ? "" : option.get_type_name();
-}
-
-std::vector<std::string> words_of(const CLI::Option& option) {
+std::vector<std::string> words_of(const cli::Option& option) {
   if (argument_of(option).find('|') == std::string::npos) return {};
   std::vector<std::string> words;
   for (const std::string& part : parts_of(option))
@@ -71,8 +60,8 @@ std::vector<std::string> words_of(const CLI::Option& option) {
   return words;
 }
 
-bool takes_file(const CLI::Option& option) { return has_part(option, {"FILE", "DIR", "FOLDER"}); }
+bool takes_file(const cli::Option& option) { return has_part(option, {"FILE", "DIR", "FOLDER"}); }
 
-bool takes_port(const CLI::Option& option) { return has_part(option, {"PORT"}); }
+bool takes_port(const cli::Option& option) { return has_part(option, {"PORT"}); }
 
 }  // namespace lamplock::manual

@@ -13,32 +13,28 @@ namespace lamplock::manual {
 namespace {
 
 /// A command and the words that lead to it: "", "engrave", "operate zero".
-using Visit = std::function<void(const CLI::App&, const std::string& path)>;
+using Visit = std::function<void(const cli::Command&, const std::string& path)>;
 
-void visit(const CLI::App& app, const std::string& path, const Visit& what) {
+void visit(const cli::Command& app, const std::string& path, const Visit& what) {
   what(app, path);
-  for (const CLI::App* inner : commands_of(app))
-    visit(*inner, path.empty() ? inner->get_name() : path + " " + inner->get_name(), what);
+  for (const cli::Command& inner : app.commands())
+    visit(inner, path.empty() ? inner.name() : path + " " + inner.name(), what);
 }
 
 /// All that may stand next in a command.
-std::vector<std::string> next_words(const CLI::App& app) {
+std::vector<std::string> next_words(const cli::Command& app) {
   std::vector<std::string> words;
-  for (const CLI::App* inner : commands_of(app)) words.push_back(inner->get_name());
-  for (const CLI::Option* option : options_of(app))
-    for (std::string& name : names_of(*option)) words.push_back(std::move(name));
+  for (const cli::Command& inner : app.commands()) words.push_back(inner.name());
+  for (const cli::Option* option : options_of(app))
+    for (const std::string& name : option->typed_names()) words.push_back(name);
   return words;
 }
 
 /// A word that is no option may stand in it: a file, most often.
-bool takes_names(const CLI::App& app) {
-  const auto options = app.get_options();
-  return std::any_of(options.begin(), options.end(),
-                     [](const CLI::Option* option) { return option->get_positional(); });
-}
+bool takes_names(const cli::Command& app) { return !positionals_of(app).empty(); }
 
 /// The lines of bash that complete the argument of an option.
-std::string bash_argument(const CLI::Option& option) {
+std::string bash_argument(const cli::Option& option) {
   const std::string words = fmt::format("{}", fmt::join(words_of(option), " "));
   std::string lines;
   if (takes_file(option)) lines += " _lamplock_files;";
@@ -51,19 +47,19 @@ std::string bash_argument(const CLI::Option& option) {
 
 }  // namespace
 
-std::string bash_completion(const CLI::App& program) {
+std::string bash_completion(const cli::Command& program) {
   std::string paths, words, arguments;
-  visit(program, "", [&](const CLI::App& app, const std::string& path) {
+  visit(program, "", [&](const cli::Command& app, const std::string& path) {
     if (!path.empty()) {
       const auto blank = path.rfind(' ');
       const std::string before = blank == std::string::npos ? "" : path.substr(0, blank);
-      paths += fmt::format("      \"{} {}\") command=\"{}\" ;;\n", before, app.get_name(), path);
+      paths += fmt::format("      \"{} {}\") command=\"{}\" ;;\n", before, app.name(), path);
     }
     words += fmt::format("    \"{}\") words=\"{}\"{} ;;\n", path, fmt::join(next_words(app), " "),
                          takes_names(app) ? " names=yes" : "");
-    for (const CLI::Option* option : options_of(app))
+    for (const cli::Option* option : options_of(app))
       if (!argument_of(*option).empty())
-        for (const std::string& name : names_of(*option))
+        for (const std::string& name : option->typed_names())
           arguments += fmt::format("    \"{} {}\")", path, name) + bash_argument(*option);
   });
   return "# bash completion for lamplock, made from the options of the program itself\n"
@@ -112,7 +108,7 @@ std::string quoted(const std::string& text) {
 }
 
 /// When a completion belongs to a command: its words have been typed, none of its own commands.
-std::string fish_condition(const CLI::App& app, const std::string& path) {
+std::string fish_condition(const cli::Command& app, const std::string& path) {
   if (path.empty()) return "__fish_use_subcommand";
   std::string condition;
   for (std::size_t from = 0; from != std::string::npos;) {
@@ -122,15 +118,15 @@ std::string fish_condition(const CLI::App& app, const std::string& path) {
     from = blank == std::string::npos ? blank : blank + 1;
   }
   std::vector<std::string> inner;
-  for (const CLI::App* command : commands_of(app)) inner.push_back(command->get_name());
+  for (const cli::Command& command : app.commands()) inner.push_back(command.name());
   if (inner.empty()) return condition;
   return condition + fmt::format("; and not __fish_seen_subcommand_from {}", fmt::join(inner, " "));
 }
 
-std::string fish_option(const CLI::Option& option, const std::string& condition) {
+std::string fish_option(const cli::Option& option, const std::string& condition) {
   std::string line = "complete -c lamplock -n " + quoted(condition);
-  for (const std::string& name : option.get_snames()) line += " -s " + name;
-  for (const std::string& name : option.get_lnames()) line += " -l " + name;
+  for (const std::string& name : option.typed_names())
+    line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
   if (!argument_of(option).empty()) {
     const std::string words = fmt::format("{}", fmt::join(words_of(option), " "));
     line += takes_file(option) ? " -r" : " -x";
@@ -139,21 +135,21 @@ std::string fish_option(const CLI::Option& option, const std::string& condition)
     else if (!words.empty())
       line += " -a " + quoted(words);
   }
-  return line + " -d " + quoted(option.get_description()) + "\n";
+  return line + " -d " + quoted(option.help()) + "\n";
 }
 
 }  // namespace
 
-std::string fish_completion(const CLI::App& program) {
+std::string fish_completion(const cli::Command& program) {
   std::string script =
       "# fish completion for lamplock, made from the options of the program itself\n"
       "complete -c lamplock -n __fish_use_subcommand -f\n";
-  visit(program, "", [&](const CLI::App& app, const std::string& path) {
+  visit(program, "", [&](const cli::Command& app, const std::string& path) {
     const std::string condition = fish_condition(app, path);
-    for (const CLI::App* command : commands_of(app))
+    for (const cli::Command& command : app.commands())
       script += fmt::format("complete -c lamplock -n {} -f -a {} -d {}\n", quoted(condition),
-                            command->get_name(), quoted(command->get_description()));
-    for (const CLI::Option* option : options_of(app)) script += fish_option(*option, condition);
+                            command.name(), quoted(command.description()));
+    for (const cli::Option* option : options_of(app)) script += fish_option(*option, condition);
   });
   return script;
 }

@@ -6,10 +6,13 @@
 #include <filesystem>
 #include <string>
 
+#include "host/bench/command_bench.hpp"
+#include "host/chip_tool/command_chip.hpp"
 #include "host/cli/program.hpp"
 #include "host/file.hpp"
 #include "host/manual/completion.hpp"
 #include "host/manual/man_page.hpp"
+#include "host/version.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 3) {
@@ -18,11 +21,12 @@ int main(int argc, char** argv) {
   }
   try {
     const std::filesystem::path folder = argv[1];
-    lamplock::cli::Action action;
-    const auto program = lamplock::cli::make_program(action);
+    const auto program = lamplock::cli::make_own_commands();
+    lamplock::chip_tool::add_chip(*program);
+    lamplock::bench::add_bench(*program);
     std::filesystem::create_directories(folder / "man");
     for (const auto& [file, text] :
-         lamplock::manual::man_pages(*program, {LAMPLOCK_VERSION, argv[2]}))
+         lamplock::manual::man_pages(*program, {lamplock::version(), argv[2]}))
       lamplock::write_file(folder / "man" / file, text);
     lamplock::write_file(folder / "lamplock.bash", lamplock::manual::bash_completion(*program));
     lamplock::write_file(folder / "lamplock.fish", lamplock::manual::fish_completion(*program));

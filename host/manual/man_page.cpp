@@ -138,67 +138,66 @@ class FooterWriter {
   bool shown_ = false, has_section_ = false, is_first_ = true;
 };
 
-std::string option_head(const CLI::Option& option) {
+std::string option_head(const cli::Option& option) {
   std::string head;
-  for (const std::string& name : names_of(option)) head += (head.empty() ? "" : ", ") + bold(name);
+  for (const std::string& name : option.typed_names())
+    head += (head.empty() ? "" : ", ") + bold(name);
   if (const std::string argument = argument_of(option); !argument.empty())
     head += " " + italic(argument);
   return head;
 }
 
-void write_option(Writer& page, const CLI::Option& option) {
+void write_option(Writer& page, const cli::Option& option) {
   page.request(".TP");
   page.request(option_head(option));
-  std::string what = option.get_description();
+  std::string what = option.help();
   if (!what.empty() && what.back() != '.') what += '.';
-  const std::string variable = option.get_envname();
-  if (option.get_required())
+  const std::string variable = option.environment();
+  if (option.is_required())
     what +=
         variable.empty()
             ? " Has to be given."
             : fmt::format(" Has to be given, here or in the environment variable {}.", variable);
-  if (!option.get_default_str().empty())
-    what += fmt::format(" Default: {}.", option.get_default_str());
-  if (!variable.empty() && !option.get_required())
+  if (!option.default_text().empty()) what += fmt::format(" Default: {}.", option.default_text());
+  if (!variable.empty() && !option.is_required())
     what += fmt::format(" Without it, what the environment variable {} says.", variable);
   page.words(what);
 }
 
 /// Options by their groups; those of no group of their own come under `title`.
-void write_options(Writer& page, const CLI::App& app, const std::string& title) {
+void write_options(Writer& page, const cli::Command& app, const std::string& title) {
   std::vector<std::string> groups;
   const auto options = options_of(app);
-  for (const CLI::Option* option : options)
-    if (std::find(groups.begin(), groups.end(), option->get_group()) == groups.end())
-      groups.push_back(option->get_group());
+  for (const cli::Option* option : options)
+    if (std::find(groups.begin(), groups.end(), option->group()) == groups.end())
+      groups.push_back(option->group());
   for (const std::string& group : groups) {
     page.request(group == "Options" ? ".SH " + upper(title) : ".SS " + group);
-    for (const CLI::Option* option : options)
-      if (option->get_group() == group) write_option(page, *option);
+    for (const cli::Option* option : options)
+      if (option->group() == group) write_option(page, *option);
   }
 }
 
-void write_positionals(Writer& page, const CLI::App& app) {
+void write_positionals(Writer& page, const cli::Command& app) {
   const auto positionals = positionals_of(app);
   if (positionals.empty()) return;
   page.section("arguments");
-  for (const CLI::Option* option : positionals) {
+  for (const cli::Option* option : positionals) {
     page.request(".TP");
-    page.request(italic(option->get_name(true)));
-    page.words(option->get_description() + ".");
+    page.request(italic(option->names()));
+    page.words(option->help() + ".");
   }
 }
 
 /// "lamplock operate zero [OPTIONS]"
-void write_synopsis(Writer& page, const CLI::App& app, const std::string& path) {
+void write_synopsis(Writer& page, const cli::Command& app, const std::string& path) {
   std::string line = bold(path) + " [" + italic("OPTIONS") + "]";
-  for (const CLI::Option* option : positionals_of(app)) {
-    const std::string name = italic(option->get_name(true));
-    line += option->get_required() ? " " + name : " [" + name + "]";
+  for (const cli::Option* option : positionals_of(app)) {
+    const std::string name = italic(option->names());
+    line += option->is_required() ? " " + name : " [" + name + "]";
   }
-  if (!commands_of(app).empty())
-    line += app.get_require_subcommand_min() > 0 ? " " + italic("COMMAND")
-                                                 : " [" + italic("COMMAND") + "]";
+  if (!app.commands().empty())
+    line += app.needs_command() ? " " + italic("COMMAND") : " [" + italic("COMMAND") + "]";
   page.request(line);
 }
 
@@ -211,29 +210,29 @@ void write_head(Writer& page, const std::string& name, const Edition& edition,
 }
 
 /// Commands of a command stand on its page, with their own options.
-void write_inner_command(Writer& page, const CLI::App& app, const std::string& path) {
+void write_inner_command(Writer& page, const cli::Command& app, const std::string& path) {
   page.section(path);
-  page.words(app.get_description() + ".");
+  page.words(app.description() + ".");
   page.request(".PP");
   write_synopsis(page, app, path);
   write_positionals(page, app);
-  for (const CLI::Option* option : options_of(app))
-    if (option != app.get_help_ptr()) write_option(page, *option);
+  for (const cli::Option* option : options_of(app))
+    if (option != &cli::help_option()) write_option(page, *option);
 }
 
-Page command_page(const CLI::App& app, const Edition& edition) {
-  const std::string name = "lamplock-" + app.get_name(), path = "lamplock " + app.get_name();
+Page command_page(const cli::Command& app, const Edition& edition) {
+  const std::string name = "lamplock-" + app.name(), path = "lamplock " + app.name();
   Writer page;
-  write_head(page, name, edition, app.get_description());
+  write_head(page, name, edition, app.description());
   page.section("synopsis");
   write_synopsis(page, app, path);
   page.section("description");
-  page.words(app.get_description() + ".");
+  page.words(app.description() + ".");
   write_positionals(page, app);
   write_options(page, app, "options");
-  for (const CLI::App* inner : commands_of(app))
-    write_inner_command(page, *inner, path + " " + inner->get_name());
-  FooterWriter(page).write(app.get_footer());
+  for (const cli::Command& inner : app.commands())
+    write_inner_command(page, inner, path + " " + inner.name());
+  FooterWriter(page).write(app.footer());
   page.section("see also");
   page.request(bold("lamplock") + "(1)");
   return {name + ".1", page.take()};
@@ -247,19 +246,19 @@ constexpr std::array<std::pair<const char*, const char*>, 5> exits{
      {"3", "No device, or no link to it."},
      {"130", "Interrupted by the user."}}};
 
-Page program_page(const CLI::App& program, const Edition& edition) {
+Page program_page(const cli::Command& program, const Edition& edition) {
   Writer page;
-  write_head(page, program.get_name(), edition, "motion locked to the lamp of a laser");
+  write_head(page, program.name(), edition, "motion locked to the lamp of a laser");
   page.section("synopsis");
-  write_synopsis(page, program, program.get_name());
+  write_synopsis(page, program, program.name());
   page.section("description");
-  page.words(program.get_description());
+  page.words(program.description());
   page.words("Each command has a page of its own.");
   page.section("commands");
-  for (const CLI::App* app : commands_of(program)) {
+  for (const cli::Command& app : program.commands()) {
     page.request(".TP");
-    page.request(fmt::format("\\fBlamplock\\-{}\\fR(1)", escaped(app->get_name())));
-    page.words(app->get_description() + ".");
+    page.request(fmt::format("\\fBlamplock\\-{}\\fR(1)", escaped(app.name())));
+    page.words(app.description() + ".");
   }
   write_options(page, program, "options");
   page.section("exit status");
@@ -268,15 +267,15 @@ Page program_page(const CLI::App& program, const Edition& edition) {
     page.request(bold(status));
     page.words(what);
   }
-  FooterWriter(page).write(program.get_footer());
+  FooterWriter(page).write(program.footer());
   return {"lamplock.1", page.take()};
 }
 
 }  // namespace
 
-std::vector<Page> man_pages(const CLI::App& program, const Edition& edition) {
+std::vector<Page> man_pages(const cli::Command& program, const Edition& edition) {
   std::vector<Page> pages{program_page(program, edition)};
-  for (const CLI::App* app : commands_of(program)) pages.push_back(command_page(*app, edition));
+  for (const cli::Command& app : program.commands()) pages.push_back(command_page(app, edition));
   return pages;
 }
 

@@ -1,12 +1,13 @@
 // Manual pages from the command line itself: what --help says, in the form of man(7).
 //
-// In:  the application. Out: lamplock.1 with an overview, and a page for each command.
+// In:  the commands of the program. Out: lamplock.1 with an overview, and a page for each command.
 // Who: lamplock_manual, while the program is built.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+#include "host/cli/command_line.hpp"
 
 namespace lamplock::manual {
 
@@ -23,6 +24,6 @@ struct Page {
 };
 
 /// All pages, that of the program first.
-std::vector<Page> man_pages(const CLI::App& program, const Edition& edition);
+std::vector<Page> man_pages(const cli::Command& program, const Edition& edition);
 
 }  // namespace lamplock::manual

@@ -6,6 +6,7 @@
 
 #include "host/model/spline.hpp"
 #include "host/points/limits.hpp"
+#include "host/points/vector.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -18,23 +19,21 @@ constexpr double agree_mm = 1e-10, agree_part = 1e-12, rounding_part = 1e-14;
 // 2^-40 of a piece of 10^9 mm is a micrometre: at cusps, where halves agree late.
 constexpr int deepest = 40;
 
-double norm(const Point& v) { return std::hypot(v.x, v.y, v.z); }
-
 /// Nodes and weights of Gauss-Legendre quadrature with five points on -1..1 (Abramowitz and Stegun,
 /// "Handbook of Mathematical Functions", table 25.4).
 struct Node {
   double at, weight;
 };
-constexpr std::array<Node, 5> nodes{{{-0.906179845938663993, 0.236926885056189088},
-                                     {-0.538469310105683091, 0.478628670499366468},
-                                     {0.0, 0.568888888888888889},
-                                     {0.538469310105683091, 0.478628670499366468},
-                                     {0.906179845938663993, 0.236926885056189088}}};
+constexpr std::array<Node, 5> gauss_nodes{{{-0.906179845938663993, 0.236926885056189088},
+                                           {-0.538469310105683091, 0.478628670499366468},
+                                           {0.0, 0.568888888888888889},
+                                           {0.538469310105683091, 0.478628670499366468},
+                                           {0.906179845938663993, 0.236926885056189088}}};
 
 double quadrature(const Piece& piece, const Range& range) {
   const double half = (range.to - range.from) / 2, middle = range.from + half;
   double sum = 0;
-  for (const Node& node : nodes) {
+  for (const Node& node : gauss_nodes) {
     sum += node.weight * norm(motion_at(piece, middle + half * node.at).speed);
   }
   return std::abs(half) * sum;

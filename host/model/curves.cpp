@@ -8,6 +8,7 @@
 
 #include "host/model/spline.hpp"
 #include "host/points/limits.hpp"
+#include "host/points/vector.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -40,15 +41,13 @@ Motion arc_motion(const Arc& arc, double t) {
           {c * v.x - s * u.x, c * v.y - s * u.y, c * v.z - s * u.z}};
 }
 
-double norm(const Point& v) { return std::hypot(v.x, v.y, v.z); }
-
 /// From the segment p q.
 double distance_to_chord(const Point& at, const Point& p, const Point& q) {
   const Point chord{q.x - p.x, q.y - p.y, q.z - p.z}, to{at.x - p.x, at.y - p.y, at.z - p.z};
   const double square = chord.x * chord.x + chord.y * chord.y + chord.z * chord.z;
   const double along = to.x * chord.x + to.y * chord.y + to.z * chord.z;
   const double t = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0;
-  return norm({to.x - t * chord.x, to.y - t * chord.y, to.z - t * chord.z});
+  return norm(Point{to.x - t * chord.x, to.y - t * chord.y, to.z - t * chord.z});
 }
 
 /// Appends the vertices of polylines, each piece without its start.
@@ -164,7 +163,7 @@ Point end_of(const Path& path) {
 
 bool returns_to_start(const Path& path) {
   const Point from = start_of(path), to = end_of(path);
-  return norm({to.x - from.x, to.y - from.y, to.z - from.z}) <= flat_mm;
+  return norm(Point{to.x - from.x, to.y - from.y, to.z - from.z}) <= flat_mm;
 }
 
 std::string left_out_text(const Curves& curves) {

@@ -9,24 +9,17 @@
 
 #include "host/model/curve_collector.hpp"
 #include "host/model/spline.hpp"
+#include "host/points/vector.hpp"
 
 namespace lamplock::model {
 namespace {
 
 using points::Point;
+using points::radians_per_degree;
 using std::numbers::pi;
 
-constexpr double radians_per_degree = pi / 180;
 // Flatter arcs are off their chord by less than a billionth of it.
 constexpr double least_bulge = 1e-9;
-
-Point cross(const Point& a, const Point& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-double norm(const Point& v) { return std::hypot(v.x, v.y, v.z); }
-
-Point times(const Point& v, double factor) { return {v.x * factor, v.y * factor, v.z * factor}; }
 
 [[noreturn]] void refuse_entity(const DxfGroups& dxf, const DxfEntity& entity,
                                 const std::string& what) {

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <span>
 
+#include "host/points/vector.hpp"
+
 namespace lamplock::model {
 namespace {
 
@@ -38,8 +40,6 @@ double volume_under(const Point& a, const Point& b, const Point& c) {
   return a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) +
          a.z * (b.x * c.y - b.y * c.x);
 }
-
-Point difference(const Point& p, const Point& q) { return {p.x - q.x, p.y - q.y, p.z - q.z}; }
 
 bool is_flat(const Point& a, const Point& b, const Point& c) {
   const Point u = difference(b, a), v = difference(c, a);

@@ -79,9 +79,9 @@ double mm_in_unit(int unit) {
   return unit >= 0 && unit < static_cast<int>(mm.size()) ? mm[static_cast<std::size_t>(unit)] : 0;
 }
 
-class Reader {
+class DxfReader {
  public:
-  Reader(const std::filesystem::path& file, std::string_view bytes)
+  DxfReader(const std::filesystem::path& file, std::string_view bytes)
       : file_(file), dxf_(file, bytes) {}
 
   Curves read() {
@@ -255,7 +255,7 @@ class Reader {
 
 Curves read_dxf(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
-  return Reader(path, bytes).read();
+  return DxfReader(path, bytes).read();
 }
 
 }  // namespace lamplock::model

@@ -61,9 +61,10 @@ bool is_hidden(const xml_node& node) {
   return says("display", "none") || says("visibility", "hidden") || says("visibility", "collapse");
 }
 
-class Reader {
+class SvgReader {
  public:
-  Reader(const std::filesystem::path& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
+  SvgReader(const std::filesystem::path& file, std::string_view bytes)
+      : file_(file), bytes_(bytes) {}
 
   Curves read() {
     pugi::xml_document document;
@@ -224,7 +225,7 @@ class Reader {
 
 Curves read_svg(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
-  return Reader(path, bytes).read();
+  return SvgReader(path, bytes).read();
 }
 
 }  // namespace lamplock::model

@@ -13,7 +13,7 @@ namespace {
 using std::filesystem::path;
 
 /// As for GLB: more would overflow the stack of the mesh library.
-constexpr int most_depth = 100;
+constexpr int max_object_depth = 100;
 /// The mesh library takes more than a kilobyte for each.
 constexpr std::uint64_t most_objects = 100'000;
 /// 72 bytes each: 1.4 GB.
@@ -32,7 +32,7 @@ class Placed {
   void add(int item) { add_to(all_, whole(item, 0)); }
 
  private:
-  /// Never deeper than `most_depth`, so that the check itself does not overflow the stack.
+  /// Never deeper than `max_object_depth`, so that the check itself does not overflow the stack.
   const Whole& whole(int id, int depth) {
     const auto [known, is_new] = wholes_.try_emplace(id);
     if (!is_new) {
@@ -69,8 +69,8 @@ class Placed {
   }
 
   void require_depth(int id, int depth) const {
-    if (depth > most_depth)
-      refuse(file_, fmt::format("object {} stands in others, deeper than {}", id, most_depth),
+    if (depth > max_object_depth)
+      refuse(file_, fmt::format("object {} stands in others, deeper than {}", id, max_object_depth),
              "join some of them");
   }
 

@@ -7,21 +7,13 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/points/vector.hpp"
 
 namespace lamplock::model {
 namespace {
 
 using points::Point;
-
-constexpr double radians_per_degree = std::numbers::pi / 180;
-
-Point cross(const Point& a, const Point& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-Point times(const Point& a, double factor) { return {a.x * factor, a.y * factor, a.z * factor}; }
+using points::radians_per_degree;
 
 /// What belongs to the corners of triangles follows them.
 void exchange_corners(Mesh& mesh) {

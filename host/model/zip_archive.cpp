@@ -19,7 +19,7 @@ constexpr std::size_t most_name_bytes = 255;
 /// to a thousandth. Small parts may be what they like.
 constexpr std::uint64_t most_packed = 200, small_bytes = 1u << 20;
 
-constexpr const char* damaged = "the file is cut off or damaged: export it again";
+constexpr const char* damaged_archive = "the file is cut off or damaged: export it again";
 
 /// Names that the mesh library would make others of.
 bool is_plain(std::string_view name) {
@@ -34,7 +34,7 @@ void ZipArchive::Close::operator()(void* archive) const { unzClose(archive); }
 
 ZipArchive::ZipArchive(const std::filesystem::path& file)
     : file_(file), archive_(unzOpen64(file.c_str())) {
-  if (!archive_) refuse(file_, "no ZIP archive, which a 3MF is", damaged);
+  if (!archive_) refuse(file_, "no ZIP archive, which a 3MF is", damaged_archive);
   read_directory();
 }
 
@@ -57,7 +57,8 @@ void ZipArchive::read_directory() {
     bytes += part.bytes;
     parts_.push_back(part);
   }
-  if (result != UNZ_END_OF_LIST_OF_FILE) refuse(file_, "its directory cannot be read", damaged);
+  if (result != UNZ_END_OF_LIST_OF_FILE)
+    refuse(file_, "its directory cannot be read", damaged_archive);
   for (const ZipPart& part : parts_)
     if (!names.insert(part.name).second)
       refuse(file_, fmt::format("two parts are named '{}'", part.name), "export it again");
@@ -88,14 +89,15 @@ std::string ZipArchive::unpacked(const std::string& name) const {
                                  [&](const ZipPart& one) { return one.name == name; });
   constexpr int by_exact_name = 1;
   if (part == parts_.end() || unzLocateFile(archive_.get(), name.c_str(), by_exact_name) != UNZ_OK)
-    refuse(file_, fmt::format("there is no part '{}'", name), damaged);
+    refuse(file_, fmt::format("there is no part '{}'", name), damaged_archive);
   std::string bytes(part->bytes, '\0');
   const auto size = static_cast<unsigned>(part->bytes);
   const bool read =
       unzOpenCurrentFile(archive_.get()) == UNZ_OK &&
       unzReadCurrentFile(archive_.get(), bytes.data(), size) == static_cast<int>(size);
   const bool sound = unzCloseCurrentFile(archive_.get()) == UNZ_OK;  // compares the CRC
-  if (!read || !sound) refuse(file_, fmt::format("part '{}' cannot be unpacked", name), damaged);
+  if (!read || !sound)
+    refuse(file_, fmt::format("part '{}' cannot be unpacked", name), damaged_archive);
   return bytes;
 }
 

@@ -45,17 +45,17 @@ constexpr double hot = 0.15, cold = 0.05;
 constexpr double cost_weight = 0.3, most_loss = 1.5;
 
 /// Places first .. first + count - 1 of the path, maybe gone backwards.
-struct Piece {
+struct AnnealedPiece {
   Place first = 0, count = 0;
   bool turned = false;
 
   Place at(Place i) const { return first + (turned ? count - 1 - i : i); }
 };
-using Pieces = std::array<Piece, 2>;
+using AnnealedPieces = std::array<AnnealedPiece, 2>;
 
 /// Two pieces that follow each other, and what is to stand in their place. The second may be empty.
 struct Exchange {
-  Pieces now{}, then{};
+  AnnealedPieces now{}, then{};
   Place first = 0, end = 0;  // of both
 };
 
@@ -104,7 +104,7 @@ class Stretch {
   Node node(Place place) const { return path_[static_cast<std::size_t>(place)]; }
   const Point& at(Place place) const { return points_[node(place)]; }
   /// 0 to count - 1.
-  Place any(std::size_t count) { return static_cast<Place>(random_.next() % count); }
+  Place random_below(std::size_t count) { return static_cast<Place>(random_.next() % count); }
 
   /// Beats of the whole path; notes the nodes near steps that take several.
   long find_wasted() {
@@ -126,8 +126,9 @@ class Stretch {
   /// Brings a node beside one of its neighbours.
   void try_one(Node a) {
     const auto near = neighbours_.of(a);
-    const Place p = place_[a], q = place_[near[static_cast<std::size_t>(any(near.size()))]];
-    switch (any(4)) {
+    const Place p = place_[a],
+                q = place_[near[static_cast<std::size_t>(random_below(near.size()))]];
+    switch (random_below(4)) {
       case 0:
         return turn(std::min(p, q) + 1, std::max(p, q));
       case 1:
@@ -147,13 +148,15 @@ class Stretch {
   /// Moves a piece that begins or ends at p so that its node at p stands beside that at q.
   void move(Place p, Place q) {
     const bool is_long = random_.uniform() < long_share;
-    const Place count = 1 + any(is_long ? longest_moved : short_moved);
-    const bool ahead = any(2) == 1, behind_q = any(2) == 1;
+    const Place most = is_long ? longest_moved : short_moved;
+    const Place count = 1 + random_below(static_cast<std::size_t>(most));
+    const bool ahead = random_below(2) == 1, behind_q = random_below(2) == 1;
     const Place first = ahead ? p : p - count + 1, end = first + count;
     const Place gap = behind_q ? q + 1 : q;  // the piece goes before this place
     if (gap >= first && gap <= end) return;
-    const Piece piece{first, count, false}, moved{first, count, ahead != behind_q};
-    const Piece way = gap > end ? Piece{end, gap - end} : Piece{gap, first - gap};
+    const AnnealedPiece piece{first, count, false}, moved{first, count, ahead != behind_q};
+    const AnnealedPiece way =
+        gap > end ? AnnealedPiece{end, gap - end} : AnnealedPiece{gap, first - gap};
     if (way.count > longest_way) return;
     if (gap > end)
       consider({{{piece, way}}, {{way, moved}}, first, gap});
@@ -175,7 +178,7 @@ class Stretch {
 
   /// Looks at all pairs of points of which the second would come first.
   bool keeps_rule(const Exchange& exchange) const {
-    for (const Piece& piece : exchange.then) {
+    for (const AnnealedPiece& piece : exchange.then) {
       if (!piece.turned) continue;
       for (Place i = 1; i < piece.count; ++i)
         if (shadows_any(piece.first + i, {piece.first, i})) return false;
@@ -187,7 +190,7 @@ class Stretch {
   }
 
   /// Whether a defect there shadows a point of the piece.
-  bool shadows_any(Place upper, const Piece& piece) const {
+  bool shadows_any(Place upper, const AnnealedPiece& piece) const {
     const Point& apex = at(upper);
     for (Place i = piece.first; i < piece.first + piece.count; ++i)
       if (shadows(apex, at(i), tangent_)) return true;
@@ -196,7 +199,7 @@ class Stretch {
 
   void carry_out(const Exchange& exchange) {
     changed_.clear();
-    for (const Piece& piece : exchange.then)
+    for (const AnnealedPiece& piece : exchange.then)
       for (Place i = 0; i < piece.count; ++i) changed_.push_back(node(piece.at(i)));
     Place place = exchange.first;
     for (const Node one : changed_) {
@@ -208,10 +211,11 @@ class Stretch {
   /// Visits the points of pieces and `around` so many on either side, with how many were visited
   /// before that follow each other: the middles of long pieces are left out.
   template <class Visit>
-  void walk(const Exchange& exchange, const Pieces& pieces, Place around, Visit&& visit) const {
+  void walk(const Exchange& exchange, const AnnealedPieces& pieces, Place around,
+            Visit&& visit) const {
     int known = 0;
     for (Place i = exchange.first - around; i < exchange.first; ++i) visit(at(i), known++);
-    for (const Piece& piece : pieces) {
+    for (const AnnealedPiece& piece : pieces) {
       for (Place i = 0; i < piece.count; ++i) {
         if (i == around && piece.count > 2 * around) {
           i = piece.count - around;
@@ -223,7 +227,7 @@ class Stretch {
     for (Place i = exchange.end; i < exchange.end + around; ++i) visit(at(i), known++);
   }
 
-  double cost(const Exchange& exchange, const Pieces& pieces) const {
+  double cost(const Exchange& exchange, const AnnealedPieces& pieces) const {
     constexpr Place felt = 2;  // a turn is between three points
     double sum = 0;
     const Point *last = nullptr, *before = nullptr;
@@ -236,7 +240,7 @@ class Stretch {
     return sum;
   }
 
-  long beats(const Exchange& exchange, const Pieces& pieces) const {
+  long beats(const Exchange& exchange, const AnnealedPieces& pieces) const {
     PlanState state;
     long sum = 0;
     const Point* last = nullptr;

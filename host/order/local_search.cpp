@@ -9,22 +9,22 @@ namespace lamplock::order {
 namespace {
 
 using Node = std::uint32_t;
-using Place = std::int64_t;  // in the tour, taken modulo its length
+using Slot = std::int64_t;  // in the tour, taken modulo its length
 
 // The longest piece of the tour that one exchange may turn round: bounds the time of an exchange.
-constexpr Place longest_piece = 1000;
+constexpr Slot longest_piece = 1000;
 // The longest piece that is moved elsewhere (Or-opt).
-constexpr Place longest_moved = 3;
+constexpr Slot max_moved = 3;
 // Gains below this are rounding, and would let exchanges undo each other.
 constexpr double least_gain = 1e-9;
 
 // Of the search judged by the planner's model.
 // Points on either side of a changed edge that are planned anew; further away a change is not felt.
-constexpr Place window = 6;
+constexpr Slot search_window = 6;
 // An exchange that the cost finds worse by more than this is not worth asking the model.
-constexpr double most_loss = 1.5;
+constexpr double max_search_loss = 1.5;
 // What the cost counts beside a beat of the model: it knows better what helps the next exchange.
-constexpr double cost_weight = 0.1;
+constexpr double search_cost_weight = 0.1;
 // The least that must be saved, beats.
 constexpr double least_saving = 1e-3;
 // Windows are no exact measure of the whole, so exchanges might go round in circles.
@@ -41,9 +41,9 @@ class LocalSearch {
         free_node_(static_cast<Node>(points.size())),
         tour_(tour) {
     if (closing == Closing::open) tour_.push_back(free_node_);
-    size_ = static_cast<Place>(tour_.size());
+    size_ = static_cast<Slot>(tour_.size());
     place_.resize(points.size() + 1);
-    for (Place i = 0; i < size_; ++i) place_[at(i)] = i;
+    for (Slot i = 0; i < size_; ++i) place_[at(i)] = i;
   }
 
   void run() {
@@ -64,10 +64,10 @@ class LocalSearch {
   }
 
  private:
-  Place wrap(Place place) const {
+  Slot wrap(Slot place) const {
     return place < 0 ? place + size_ : place >= size_ ? place - size_ : place;
   }
-  Node at(Place place) const { return tour_[static_cast<std::size_t>(wrap(place))]; }
+  Node at(Slot place) const { return tour_[static_cast<std::size_t>(wrap(place))]; }
 
   double edge(Node a, Node b) const {
     return a == free_node_ || b == free_node_ ? 0 : cost_.edge(points_[a], points_[b]);
@@ -105,7 +105,7 @@ class LocalSearch {
   /// Nodes next to steps of several beats.
   void wake_wasted() {
     PlanState state = judge_->any_speed();
-    for (Place i = 0; i < size_; ++i) {
+    for (Slot i = 0; i < size_; ++i) {
       const Node a = at(i), b = at(i + 1);
       if (a == free_node_ || b == free_node_) {
         state = judge_->any_speed();
@@ -118,22 +118,22 @@ class LocalSearch {
   /// A piece of the tour in a new place: nodes counted from the place and in the direction of an
   /// exchange.
   struct Piece {
-    Place first = 0, count = 0;
+    Slot first = 0, count = 0;
     bool turned = false;
   };
 
   /// Beats of the pieces in this order. The middles of long ones are left out.
-  int beats(Place from, Place step, std::initializer_list<Piece> pieces) const {
+  int beats(Slot from, Slot step, std::initializer_list<Piece> pieces) const {
     PlanState state;
     Node before = free_node_;
     int sum = 0;
     for (const Piece& piece : pieces) {
-      for (Place i = 0; i < piece.count; ++i) {
-        if (i == window && piece.count > 2 * window) {
-          i = piece.count - window;
+      for (Slot i = 0; i < piece.count; ++i) {
+        if (i == search_window && piece.count > 2 * search_window) {
+          i = piece.count - search_window;
           before = free_node_;
         }
-        const Place place = piece.first + (piece.turned ? piece.count - 1 - i : i);
+        const Slot place = piece.first + (piece.turned ? piece.count - 1 - i : i);
         const Node node = at(wrap(from + step * place));
         if (before == free_node_ || node == free_node_) {
           state = judge_->any_speed();
@@ -148,34 +148,34 @@ class LocalSearch {
 
   /// Whether an exchange that saves `gain` of the cost is to be made: the pieces `now` of the tour,
   /// which end before node `end`, would follow each other as `then`.
-  bool accepts(double gain, Place from, Place step, Place end, const Piece& first,
-               const Piece& second, const Piece& moved_first, const Piece& moved_second) {
+  bool accepts(double gain, Slot from, Slot step, Slot end, const Piece& first, const Piece& second,
+               const Piece& moved_first, const Piece& moved_second) {
     if (judge_ == nullptr) return gain >= least_gain;
-    if (gain < -most_loss || exhausted()) return false;
+    if (gain < -max_search_loss || exhausted()) return false;
     --asks_left_;
-    const Place around = std::min(window, (size_ - end) / 2);
+    const Slot around = std::min(search_window, (size_ - end) / 2);
     const Piece ahead{-around, around}, behind{end, around};
     const int saved = beats(from, step, {ahead, first, second, behind}) -
                       beats(from, step, {ahead, moved_first, moved_second, behind});
-    return saved + cost_weight * gain >= least_saving;
+    return saved + search_cost_weight * gain >= least_saving;
   }
 
   bool exhausted() const { return judge_ != nullptr && asks_left_ == 0; }
 
   /// By how much an exchange may seem worse before it is left out unasked.
-  double loss() const { return judge_ != nullptr ? most_loss : 0; }
+  double loss() const { return judge_ != nullptr ? max_search_loss : 0; }
 
   bool try_node(Node a) {
-    for (const Place step : {Place{1}, Place{-1}}) {
-      const Place p = place_[a];
+    for (const Slot step : {Slot{1}, Slot{-1}}) {
+      const Slot p = place_[a];
       const double now = joint(at(p - step), a, at(p + step), at(p + 2 * step));
       for (const Node c : neighbours_.of(a)) {
         if (edge(a, c) >= now + loss()) break;  // the new edge alone costs more than what goes
         if (try_two_opt(p, place_[c], step, now)) return true;
       }
     }
-    for (Place length = 1; length <= longest_moved && length + 5 <= size_; ++length) {
-      for (const Place step : {Place{1}, Place{-1}}) {
+    for (Slot length = 1; length <= max_moved && length + 5 <= size_; ++length) {
+      for (const Slot step : {Slot{1}, Slot{-1}}) {
         if (try_move(a, length, step)) return true;
       }
     }
@@ -183,17 +183,17 @@ class LocalSearch {
   }
 
   /// Edges (p, p + step) and (q, q + step) become (p, q) and (p + step, q + step).
-  bool try_two_opt(Place p, Place q, Place step, double now_p) {
+  bool try_two_opt(Slot p, Slot q, Slot step, double now_p) {
     if (wrap(p + step) == q || wrap(q + step) == p) return false;
     const Node a = at(p), b = at(p + step), c = at(q), d = at(q + step);
     const Node before_a = at(p - step), after_b = at(p + 2 * step);
     const Node before_c = at(q - step), after_d = at(q + 2 * step);
     const double gain = now_p + joint(before_c, c, d, after_d) - joint(before_a, a, c, before_c) -
                         joint(after_b, b, d, after_d);
-    const Place turned = wrap((q - p) * step);  // nodes behind p, up to q
+    const Slot turned = wrap((q - p) * step);  // nodes behind p, up to q
     if (!accepts(gain, wrap(p + step), step, turned, {0, turned}, {}, {0, turned, true}, {}))
       return false;
-    Place first = step > 0 ? wrap(p + 1) : q, last = step > 0 ? q : wrap(p - 1);
+    Slot first = step > 0 ? wrap(p + 1) : q, last = step > 0 ? q : wrap(p - 1);
     if (piece(first, last) > size_ / 2) {  // the rest of the circle turned round is the same tour
       std::swap(first, last);
       first = wrap(first + 1);
@@ -206,8 +206,8 @@ class LocalSearch {
   }
 
   /// Moves the `length` nodes from `a` on in direction `step` next to a neighbour of a.
-  bool try_move(Node a, Place length, Place step) {
-    const Place p = place_[a];
+  bool try_move(Node a, Slot length, Slot step) {
+    const Slot p = place_[a];
     const Node end = at(p + step * (length - 1));
     const Node u = at(p - step), w = at(p + step * length);
     const Node before_u = at(p - 2 * step), after_w = at(p + step * (length + 1));
@@ -220,16 +220,16 @@ class LocalSearch {
     if (freed < least_gain - loss()) return false;
     for (const Node c : neighbours_.of(a)) {
       if (edge(a, c) >= freed + loss()) break;
-      const Place q = place_[c];
+      const Slot q = place_[c];
       if (wrap((q - p) * step) < length) continue;  // inside the piece
-      for (const Place side : {Place{1}, Place{-1}}) {
+      for (const Slot side : {Slot{1}, Slot{-1}}) {
         const Node e = at(q + side), before_c = at(q - side), after_e = at(q + 2 * side);
         if (c == u || c == w || e == u || e == w) continue;
         double then = joint(before_c, c, a, length > 1 ? second : e) +
                       joint(length > 1 ? last_but_one : c, end, e, after_e);
         if (length == 1) then -= turn(c, a, e);
         const double gain = freed + joint(before_c, c, e, after_e) - then;
-        const Place gap = wrap((q - p) * step) + (side == step ? 1 : 0) - length;
+        const Slot gap = wrap((q - p) * step) + (side == step ? 1 : 0) - length;
         if (!accepts(gain, p, step, length + gap, {0, length}, {length, gap}, {length, gap},
                      {0, length, side != step}))
           continue;
@@ -242,10 +242,10 @@ class LocalSearch {
   }
 
   /// Carries out a move if the gap that the piece jumps over is short enough.
-  bool move(Place p, Place length, Place step, Place q, Place side) {
-    const Place first = step > 0 ? p : wrap(p - length + 1), last = wrap(first + length - 1);
-    const Place low = side > 0 ? q : wrap(q - 1);  // the piece goes between low and low + 1
-    const Place ahead = wrap(low - last), behind = wrap(first - low - 1);
+  bool move(Slot p, Slot length, Slot step, Slot q, Slot side) {
+    const Slot first = step > 0 ? p : wrap(p - length + 1), last = wrap(first + length - 1);
+    const Slot low = side > 0 ? q : wrap(q - 1);  // the piece goes between low and low + 1
+    const Slot ahead = wrap(low - last), behind = wrap(first - low - 1);
     if (std::min(ahead, behind) > longest_piece) return false;
     const bool turned = step != side;
     if (ahead <= behind) {
@@ -253,7 +253,7 @@ class LocalSearch {
       reverse(first, wrap(first + ahead - 1));
       if (!turned) reverse(wrap(first + ahead), low);
     } else {
-      const Place begin = wrap(low + 1);
+      const Slot begin = wrap(low + 1);
       reverse(begin, last);
       reverse(wrap(begin + length), last);
       if (!turned) reverse(begin, wrap(begin + length - 1));
@@ -262,10 +262,10 @@ class LocalSearch {
   }
 
   /// Nodes from place `first` on to place `last`, round the end if need be.
-  Place piece(Place first, Place last) const { return wrap(last - first) + 1; }
+  Slot piece(Slot first, Slot last) const { return wrap(last - first) + 1; }
 
-  void reverse(Place first, Place last) {
-    for (Place n = piece(first, last) / 2; n > 0; --n) {
+  void reverse(Slot first, Slot last) {
+    for (Slot n = piece(first, last) / 2; n > 0; --n) {
       std::swap(tour_[static_cast<std::size_t>(first)], tour_[static_cast<std::size_t>(last)]);
       place_[at(first)] = first;
       place_[at(last)] = last;
@@ -286,8 +286,8 @@ class LocalSearch {
   const Neighbours& neighbours_;
   Node free_node_;
   std::vector<Node>& tour_;
-  Place size_ = 0;
-  std::vector<Place> place_;
+  Slot size_ = 0;
+  std::vector<Slot> place_;
   std::vector<Node> waiting_;
   std::vector<bool> is_waiting_;
   const BeatModel* judge_ = nullptr;
@@ -306,7 +306,7 @@ void improve(std::span<const points::Point> points, const Neighbours& neighbours
 void save_beats(std::span<const points::Point> points, const Neighbours& neighbours,
                 Closing closing, const BeatModel& model, std::size_t most_asked,
                 std::vector<std::uint32_t>& tour) {
-  if (points.size() < 2 * static_cast<std::size_t>(window)) return;
+  if (points.size() < 2 * static_cast<std::size_t>(search_window)) return;
   LocalSearch(points, neighbours, closing, TourCost(model), tour).run_judged(model, most_asked);
 }
 

@@ -37,7 +37,8 @@ float above(double value) {
 }
 
 /// Places along the curve with the index of the point, sorted.
-std::vector<std::pair<std::uint64_t, std::uint32_t>> along_curve(std::span<const Point> points) {
+std::vector<std::pair<std::uint64_t, std::uint32_t>> places_along_curve(
+    std::span<const Point> points) {
   const Bounds box = points::bounds(points);
   const double side = box.longest_side();
   const double scale = side > 0 ? ((1u << code_bits) - 1) / side : 0;
@@ -75,7 +76,7 @@ void require_coordinates(std::span<const Point> points) {
 }
 
 RestTree::RestTree(std::span<const Point> points) {
-  const auto places = along_curve(points);
+  const auto places = places_along_curve(points);
   points_.reserve(points.size());
   index_.reserve(points.size());
   slot_.resize(points.size());

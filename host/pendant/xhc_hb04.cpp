@@ -7,8 +7,8 @@
 namespace lamplock::pendant {
 namespace {
 
-constexpr std::size_t report_size = 6;
-constexpr std::uint8_t report_id = 4;
+constexpr std::size_t hb04_report_size = 6;
+constexpr std::uint8_t hb04_report_id = 4;
 /// The day of the month in the maker's program; LinuxCNC sends this.
 constexpr std::uint8_t seed = 0x0c;
 
@@ -60,7 +60,7 @@ std::uint8_t step_symbol(double step_mm) {
 
 Events XhcHb04::take(std::span<const std::uint8_t> report) {
   Events events;
-  if (report.size() != report_size || report[0] != report_id) return events;
+  if (report.size() != hb04_report_size || report[0] != hb04_report_id) return events;
   if (std::all_of(report.begin() + 1, report.end(), [](auto byte) { return byte == 0; })) {
     fall_asleep(events);
     return events;

@@ -6,28 +6,35 @@
 namespace lamplock::pendant {
 namespace {
 
-constexpr std::size_t report_size = 8;
-constexpr std::uint8_t report_id = 4;
-constexpr std::uint8_t seed = 0xfe;
+constexpr std::size_t whb04b_report_size = 8;
+constexpr std::uint8_t whb04b_report_id = 4;
+constexpr std::uint8_t whb04b_seed = 0xfe;
 constexpr std::uint8_t function_code = 0x0c;
 
 /// What is printed on a key, and what stands behind Fn. Stop and reset are so with Fn as well.
 struct KeyPrint {
   Key plain, with_function;
 };
-constexpr Key macro(int number) { return key_of_row(Key::macro_1, number); }
-constexpr std::array key_prints{
-    KeyPrint{Key::none, Key::none},       KeyPrint{Key::reset, Key::reset},  // 01
-    KeyPrint{Key::stop, Key::stop},       KeyPrint{Key::start, macro(13)},
-    KeyPrint{Key::feed_plus, macro(1)},  // 04
-    KeyPrint{Key::feed_minus, macro(2)},  KeyPrint{Key::power_plus, macro(3)},
-    KeyPrint{Key::power_minus, macro(4)}, KeyPrint{Key::home, macro(5)},  // 08
-    KeyPrint{Key::safe_z, macro(6)},      KeyPrint{Key::go_to_zero, macro(7)},
-    KeyPrint{Key::spindle, macro(8)},     KeyPrint{Key::none, Key::none},  // 0c: Fn
-    KeyPrint{Key::probe, macro(9)},       KeyPrint{Key::continuous, macro(15)},
-    KeyPrint{Key::step, macro(16)},       KeyPrint{macro(10), macro(14)}};  // 10
+constexpr Key whb04b_macro(int number) { return key_of_row(Key::macro_1, number); }
+constexpr std::array key_prints{KeyPrint{Key::none, Key::none},
+                                KeyPrint{Key::reset, Key::reset},  // 01
+                                KeyPrint{Key::stop, Key::stop},
+                                KeyPrint{Key::start, whb04b_macro(13)},
+                                KeyPrint{Key::feed_plus, whb04b_macro(1)},  // 04
+                                KeyPrint{Key::feed_minus, whb04b_macro(2)},
+                                KeyPrint{Key::power_plus, whb04b_macro(3)},
+                                KeyPrint{Key::power_minus, whb04b_macro(4)},
+                                KeyPrint{Key::home, whb04b_macro(5)},  // 08
+                                KeyPrint{Key::safe_z, whb04b_macro(6)},
+                                KeyPrint{Key::go_to_zero, whb04b_macro(7)},
+                                KeyPrint{Key::spindle, whb04b_macro(8)},
+                                KeyPrint{Key::none, Key::none},  // 0c: Fn
+                                KeyPrint{Key::probe, whb04b_macro(9)},
+                                KeyPrint{Key::continuous, whb04b_macro(15)},
+                                KeyPrint{Key::step, whb04b_macro(16)},
+                                KeyPrint{whb04b_macro(10), whb04b_macro(14)}};  // 10
 
-Selector selector_of(std::uint8_t code) {
+Selector whb04b_selector(std::uint8_t code) {
   constexpr std::uint8_t first = 0x11;
   constexpr std::array axes{Selector::x, Selector::y, Selector::z,
                             Selector::a, Selector::b, Selector::c};
@@ -73,7 +80,7 @@ std::uint8_t display_flags(const Display& shown) {
 
 Events XhcWhb04b::take(std::span<const std::uint8_t> report) {
   Events events;
-  if (report.size() != report_size || report[0] != report_id) return events;
+  if (report.size() != whb04b_report_size || report[0] != whb04b_report_id) return events;
   if (drop_next_) {
     drop_next_ = false;
     return events;
@@ -103,7 +110,7 @@ void XhcWhb04b::take_switches(std::span<const std::uint8_t> report, Events& even
     rate_ = rate;
     events.push_back(rate_event(rate));
   }
-  if (const Selector at = selector_of(report[5]); at != selector_) {
+  if (const Selector at = whb04b_selector(report[5]); at != selector_) {
     selector_ = at;
     events.push_back(selector_event(at));
   }
@@ -120,7 +127,7 @@ void XhcWhb04b::fall_asleep(Events& events) {
 }
 
 std::vector<FeatureReport> XhcWhb04b::display(const Display& shown) const {
-  XhcFrame frame(seed);
+  XhcFrame frame(whb04b_seed);
   frame.byte(display_flags(shown));
   // Three lines: X Y Z, or those from A on, of which we have one.
   const bool second = shown.selector == Selector::a || shown.selector == Selector::b ||

@@ -12,6 +12,7 @@
 #include "host/points/limits.hpp"
 #include "host/points/random.hpp"
 #include "host/points/surface_blocks.hpp"
+#include "host/points/vector.hpp"
 
 namespace lamplock::points {
 namespace {
@@ -38,11 +39,6 @@ struct TrianglePiece {
   double measure() const { return area_of(corners); }
   bool is_covered(const BlockDarts& block) const { return block.is_covered(corners, radius_mm); }
 };
-
-double square_of_distance(const Point& p, const Point& q) {
-  const double x = p.x - q.x, y = p.y - q.y, z = p.z - q.z;
-  return x * x + y * y + z * z;
-}
 
 Point between(const Point& p, const Point& q) {
   return {(p.x + q.x) / 2, (p.y + q.y) / 2, (p.z + q.z) / 2};

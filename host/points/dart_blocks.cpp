@@ -5,12 +5,13 @@
 #include <limits>
 
 #include "host/points/parallel.hpp"
+#include "host/points/vector.hpp"
 
 namespace lamplock::points {
 namespace {
 
 /// A little more than the distance asked for, so that rounding never makes it less.
-constexpr double rounding = 1e-12;
+constexpr double block_rounding = 1e-12;
 
 /// In distances: how far a point may lie in the cell beside its own, because a place at the border
 /// of a block belongs to that block however it was rounded.
@@ -22,11 +23,6 @@ float rounded_up(double radius) {
 }
 
 Point moved(const Point& point, double by) { return {point.x + by, point.y + by, point.z + by}; }
-
-double square_of_distance(const Point& p, const Point& q) {
-  const double x = p.x - q.x, y = p.y - q.y, z = p.z - q.z;
-  return x * x + y * y + z * z;
-}
 
 unsigned group_of(const BlockIndex& block) {
   return static_cast<unsigned>((block.x & 1) | (block.y & 1) << 1 | (block.z & 1) << 2);
@@ -121,7 +117,7 @@ bool BlockDarts::is_free(const Point& place, double radius) const {
   const double reach = radius + rounded_into_next_cell * all_.distance_;
   return !any_within(moved(place, -reach), moved(place, reach),
                      [&](const Point& point, double other) {
-                       const double apart = std::min(radius, other) * (1 + rounding);
+                       const double apart = std::min(radius, other) * (1 + block_rounding);
                        return square_of_distance(place, point) < apart * apart;
                      });
 }

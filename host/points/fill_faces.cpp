@@ -8,6 +8,7 @@
 
 #include "host/points/limits.hpp"
 #include "host/points/surface_blocks.hpp"
+#include "host/points/vector.hpp"
 #include "host/points/weld.hpp"
 
 namespace lamplock::points {
@@ -15,10 +16,7 @@ namespace {
 
 /// Neighbours of the arrangement are this much further apart than asked for, so that rounding does
 /// not let weld() take them for too close.
-constexpr double rounding = 1e-9;
-
-Point difference(const Point& p, const Point& q) { return {p.x - q.x, p.y - q.y, p.z - q.z}; }
-double product(const Point& p, const Point& q) { return p.x * q.x + p.y * q.y + p.z * q.z; }
+constexpr double face_rounding = 1e-9;
 
 /// A triangle on its longest side: the side goes from `origin` along the unit vector `along`, the
 /// third corner lies `foot` along it and `height` away in direction `away`.
@@ -37,17 +35,17 @@ Frame frame_of(const model::Mesh& mesh, const std::array<std::uint32_t, 3>& tria
   Point third;
   for (const auto& [from, to, other] : sides) {
     const Point way = difference(mesh.vertices[order[to]], mesh.vertices[order[from]]);
-    const double length = std::sqrt(product(way, way));
+    const double length = std::sqrt(dot(way, way));
     if (length <= frame.length) continue;
     frame.origin = mesh.vertices[order[from]];
     frame.along = {way.x / length, way.y / length, way.z / length};
     frame.length = length;
     third = difference(mesh.vertices[order[other]], frame.origin);
   }
-  frame.foot = product(third, frame.along);
+  frame.foot = dot(third, frame.along);
   const Point up = difference(
       third, {frame.foot * frame.along.x, frame.foot * frame.along.y, frame.foot * frame.along.z});
-  frame.height = std::sqrt(product(up, up));
+  frame.height = std::sqrt(dot(up, up));
   if (frame.height > 0) {
     frame.away = {up.x / frame.height, up.y / frame.height, up.z / frame.height};
   }
@@ -56,9 +54,9 @@ Frame frame_of(const model::Mesh& mesh, const std::array<std::uint32_t, 3>& tria
 
 /// Rows from the longest side to the third corner; every other one is moved by half a step.
 void fill(const Frame& frame, double distance_mm, PointCloud& cloud) {
-  const double step = distance_mm * (1 + rounding);
+  const double step = distance_mm * (1 + face_rounding);
   const double row_mm = step * std::numbers::sqrt3 / 2;
-  const double rows = std::floor(frame.height / row_mm + rounding) + 1;
+  const double rows = std::floor(frame.height / row_mm + face_rounding) + 1;
   const double about = frame.length * frame.height / 2 / (step * row_mm);
   require_count(static_cast<double>(cloud.size()) + std::max(about, rows), "faces");
   for (std::int64_t row = 0; row < static_cast<std::int64_t>(rows); ++row) {
@@ -66,8 +64,8 @@ void fill(const Frame& frame, double distance_mm, PointCloud& cloud) {
     const double up = std::min(away / frame.height, 1.0);
     const double from = frame.foot * up, to = frame.length - (frame.length - frame.foot) * up;
     const double offset = row % 2 == 0 ? 0 : step / 2;
-    const double first = std::ceil((from - offset) / step - rounding);
-    const double count = std::floor((to - offset) / step + rounding) - first + 1;
+    const double first = std::ceil((from - offset) / step - face_rounding);
+    const double count = std::floor((to - offset) / step + face_rounding) - first + 1;
     require_count(static_cast<double>(cloud.size()) + count, "faces");
     for (std::int64_t i = 0; i < static_cast<std::int64_t>(count); ++i) {
       const double along = offset + (first + static_cast<double>(i)) * step;

@@ -25,10 +25,10 @@ namespace {
 /// Points per cubic distance of a body that takes no more (random sequential adsorption of balls
 /// fills 0.384 of space: Torquato, Uche and Stillinger, "Random sequential addition of hard spheres
 /// in high Euclidean dimensions", 2006; a ball has half the distance as its radius).
-constexpr double saturated = 0.384 / (3.14159265358979 / 6);
+constexpr double saturated_solid = 0.384 / (3.14159265358979 / 6);
 
 /// Darts per cubic distance, round after round (see blue_noise.cpp).
-constexpr std::array<double, 4> rounds{0.25, 0.5, 1, 2};
+constexpr std::array<double, 4> solid_rounds{0.25, 0.5, 1, 2};
 
 /// Cubes smaller than this part of the distance are given up. Half of it would give 2 % more points
 /// in three times the time.
@@ -237,17 +237,18 @@ PointCloud fill_solid(const model::Mesh& mesh, const SolidOptions& options) {
   const double distance_mm = options.distance_mm;
   const BlockGrid grid = grid_over(bounds(mesh.vertices), block_distances * distance_mm, "solid");
   const double thinnest = options.light_depth_mm > 0 ? options.lowest_density : 1;
-  require_count(thinnest * saturated * volume_of(mesh) / distance_mm / distance_mm / distance_mm,
-                "solid");
+  require_count(
+      thinnest * saturated_solid * volume_of(mesh) / distance_mm / distance_mm / distance_mm,
+      "solid");
   const Body body(mesh, options);
   DartBlocks darts(grid, blocks_of(mesh, grid, body), distance_mm);
   const Random seeds(options.seed);
-  for (std::size_t round = 0; round <= rounds.size(); ++round) {
+  for (std::size_t round = 0; round <= solid_rounds.size(); ++round) {
     darts.for_each(options.threads, [&](std::size_t block, BlockDarts& in_block) {
-      Random random(seeds.fork(block * (rounds.size() + 1) + round));
+      Random random(seeds.fork(block * (solid_rounds.size() + 1) + round));
       const std::vector<Cell> cells = body.cells_of(darts.index(block));
-      if (round < rounds.size()) {
-        throw_darts(in_block, cells, body, distance_mm, rounds[round], random);
+      if (round < solid_rounds.size()) {
+        throw_darts(in_block, cells, body, distance_mm, solid_rounds[round], random);
       } else {
         fill_block(in_block, cells, body, distance_mm, random);
       }

@@ -7,14 +7,13 @@
 #include "host/points/parallel.hpp"
 #include "host/points/shells.hpp"
 #include "host/points/surface_blocks.hpp"
+#include "host/points/vector.hpp"
 
 namespace lamplock::points {
 namespace {
 
 constexpr Point down{0, 0, -1};
 
-Point difference(const Point& p, const Point& q) { return {p.x - q.x, p.y - q.y, p.z - q.z}; }
-double product(const Point& p, const Point& q) { return p.x * q.x + p.y * q.y + p.z * q.z; }
 Point normal_of(const Corners& t) {
   const Point u = difference(t[1], t[0]), v = difference(t[2], t[0]);
   return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
@@ -22,25 +21,25 @@ Point normal_of(const Corners& t) {
 
 double square_to_segment(const Point& place, const Point& from, const Point& to) {
   const Point way = difference(to, from), there = difference(place, from);
-  const double length = product(way, way);
-  const double t = length > 0 ? std::clamp(product(there, way) / length, 0.0, 1.0) : 0;
+  const double length = dot(way, way);
+  const double t = length > 0 ? std::clamp(dot(there, way) / length, 0.0, 1.0) : 0;
   const Point rest{there.x - t * way.x, there.y - t * way.y, there.z - t * way.z};
-  return product(rest, rest);
+  return dot(rest, rest);
 }
 
 /// Square of the distance from a place to a triangle.
 double square_to(const Point& place, const Corners& t, const Point& normal) {
-  const double length = product(normal, normal);
+  const double length = dot(normal, normal);
   bool over = length > 0;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < 3; ++i) {
     const Point& from = t[i];
     const Point& to = t[(i + 1) % 3];
-    over = over && product(normal_of({from, to, place}), normal) >= 0;
+    over = over && dot(normal_of({from, to, place}), normal) >= 0;
     nearest = std::min(nearest, square_to_segment(place, from, to));
   }
   if (!over) return nearest;
-  const double height = product(difference(place, t[0]), normal);
+  const double height = dot(difference(place, t[0]), normal);
   return height * height / length;
 }
 
@@ -95,7 +94,7 @@ class NearestTriangle {
       const double square = square_to(place, corners, normal);
       if (!(square < nearest)) continue;
       nearest = square;
-      const double length = -std::sqrt(product(normal, normal));
+      const double length = -std::sqrt(dot(normal, normal));
       inward = {normal.x / length, normal.y / length, normal.z / length};
     }
   }

@@ -12,19 +12,15 @@
 #include "host/error.hpp"
 #include "host/points/limits.hpp"
 #include "host/points/random.hpp"
+#include "host/points/vector.hpp"
 
 namespace lamplock::points {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_shell = std::numeric_limits<std::uint32_t>::max();
 
 /// Neighbours on one shell count up to this many distances.
 constexpr double reach_distances = 2;
-
-double square_of_distance(const Point& p, const Point& q) {
-  const double x = p.x - q.x, y = p.y - q.y, z = p.z - q.z;
-  return x * x + y * y + z * z;
-}
 
 /// Points placed so far, by cells that are hashed into buckets without storing the cell: two cells
 /// in one bucket only cost more comparisons.
@@ -32,8 +28,8 @@ class Placed {
  public:
   Placed(std::size_t most, double reach_mm)
       : reach_(reach_mm),
-        heads_(std::bit_ceil(std::max<std::size_t>(most, 2)), none),
-        next_(most, none) {}
+        heads_(std::bit_ceil(std::max<std::size_t>(most, 2)), no_shell),
+        next_(most, no_shell) {}
 
   void add(const PointCloud& points) {
     const auto index = static_cast<std::uint32_t>(points.size() - 1);
@@ -54,7 +50,8 @@ class Placed {
       const bool repeated =
           (a != 0 && x[0] == x[1]) || (b != 0 && y[0] == y[1]) || (c != 0 && z[0] == z[1]);
       if (repeated) continue;
-      for (std::uint32_t k = heads_[bucket(x[a], y[b], z[c])]; k != none; k = next_[k]) visit(k);
+      for (std::uint32_t k = heads_[bucket(x[a], y[b], z[c])]; k != no_shell; k = next_[k])
+        visit(k);
     }
   }
 

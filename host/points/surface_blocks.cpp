@@ -61,9 +61,9 @@ struct Entry {
 };
 
 /// Finds the blocks of one triangle after the other.
-class Spreader {
+class BlockSpreader {
  public:
-  Spreader(const BlockGrid& grid, std::string where) : grid_(grid), where_(std::move(where)) {}
+  BlockSpreader(const BlockGrid& grid, std::string where) : grid_(grid), where_(std::move(where)) {}
 
   void add(std::uint32_t triangle, const Corners& corners) {
     triangle_ = triangle;
@@ -154,7 +154,7 @@ BlockGrid grid_over(const Bounds& box, double side_mm, const std::string& where)
 
 SurfaceBlocks surface_blocks(const model::Mesh& mesh, const BlockGrid& grid,
                              const std::string& where) {
-  Spreader spreader(grid, where);
+  BlockSpreader spreader(grid, where);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Corners corners = corners_of(mesh, i);
     if (area_of(corners) > 0) spreader.add(static_cast<std::uint32_t>(i), corners);

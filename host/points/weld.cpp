@@ -14,7 +14,7 @@
 namespace lamplock::points {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_point = std::numeric_limits<std::uint32_t>::max();
 
 /// Kept points by grid cell. Cells are hashed into buckets without storing the cell: two cells in
 /// one bucket only cost a few more comparisons of distance, never a wrong answer.
@@ -22,8 +22,8 @@ class KeptPoints {
  public:
   KeptPoints(std::size_t most_points, double min_distance)
       : distance_(min_distance),
-        heads_(std::bit_ceil(std::max<std::size_t>(most_points, 2)), none),
-        next_(most_points, none) {}
+        heads_(std::bit_ceil(std::max<std::size_t>(most_points, 2)), no_point),
+        next_(most_points, no_point) {}
 
   bool is_near(const PointCloud& kept, const Point& point) const {
     const Cell low = cell_of({point.x - distance_, point.y - distance_, point.z - distance_});
@@ -73,7 +73,7 @@ class KeptPoints {
   }
 
   bool bucket_has_near(const PointCloud& kept, const Cell& cell, const Point& point) const {
-    for (std::uint32_t i = heads_[bucket(cell)]; i != none; i = next_[i]) {
+    for (std::uint32_t i = heads_[bucket(cell)]; i != no_point; i = next_[i]) {
       const double dx = kept[i].x - point.x, dy = kept[i].y - point.y, dz = kept[i].z - point.z;
       if (dx * dx + dy * dy + dz * dz < distance_ * distance_) return true;
     }
@@ -92,7 +92,7 @@ WeldResult weld(PointCloud cloud, double min_distance_mm, std::size_t always_kep
                 "give 0 or a positive distance");
   }
   if (min_distance_mm == 0) return {std::move(cloud), 0};
-  if (cloud.size() >= none) {
+  if (cloud.size() >= no_point) {
     throw Error(Exit::bad_input, "weld", fmt::format("{} points", cloud.size()),
                 "use a greater spacing");
   }

@@ -16,7 +16,7 @@ namespace {
 
 using settings::Id;
 
-constexpr double full_power = 65'535;
+constexpr double max_s_word = 65'535;
 /// A number of G-code has no more decimals (docs/gcode.md).
 constexpr int most_decimals = 7;
 
@@ -64,8 +64,8 @@ class Writer {
   const std::string& s_word(std::uint16_t run) {
     std::string& word = words_[run >> wire::run_code_bits];
     for (int decimals = 0; word.empty(); ++decimals) {
-      std::string text = number(wire::run_power(run) / full_power * full_s_, decimals);
-      const double power = std::stod(text) / full_s_ * full_power;
+      std::string text = number(wire::run_power(run) / max_s_word * full_s_, decimals);
+      const double power = std::stod(text) / full_s_ * max_s_word;
       const auto heard = wire::longest_run(static_cast<std::uint16_t>(std::lround(power)), 1);
       if (heard >> wire::run_code_bits == run >> wire::run_code_bits || decimals == most_decimals)
         word = std::move(text);

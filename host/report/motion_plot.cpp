@@ -14,7 +14,8 @@ namespace lamplock::report {
 namespace {
 
 // All lengths are pixels.
-constexpr double width = 880, left = 96, right = 16, gap = 16, view_size = 264, view_gap = 78;
+constexpr double plot_width = 880, plot_left = 96, plot_right = 16, plot_gap = 16, view_size = 264,
+                 view_gap = 78;
 constexpr double title_y = 20, legend_y = 42, strip_y = 62, panels_y = 74, below = 46;
 constexpr double name_x = 13, limit_x = 27, view_name_gap = 56;
 constexpr double digit_width = 7;
@@ -114,14 +115,14 @@ class Drawing {
  public:
   Drawing(const MotionSeries& series, const std::string& title) : series_(series) {
     plane_ = series.axes.size() > 1 && series.axes[0].number == 0 && series.axes[1].number == 1;
-    right_ = width - right - (plane_ ? view_size + view_gap : 0);
+    right_ = plot_width - plot_right - (plane_ ? view_size + view_gap : 0);
     y_ = panels_y;
-    body_ += "<g font-weight=\"bold\">" + text_at(left, title_y, "start", title) + "</g>\n";
+    body_ += "<g font-weight=\"bold\">" + text_at(plot_left, title_y, "start", title) + "</g>\n";
     strip();
   }
 
   std::string finish() {
-    const double bottom = y_ - gap;
+    const double bottom = y_ - plot_gap;
     beat_numbers(bottom);
     if (plane_) view();
     legend();
@@ -130,7 +131,7 @@ class Drawing {
                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
                "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"12\">\n"
                "<rect width=\"{0:.0f}\" height=\"{1:.0f}\" fill=\"#fff\"/>\n",
-               width, height) +
+               plot_width, height) +
            body_ + "</svg>\n";
   }
 
@@ -163,12 +164,12 @@ class Drawing {
       body_ += report::curve(points, colours[index(s.axis.number)], clip());
     }
     scales_.push_back(scale);
-    y_ += height + gap;
+    y_ += height + plot_gap;
   }
   /// Shots on the curves of the panel just drawn.
   void shots_on_curves(double height) {
     if (beat_width() < least_ring_width) return;
-    const double top = y_ - gap - height;
+    const double top = y_ - plot_gap - height;
     for (const ShotMark& shot : series_.shots)
       for (const AxisSeries& axis : series_.axes)
         dot({x(shot.beat), y_of(scales_.back(), height, shot.position_mm[index(axis.number)], top)},
@@ -186,7 +187,7 @@ class Drawing {
 
  private:
   double x(double beat) const {
-    return left + (right_ - left) * (beat - series_.from) / (series_.to - series_.from);
+    return plot_left + (right_ - plot_left) * (beat - series_.from) / (series_.to - series_.from);
   }
   static double y_in(const Scale& scale, double top, double height, double value) {
     return top + height * (scale.high - value) / (scale.high - scale.low);
@@ -197,7 +198,7 @@ class Drawing {
   static double y_of(const Scale& scale, double height, double value, double top) {
     return y_in(scale, top, height, value);
   }
-  double beat_width() const { return (right_ - left) / (series_.to - series_.from); }
+  double beat_width() const { return (right_ - plot_left) / (series_.to - series_.from); }
   double radius() const { return std::clamp(0.3 * beat_width(), 1.2, 3.0); }
   std::string clip() const { return fmt::format(" clip-path=\"url(#panel{})\"", panels_); }
   void dot(Pixel at, double size, const char* colour) {
@@ -236,7 +237,7 @@ class Drawing {
 /// What has been drawn, and what it means.
 void Drawing::legend() {
   constexpr double dash = 22, mark = 12, y = legend_y - 4;
-  double at = left;
+  double at = plot_left;
   const auto word = [&](double room, const std::string& text) {
     body_ += text_at(at + room, legend_y, "start", text);
     at += room + digit_width * static_cast<double>(text.size()) + 18;
@@ -286,36 +287,37 @@ void Drawing::frame(double height, const std::string& name, const Scale& scale) 
       "<clipPath id=\"panel{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
       "height=\"{:.1f}\"/>"
       "</clipPath>\n",
-      panels_, left, y_, right_ - left, height);
+      panels_, plot_left, y_, right_ - plot_left, height);
   std::string names;
   for (const StateBand& band : series_.bands) {
-    const double from = std::max(x(band.from), left), to = std::min(x(band.to), right_);
+    const double from = std::max(x(band.from), plot_left), to = std::min(x(band.to), right_);
     if (to <= from) continue;
     body_ += fmt::format(
         "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"#fdf0d0\"/>\n",
         from, y_, to - from, height);
     if (panels_ > 1) continue;
     const double room = digit_width * static_cast<double>(band.name.size()) / 2 + 4;
-    names += text_at(std::clamp((from + to) / 2, left + room, right_ - room), y_ + 14, "middle",
-                     band.name);
+    names += text_at(std::clamp((from + to) / 2, plot_left + room, right_ - room), y_ + 14,
+                     "middle", band.name);
   }
-  const double every = std::max(1.0, nice_step(series_.to - series_.from, (right_ - left) / 9));
+  const double every =
+      std::max(1.0, nice_step(series_.to - series_.from, (right_ - plot_left) / 9));
   for (const double beat : multiples(series_.from, series_.to, every))
     body_ += line({x(beat), y_}, {x(beat), y_ + height}, grid_colour);
   const double step = nice_step(scale.high - scale.low, height / 18);
   for (const double value : multiples(scale.low, scale.high, step)) {
     const double y = y_of(scale, height, value);
     const bool zero = std::fabs(value) < step / 2;
-    body_ += line({left, y}, {right_, y}, zero ? "#bbb" : grid_colour);
-    body_ += text_at(left - 6, y + 4, "end", fmt::format("{:.6g}", zero ? 0 : value));
+    body_ += line({plot_left, y}, {right_, y}, zero ? "#bbb" : grid_colour);
+    body_ += text_at(plot_left - 6, y + 4, "end", fmt::format("{:.6g}", zero ? 0 : value));
   }
   body_ += fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
       "stroke=\"{}\"/>\n",
-      left, y_, right_ - left, height, frame_colour);
+      plot_left, y_, right_ - plot_left, height, frame_colour);
   body_ += names + turned_text(name_x, y_ + height / 2, name);
   if (panels_ == 1 && series_.axes.empty())
-    body_ += text_at((left + right_) / 2, y_ + 20, "middle", "nothing moves in these beats");
+    body_ += text_at((plot_left + right_) / 2, y_ + 20, "middle", "nothing moves in these beats");
 }
 
 void Drawing::limits(double height, const Scale& scale, const std::vector<Shown>& shown) {
@@ -328,7 +330,7 @@ void Drawing::limits(double height, const Scale& scale, const std::vector<Shown>
     for (const double limit : {s.limit, -s.limit}) {
       if (limit < scale.low || limit > scale.high) continue;
       const double y = y_of(scale, height, limit);
-      body_ += line({left, y}, {right_, y}, limit_colour, "5 4");
+      body_ += line({plot_left, y}, {right_, y}, limit_colour, "5 4");
       drawn = limits_ = true;
     }
     if (!drawn) far += fmt::format("{}{:g}", far.empty() ? "limit " : ", ", s.limit);
@@ -341,10 +343,11 @@ void Drawing::beat_numbers(double bottom) {
   const double longest =
       static_cast<double>(std::max(text(series_.from).size(), text(series_.to).size()));
   const double room = std::max(44.0, (longest + 2) * digit_width);
-  const double every = std::max(1.0, nice_step(series_.to - series_.from, (right_ - left) / room));
+  const double every =
+      std::max(1.0, nice_step(series_.to - series_.from, (right_ - plot_left) / room));
   for (const double beat : multiples(series_.from, series_.to, every))
     body_ += text_at(x(beat), bottom + 16, "middle", text(beat));
-  body_ += text_at((left + right_) / 2, bottom + 36, "middle",
+  body_ += text_at((plot_left + right_) / 2, bottom + 36, "middle",
                    fmt::format("beats of {:.4g} ms", series_.beat_ms));
 }
 
@@ -363,7 +366,7 @@ void Drawing::view() {
     return Scale{(s.low + s.high - size) / 2, (s.low + s.high + size) / 2};
   };
   across = about(across), up = about(up);
-  const double x0 = width - right - view_size;
+  const double x0 = plot_width - plot_right - view_size;
   const auto place = [&](const Pixel& mm) {
     return Pixel{x0 + view_size * (mm.x - across.low) / size,
                  panels_y + view_size * (up.high - mm.y) / size};

@@ -25,14 +25,14 @@ constexpr std::uint32_t most_beats_told = 254;
 constexpr std::size_t clock_places = 256;
 
 /// A box round all points that have a place.
-struct Box {
+struct CloudBox {
   std::array<double, 3> low{}, size{};
 };
 
 std::array<double, 3> coordinates(const points::Point& p) { return {p.x, p.y, p.z}; }
 
-Box box_round(const points::PointCloud& cloud) {
-  Box box;
+CloudBox box_round(const points::PointCloud& cloud) {
+  CloudBox box;
   bool first = true;
   std::array<double, 3> high{};
   for (const points::Point& point : cloud) {
@@ -85,7 +85,7 @@ std::vector<std::uint32_t> shown_points(const JobRun& run, const PointBeats& bea
   return shown;
 }
 
-std::string cloud_bytes(const JobRun& run, const PointBeats& beats, const Box& box,
+std::string cloud_bytes(const JobRun& run, const PointBeats& beats, const CloudBox& box,
                         const std::vector<std::uint32_t>& shown) {
   std::string bytes;
   bytes.reserve(8 * shown.size());
@@ -162,8 +162,8 @@ std::vector<std::string> warnings_of(const Report& report, const JobRun& run) {
   return warnings;
 }
 
-Json page_json(const Report& report, const JobRun& run, const PointBeats& beats, const Box& box,
-               const std::vector<std::uint32_t>& shown) {
+Json page_json(const Report& report, const JobRun& run, const PointBeats& beats,
+               const CloudBox& box, const std::vector<std::uint32_t>& shown) {
   const Utilisation use = utilisation_over_time(beats, report.beats);
   return {{"report", Json::parse(to_json(report))},
           {"estimate", !run.foreseen_beats.empty()},
@@ -203,7 +203,7 @@ std::string in_script(const Json& json) {
 
 std::string page(const Report& report, const JobRun& run) {
   const PointBeats beats = point_beats(run);
-  const Box box = box_round(run.points);
+  const CloudBox box = box_round(run.points);
   const std::vector<std::uint32_t> shown = shown_points(run, beats);
   const std::string_view whole = page_template();
   const std::size_t data = whole.find(data_place), cloud = whole.find(cloud_place);

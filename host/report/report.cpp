@@ -8,6 +8,7 @@
 #include "host/error.hpp"
 #include "host/report/matching.hpp"
 #include "host/units.hpp"
+#include "host/version.hpp"
 
 namespace lamplock::report {
 namespace {
@@ -93,7 +94,7 @@ nlohmann::ordered_json settings_json(const settings::Values& values) {
 Report evaluate(const JobRun& run) {
   check(run);
   Report report;
-  report.version = LAMPLOCK_VERSION;
+  report.version = lamplock::version();
   report.input = run.input;
   report.mode = run.mode;
   report.board = run.board;

@@ -15,19 +15,20 @@ using program_run::servo_axes;
 using program_run::ServoSample;
 
 // All lengths are pixels.
-constexpr double side = 360, chart_width = 520, left = 64, gap = 84, right = 28;
+constexpr double side = 360, chart_width = 520, picture_left = 64, picture_gap = 84,
+                 picture_right = 28;
 constexpr double head = 40, foot = 52, row_height = head + side + foot;
 constexpr double most_ticks = 7, tick_length = 5;
 /// Ends of pieces of a path that are closer are one.
 constexpr double least_way = 0.7;
-constexpr double margin = 1.06;  ///< of what is drawn
-constexpr const char* frame_colour = "#999";
+constexpr double range_margin = 1.06;  ///< of what is drawn
+constexpr const char* servo_frame_colour = "#999";
 constexpr const char* programmed_colour = "#999999";
 constexpr std::array<const char*, servo_axes> axis_colours{"#0072b2", "#d55e00"};
 constexpr const char* measured_colour = "#009e73";
 
 /// From a range of values to one of pixels.
-struct Scale {
+struct ServoScale {
   double low, high, at_low, at_high;
 
   double operator()(double value) const {
@@ -91,19 +92,21 @@ class DenseCurve {
 };
 
 /// A frame with numbers on its lower and left side.
-std::string frame(const Scale& x, const Scale& y) {
+std::string frame(const ServoScale& x, const ServoScale& y) {
   std::string out = fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
       "fill=\"#fff\" stroke=\"{}\"/>\n",
-      x.at_low, y.at_high, x.at_high - x.at_low, y.at_low - y.at_high, frame_colour);
+      x.at_low, y.at_high, x.at_high - x.at_low, y.at_low - y.at_high, servo_frame_colour);
   const double x_step = svg::nice_step(x.high - x.low, most_ticks);
   for (double k = std::ceil(x.low / x_step); k * x_step <= x.high; ++k) {
-    out += svg::line(x(k * x_step), y.at_low, x(k * x_step), y.at_low + tick_length, frame_colour);
+    out += svg::line(x(k * x_step), y.at_low, x(k * x_step), y.at_low + tick_length,
+                     servo_frame_colour);
     out += svg::text_at(x(k * x_step), y.at_low + 18, "middle", number(k * x_step, x_step));
   }
   const double y_step = svg::nice_step(y.high - y.low, most_ticks);
   for (double k = std::ceil(y.low / y_step); k * y_step <= y.high; ++k) {
-    out += svg::line(x.at_low - tick_length, y(k * y_step), x.at_low, y(k * y_step), frame_colour);
+    out += svg::line(x.at_low - tick_length, y(k * y_step), x.at_low, y(k * y_step),
+                     servo_frame_colour);
     out += svg::text_at(x.at_low - 8, y(k * y_step) + 4, "end", number(k * y_step, y_step));
   }
   return out;
@@ -119,12 +122,12 @@ std::string path_panel(const NamedServoRun& named, double top) {
       low[a] = std::min({low[a], sample.axis[a].programmed, sample.axis[a].measured});
       high[a] = std::max({high[a], sample.axis[a].programmed, sample.axis[a].measured});
     }
-  const double half = std::max({high[0] - low[0], high[1] - low[1], 1e-3}) * margin / 2;
+  const double half = std::max({high[0] - low[0], high[1] - low[1], 1e-3}) * range_margin / 2;
   const auto scale = [&](std::size_t a, double at_low, double at_high) {
     const double middle = (low[a] + high[a]) / 2;
-    return Scale{middle - half, middle + half, at_low, at_high};
+    return ServoScale{middle - half, middle + half, at_low, at_high};
   };
-  const Scale x = scale(0, left, left + side), y = scale(1, top + side, top);
+  const ServoScale x = scale(0, picture_left, picture_left + side), y = scale(1, top + side, top);
   Curve programmed, measured;
   for (const ServoSample& sample : named.run.samples) {
     programmed.add(x(sample.axis[0].programmed), y(sample.axis[1].programmed));
@@ -132,7 +135,7 @@ std::string path_panel(const NamedServoRun& named, double top) {
   }
   return frame(x, y) + programmed.element(programmed_colour, 3) +
          measured.element(measured_colour, 1) +
-         svg::text_at(left + side / 2, top + side + 38, "middle", "X / mm") +
+         svg::text_at(picture_left + side / 2, top + side + 38, "middle", "X / mm") +
          svg::turned_text(16, top + side / 2, "Y / mm");
 }
 
@@ -141,12 +144,12 @@ std::string error_panel(const NamedServoRun& named, double top, double pulse_mm)
   for (const ServoSample& sample : named.run.samples)
     for (const program_run::ServoPlace& place : sample.axis)
       most = std::max(most, std::abs(place.programmed - place.measured));
-  const double from = left + side + gap;
-  const Scale x{0, std::max(named.run.samples.back().at_s, 1e-3), from, from + chart_width};
-  const Scale y{-most * margin, most * margin, top + side, top};
+  const double from = picture_left + side + picture_gap;
+  const ServoScale x{0, std::max(named.run.samples.back().at_s, 1e-3), from, from + chart_width};
+  const ServoScale y{-most * range_margin, most * range_margin, top + side, top};
   std::string out = frame(x, y);
   for (const double mm : {-pulse_mm, 0.0, pulse_mm})
-    out += svg::line(x.at_low, y(mm), x.at_high, y(mm), frame_colour, mm == 0 ? "" : "4 3");
+    out += svg::line(x.at_low, y(mm), x.at_high, y(mm), servo_frame_colour, mm == 0 ? "" : "4 3");
   out += svg::text_at(x.at_high - 4, y(pulse_mm) + 14, "end", "one pulse");
   for (std::size_t a = 0; a < servo_axes; ++a) {
     DenseCurve curve;
@@ -166,7 +169,7 @@ std::string key(double x, double y, const char* colour, const char* text) {
 }  // namespace
 
 std::string servo_svg(const std::vector<NamedServoRun>& runs, double pulse_mm) {
-  const double width = left + side + gap + chart_width + right;
+  const double width = picture_left + side + picture_gap + chart_width + picture_right;
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
       "{1}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" "
@@ -175,11 +178,11 @@ std::string servo_svg(const std::vector<NamedServoRun>& runs, double pulse_mm) {
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const double row = row_height * static_cast<double>(i), top = row + head;
     out += fmt::format("<g font-weight=\"bold\">{}</g>\n",
-                       svg::text_at(left, row + 26, "start", runs[i].name));
-    out += key(left + side - 150, row + 26, programmed_colour, "program");
-    out += key(left + side - 60, row + 26, measured_colour, "encoders");
-    out += key(width - right - 120, row + 26, axis_colours[0], "X");
-    out += key(width - right - 60, row + 26, axis_colours[1], "Y");
+                       svg::text_at(picture_left, row + 26, "start", runs[i].name));
+    out += key(picture_left + side - 150, row + 26, programmed_colour, "program");
+    out += key(picture_left + side - 60, row + 26, measured_colour, "encoders");
+    out += key(width - picture_right - 120, row + 26, axis_colours[0], "X");
+    out += key(width - picture_right - 60, row + 26, axis_colours[1], "Y");
     out += path_panel(runs[i], top) + error_panel(runs[i], top, pulse_mm);
   }
   return out + "</svg>\n";

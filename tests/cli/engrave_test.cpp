@@ -7,25 +7,18 @@
 #include "host/model/read_points.hpp"
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/cli/run_json.hpp"
 #include "tests/cli/shots.hpp"
 
 namespace lamplock::cli::test {
 namespace {
 
-using Json = nlohmann::json;
 using testing::HasSubstr;
 
 /// Half a step of the default machine (200 steps/mm).
 constexpr double half_step_mm = 0.0025;
 
 /// Runs, expects success, gives the JSON document on stdout.
-Json run_json(std::vector<std::string> arguments) {
-  arguments.emplace_back("--json");
-  const Finished finished = run(arguments);
-  EXPECT_EQ(finished.status, 0) << finished.err;
-  return Json::parse(finished.out, nullptr, false);
-}
-
 void expect_each_once(const Json& report) {
   EXPECT_EQ(report["shots"], report["points"]);
   EXPECT_EQ(report["missed"], 0);

@@ -9,22 +9,15 @@
 #include "host/job/profile.hpp"
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/cli/run_json.hpp"
 
 namespace lamplock::cli::test {
 namespace {
 
-using Json = nlohmann::json;
 using testing::EndsWith;
 using testing::HasSubstr;
 
 /// Runs, expects success, gives the JSON document on stdout.
-Json run_json(std::vector<std::string> arguments) {
-  arguments.emplace_back("--json");
-  const Finished finished = run(arguments);
-  EXPECT_EQ(finished.status, 0) << finished.err;
-  return Json::parse(finished.out, nullptr, false);
-}
-
 /// What an estimate tells is what the run has told.
 void expect_equal(const Json& told, const Json& run) {
   for (const char* key : {"points", "shots", "beats", "beats_before", "beats_per_point",

@@ -10,26 +10,19 @@
 #include "host/model/read_points.hpp"
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/cli/run_json.hpp"
 #include "tests/cli/shots.hpp"
 
 namespace lamplock::cli::test {
 namespace {
 
-using Json = nlohmann::json;
 using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
 constexpr double index_of_k9 = 1.5168;
 /// Of the default machine, 200 steps/mm; less than a rounded half.
-constexpr double half_step_mm = 0.0025 + 1e-9;
-
-Json run_json(std::vector<std::string> arguments) {
-  arguments.emplace_back("--json");
-  const Finished finished = run(arguments);
-  EXPECT_EQ(finished.status, 0) << finished.err;
-  return Json::parse(finished.out, nullptr, false);
-}
+constexpr double rounded_half_step_mm = 0.0025 + 1e-9;
 
 std::vector<std::string> joined(std::vector<std::string> words,
                                 const std::vector<std::string>& more) {
@@ -37,8 +30,8 @@ std::vector<std::string> joined(std::vector<std::string> words,
   return words;
 }
 
-void expect_refused(const Folder& folder, const std::vector<std::string>& arguments,
-                    const std::vector<std::string>& names) {
+void expect_glass_refused(const Folder& folder, const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& names) {
   const auto before = folder.files();
   const Finished refused = run(arguments);
   EXPECT_EQ(refused.status, 2) << refused.out;
@@ -59,15 +52,15 @@ TEST(Glass, ShotsAreInTheGlassAndTheStageIsNot) {
   const auto shots = read_shots(folder / "shots.csv");
   ASSERT_EQ(shots.size(), points.size());
   for (std::size_t i = 0; i < shots.size(); ++i) {
-    EXPECT_NEAR(shots[i].x, points[i].x, half_step_mm);
-    EXPECT_NEAR(shots[i].z, points[i].z, half_step_mm * index_of_k9);
+    EXPECT_NEAR(shots[i].x, points[i].x, rounded_half_step_mm);
+    EXPECT_NEAR(shots[i].z, points[i].z, rounded_half_step_mm * index_of_k9);
   }
   // The entry face is at 15 mm; the stage goes less far under it.
   ASSERT_EQ(run(joined({"job", "-o", folder / "j.llj"}, glass)).status, 0);
   const job::Job job = job::read_job_file(folder / "j.llj");
   for (std::size_t i = 0; i < points.size(); ++i)
     EXPECT_NEAR(job.targets[i].steps[2] / 200.0, 15 + (points[i].z - 15) / index_of_k9,
-                half_step_mm);
+                rounded_half_step_mm);
   // A job file knows its glass.
   run_json({"send", folder / "j.llj", "--shots", folder / "sent.csv"});
   EXPECT_EQ(read(folder / "sent.csv"), read(folder / "shots.csv"));
@@ -76,28 +69,28 @@ TEST(Glass, ShotsAreInTheGlassAndTheStageIsNot) {
 TEST(Glass, BlocksKeepTheirMargin) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", "0 0 0\n0 0 8\n1 6.9 0\n0 7.1 0\n0 0 7.5\n");
-  expect_refused(folder, {"engrave", list, "--block", "20,20,20", "--report", folder / "r"},
-                 {"3 of 5 points", "point 1 at (0, 0, 8) mm", "margin", "7"});
+  expect_glass_refused(folder, {"engrave", list, "--block", "20,20,20", "--report", folder / "r"},
+                       {"3 of 5 points", "point 1 at (0, 0, 8) mm", "margin", "7"});
   const Finished narrow = run({"engrave", list, "--block", "20,20,20", "--margin", "2"});
   EXPECT_EQ(narrow.status, 0) << narrow.err;
   EXPECT_THAT(narrow.out, HasSubstr("warning  a margin of 2 mm"));
   const std::string mesh = folder.write("m.stl", octahedron_stl());
-  expect_refused(folder,
-                 {"points", mesh, "--size", "15", "--block", "20,20,20", "-o", folder / "o.xyz"},
-                 {"--size 14"});
+  expect_glass_refused(
+      folder, {"points", mesh, "--size", "15", "--block", "20,20,20", "-o", folder / "o.xyz"},
+      {"--size 14"});
   // A move out of the block.
-  expect_refused(folder,
-                 {"points", mesh, "--size", "10", "--block", "20,20,20", "--transform",
-                  "move 4 0 0", "-o", folder / "o.xyz"},
-                 {"lie outside the block"});
+  expect_glass_refused(folder,
+                       {"points", mesh, "--size", "10", "--block", "20,20,20", "--transform",
+                        "move 4 0 0", "-o", folder / "o.xyz"},
+                       {"lie outside the block"});
 }
 
 TEST(Glass, ThatCannotBe) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", "0 0 0\n");
   const auto refused = [&](const std::vector<std::string>& options, const std::string& names) {
-    expect_refused(folder, joined({"engrave", list}, options), {names});
-    expect_refused(folder, joined({"frame", list}, options), {names});
+    expect_glass_refused(folder, joined({"engrave", list}, options), {names});
+    expect_glass_refused(folder, joined({"frame", list}, options), {names});
   };
   refused({"--block", "20,0,20"}, "--block");
   refused({"--block", "20,20"}, "--block");
@@ -153,9 +146,9 @@ TEST(Pauses, CostTheirBeatsAndNoPoint) {
   };
   const int short_ones = beats("40");
   EXPECT_EQ(beats("240") - short_ones, 3 * 200);
-  expect_refused(folder, {"engrave", list, "--pause-every", "5", "--pause-beats", "0"},
-                 {"--pause-beats"});
-  expect_refused(folder, {"engrave", list, "--pause-every", "-1"}, {"--pause-every"});
+  expect_glass_refused(folder, {"engrave", list, "--pause-every", "5", "--pause-beats", "0"},
+                       {"--pause-beats"});
+  expect_glass_refused(folder, {"engrave", list, "--pause-every", "-1"}, {"--pause-every"});
 }
 
 TEST(Pauses, AJobGoesOnFromAnyPlace) {
@@ -174,7 +167,7 @@ TEST(Pauses, AJobGoesOnFromAnyPlace) {
     const auto shots = read_shots(folder / "shots.csv");
     ASSERT_EQ(shots.size(), left) << from;
     for (std::size_t i = 0; i < left; ++i)
-      EXPECT_NEAR(shots[i].x, points[25 - left + i].x, half_step_mm) << from;
+      EXPECT_NEAR(shots[i].x, points[25 - left + i].x, rounded_half_step_mm) << from;
   }
 }
 
@@ -234,11 +227,11 @@ TEST(Description, WantsNoOptionsThatItHasKeysFor) {
                                                                   {"--block", "9,9,9"},
                                                                   {"--transform", "fit"},
                                                                   {"--no-end-points"}})
-    expect_refused(folder, joined({"engrave", toml}, option), {"job.toml"});
+    expect_glass_refused(folder, joined({"engrave", toml}, option), {"job.toml"});
   folder.write("job.toml", "[[object]]\nfile = \"p.xyz\"\n\nsise = 3\n");
-  expect_refused(folder, {"engrave", toml}, {"job.toml:4: unknown key 'sise'"});
+  expect_glass_refused(folder, {"engrave", toml}, {"job.toml:4: unknown key 'sise'"});
   folder.write("job.toml", "[[object]]\nfile = \"none.xyz\"\n");
-  expect_refused(folder, {"engrave", toml}, {"none.xyz"});
+  expect_glass_refused(folder, {"engrave", toml}, {"none.xyz"});
 }
 
 TEST(Description, SeveralObjectsInOneBlock) {
@@ -358,9 +351,9 @@ TEST(Warnings, OfMeshesWithHoles) {
   const Json made =
       run_json({"points", mesh, "--size", "5", "--spacing", "0.5", "-o", folder / "o.xyz"});
   EXPECT_THAT(made["warnings"].dump(), HasSubstr("m.stl: 3 "));
-  expect_refused(folder,
-                 {"points", mesh, "--size", "5", "--method", "solid", "-o", folder / "p.xyz"},
-                 {"open"});
+  expect_glass_refused(folder,
+                       {"points", mesh, "--size", "5", "--method", "solid", "-o", folder / "p.xyz"},
+                       {"open"});
 }
 
 TEST(Warnings, OfOptionsThatTheMethodDoesNotKnow) {

@@ -5,12 +5,12 @@
 
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/cli/run_json.hpp"
 #include "tests/cli/shots.hpp"
 
 namespace lamplock::cli::test {
 namespace {
 
-using Json = nlohmann::json;
 using testing::HasSubstr;
 
 /// Points a step apart, then one so far that the slow machine is refused its way to it; that is

@@ -1,6 +1,8 @@
 // What the program says when asked, and when asked wrongly.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "host/version.hpp"
 #include "tests/cli/program.hpp"
 
 namespace lamplock::cli::test {
@@ -35,9 +37,9 @@ TEST(Usage, help_lists_every_command) {
 }
 
 TEST(Usage, version_is_one_line) {
-  const Finished version = run({"--version"});
-  EXPECT_EQ(version.status, 0);
-  EXPECT_EQ(version.out, "lamplock " LAMPLOCK_VERSION "\n");
+  const Finished finished = run({"--version"});
+  EXPECT_EQ(finished.status, 0);
+  EXPECT_EQ(finished.out, fmt::format("lamplock {}\n", version()));
 }
 
 /// Arguments that cannot be understood, and a word the error must have.

@@ -8,16 +8,9 @@
 namespace lamplock::program {
 namespace {
 
+using test::expect_rows;
 using test::Rig;
 using test::Row;
-
-template <std::size_t size>
-void expect_rows(const Row (&rows)[size]) {
-  for (const Row& row : rows) {
-    Rig rig;
-    EXPECT_EQ(rig.run_all(row.lines), row.wanted) << row.lines;
-  }
-}
 
 TEST(Interpreter, StraightMoves) {
   expect_rows({

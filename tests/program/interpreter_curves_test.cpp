@@ -15,9 +15,9 @@ namespace {
 
 using lamplock::test::scaled;
 using test::at;
+using test::expect_rows;
 using test::mm;
 using test::Rig;
-using test::Row;
 
 std::vector<Action> actions_of(Rig& rig, const std::string& line) {
   const Fault fault = rig.interpreter.run(line);
@@ -151,14 +151,6 @@ TEST(TimeShare, DistancesAreRight) {
     const long double wanted = std::sqrt(sum);
     EXPECT_NEAR(static_cast<double>(distance_e7(a, b)), static_cast<double>(wanted),
                 static_cast<double>(1 + wanted * 2e-8L));
-  }
-}
-
-template <std::size_t size>
-void expect_rows(const Row (&rows)[size]) {
-  for (const Row& row : rows) {
-    Rig rig;
-    EXPECT_EQ(rig.run_all(row.lines), row.wanted) << row.lines;
   }
 }
 

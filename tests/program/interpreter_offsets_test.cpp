@@ -13,17 +13,9 @@ namespace {
 
 using lamplock::test::scaled;
 using test::at;
+using test::expect_rows;
 using test::mm;
 using test::Rig;
-using test::Row;
-
-template <std::size_t size>
-void expect_rows(const Row (&rows)[size]) {
-  for (const Row& row : rows) {
-    Rig rig;
-    EXPECT_EQ(rig.run_all(row.lines), row.wanted) << row.lines;
-  }
-}
 
 TEST(Offsets, CoordinateSystems) {
   expect_rows({

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <string>
 #include <string_view>
@@ -162,5 +163,14 @@ struct Row {
   const char* lines;
   const char* wanted;
 };
+
+/// Runs each row on a machine of its own.
+template <std::size_t size>
+void expect_rows(const Row (&rows)[size]) {
+  for (const Row& row : rows) {
+    Rig rig;
+    EXPECT_EQ(rig.run_all(row.lines), row.wanted) << row.lines;
+  }
+}
 
 }  // namespace lamplock::program::test

@@ -32,7 +32,7 @@ constexpr std::array regions{
     Region{"ram", 0xd000'0000, 0x1000},       // SIO
     Region{"ram", 0xe000'0000, 0x10'0000},    // inside the core
 };
-constexpr std::uint32_t flash_base = 0x1000'0000, flash_alias = 0x0100'0000;
+constexpr std::uint32_t flash_window = 0x1000'0000, flash_alias = 0x0100'0000;
 constexpr unsigned flash_aliases = 4;
 
 }  // namespace
@@ -55,10 +55,10 @@ std::string memory_map(std::uint32_t flash_size) {
       "<?xml version=\"1.0\"?>\n<!DOCTYPE memory-map PUBLIC \"+//IDN gnu.org//DTD GDB Memory Map "
       "V1.0//EN\" \"http://sourceware.org/gdb/gdb-memory-map.dtd\">\n<memory-map>\n";
   // Erased by sectors of 4 KiB (W25Q16JV datasheet).
-  text += region("flash", flash_base, flash_size) +
+  text += region("flash", flash_window, flash_size) +
           "><property name=\"blocksize\">4096</property></memory>\n";
   for (unsigned i = 1; i < flash_aliases; ++i)
-    text += region("rom", flash_base + i * flash_alias, flash_size) + "/>\n";
+    text += region("rom", flash_window + i * flash_alias, flash_size) + "/>\n";
   for (const Region& each : regions) text += region(each.kind, each.start, each.length) + "/>\n";
   return text + "</memory-map>\n";
 }

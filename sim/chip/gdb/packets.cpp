@@ -9,7 +9,7 @@ namespace {
 constexpr std::uint8_t interrupt_byte = 0x03;
 constexpr char escape = '}';
 constexpr char escape_xor = 0x20;
-constexpr std::string_view digits = "0123456789abcdef";
+constexpr std::string_view hex_digits = "0123456789abcdef";
 
 unsigned sum(std::string_view bytes) {
   unsigned total = 0;
@@ -112,7 +112,7 @@ void Packets::send(std::string_view payload) {
     }
   }
   const unsigned check = sum(escaped);
-  last_ = '$' + escaped + '#' + digits[check >> 4] + digits[check & 15];
+  last_ = '$' + escaped + '#' + hex_digits[check >> 4] + hex_digits[check & 15];
   output_ += last_;
 }
 
@@ -134,8 +134,8 @@ std::string to_hex(std::span<const std::uint8_t> bytes) {
   std::string text;
   text.reserve(2 * bytes.size());
   for (const std::uint8_t byte : bytes) {
-    text += digits[byte >> 4];
-    text += digits[byte & 15u];
+    text += hex_digits[byte >> 4];
+    text += hex_digits[byte & 15u];
   }
   return text;
 }

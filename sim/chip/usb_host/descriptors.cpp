@@ -5,15 +5,13 @@
 #include <optional>
 #include <set>
 
+#include "sim/chip/usb_host/words.hpp"
+
 namespace lamplock::sim::chip::usb {
 
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
-
-std::uint16_t word(Bytes bytes, std::size_t at) {
-  return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
-}
 
 bool is_packet_size(unsigned size) { return size == 8 || size == 16 || size == 32 || size == 64; }
 

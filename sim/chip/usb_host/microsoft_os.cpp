@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <array>
 
+#include "sim/chip/usb_host/words.hpp"
+
 namespace lamplock::sim::chip::usb {
 
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
-
-std::uint16_t word(Bytes bytes, std::size_t at) {
-  return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
-}
 
 /// D8DD60DF-4589-4CC7-9CD2-659D9E648A9F as it lies in memory (specification, table 4).
 constexpr std::array<std::uint8_t, 16> platform_uuid = {

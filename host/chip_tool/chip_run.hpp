@@ -28,7 +28,7 @@
 #include "sim/chip/usb_host/usb_host.hpp"
 #include "sim/endpoint/tcp_endpoint.hpp"
 
-namespace lamplock::cli {
+namespace lamplock::chip_tool {
 
 /// What is wanted of a run; empty: not.
 struct ChipRunOptions {
@@ -73,7 +73,7 @@ class ChipRun {
   /// A file that takes text while the chip runs.
   struct Trace {
     Trace(const std::string& name, sim::chip::Chip& chip);
-    StagedFile file;
+    cli::StagedFile file;
     std::ofstream stream;
     sim::chip::PadTrace writer;
   };
@@ -101,4 +101,4 @@ class ChipRun {
   sim::Picoseconds reached_ = 0;
 };
 
-}  // namespace lamplock::cli
+}  // namespace lamplock::chip_tool

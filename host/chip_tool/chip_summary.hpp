@@ -6,16 +6,16 @@
 
 #include <string>
 
-#include "host/cli/chip_run.hpp"
+#include "host/chip_tool/chip_run.hpp"
 #include "host/cli/console.hpp"
 
-namespace lamplock::cli {
+namespace lamplock::chip_tool {
 
 /// Times, cycles, edges, resets, and what was touched and is not modelled.
 std::string chip_summary(ChipRun& run, double wall_seconds);
 /// Frequencies of the clocks and of the pins.
 std::string chip_frequencies(ChipRun& run);
 /// All of it.
-Json chip_json(ChipRun& run, double wall_seconds);
+cli::Json chip_json(ChipRun& run, double wall_seconds);
 
-}  // namespace lamplock::cli
+}  // namespace lamplock::chip_tool

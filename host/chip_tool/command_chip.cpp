@@ -4,26 +4,36 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "host/cli/chip_run.hpp"
-#include "host/cli/chip_summary.hpp"
-#include "host/cli/commands.hpp"
+#include "host/chip_tool/chip_run.hpp"
+#include "host/chip_tool/chip_summary.hpp"
+#include "host/chip_tool/command_chip.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/endpoints.hpp"
 #include "host/cli/interrupt.hpp"
-#include "host/cli/options.hpp"
+#include "host/cli/program.hpp"
 #include "host/cli/simulator_error.hpp"
+#include "host/cli/validators.hpp"
 #include "sim/chip/script/parser.hpp"
 
-namespace lamplock::cli {
+namespace lamplock::chip_tool {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using cli::Command;
+using cli::Console;
+using cli::Interrupt;
+using cli::most_unsent;
+using cli::one_of;
+using cli::open_pty;
+using cli::refuse;
+
+using WallClock = std::chrono::steady_clock;
 using sim::Picoseconds;
 using sim::chip::script::Port;
 
@@ -104,7 +114,7 @@ class Pace {
  public:
   void wait(Picoseconds simulated) {
     const auto wall =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start_).count() *
+        std::chrono::duration_cast<std::chrono::nanoseconds>(WallClock::now() - start_).count() *
         sim::ps_per_ns;
     const Picoseconds lead = simulated - wall;
     if (lead > tolerated_lead)
@@ -114,7 +124,7 @@ class Pace {
   }
 
  private:
-  Clock::time_point start_ = Clock::now();
+  WallClock::time_point start_ = WallClock::now();
 };
 
 /// Runs to the end of time or of the script; whether nobody interrupted it.
@@ -165,9 +175,9 @@ Exit run_image(const Options& options) {
     console.say("waiting for a debugger: gdb-multiarch {} -ex 'target remote {}'",
                 options.run.image, door);
   Terminals terminals(options, console);
-  const auto start = Clock::now();
+  const auto start = WallClock::now();
   const bool whole = run_to_end(run, terminals, until);
-  const double wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const double wall_seconds = std::chrono::duration<double>(WallClock::now() - start).count();
   run.finish();
   console.text(chip_summary(run, wall_seconds));
   if (options.freq) console.text(chip_frequencies(run));
@@ -179,54 +189,54 @@ Exit run_image(const Options& options) {
 
 }  // namespace
 
-void add_chip(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
-      "chip", "Runs any image for the RP2040 in the chip simulator, cycle by cycle");
-  app->footer(
+void add_chip(Command& program) {
+  Command& app = cli::add_chip_command(program);
+  app.footer(
       "Example:\n  lamplock chip blink.uf2 --until 2.5s --vcd blink.vcd --freq\n"
       "  lamplock chip firmware.elf --script test.script      # status 1 if it does not pass\n"
       "  lamplock chip firmware.elf --pty                     # its serial port on a terminal");
   const auto options = std::make_shared<Options>();
-  app->add_option("IMAGE", options->run.image, "ELF, UF2 or BIN file")->required();
-  app->add_option("--until", options->until,
-                  "End at this simulated time, such as 2.5s or 10ms; without it when the script "
-                  "ends, or at Ctrl-C")
-      ->type_name("TIME");
-  app->add_option("--script", options->run.script,
-                  "Drive pins and ports, and expect things of them (docs/chip-script.md)")
-      ->type_name("FILE");
-  app->add_option("--vcd", options->run.vcd, "Trace of all pins, for GTKWave")->type_name("FILE");
-  app->add_option("--profile", options->run.profile,
-                  "Cycles by function and interrupt, as folded stacks for flame graphs; a table on "
-                  "the terminal")
-      ->type_name("FILE");
-  app->add_flag(std::string("--pty{") + unnamed + "}", options->pty,
-                "Serial port of the image's USB as a pseudo-terminal; --pty=LINK makes a link to "
-                "it; keeps to the wall clock");
-  app->add_option("--uart", options->uart0,
-                  "UART0: - shows what it sends, pty makes a pseudo-terminal, any other name a "
-                  "link to one")
-      ->type_name("-|pty|LINK");
-  app->add_option("--uart1", options->uart1, "The same for UART1; both can be shown")
-      ->type_name("-|pty|LINK");
-  app->add_option("--gdb", options->run.gdb,
-                  "Wait for gdb on this port of 127.0.0.1 (0: any free one), or on HOST:PORT, with "
-                  "both cores halted at reset")
-      ->type_name("PORT");
-  app->add_flag("--freq", options->freq, "Print the frequencies of clocks and pins at the end");
-  app->add_flag("--step-every-clock", options->run.step_every_clock,
-                "Run PIO and DMA in every single clock instead of skipping those in which nothing "
-                "happens: slower, the same trace");
+  app.add_option("IMAGE", &options->run.image, "ELF, UF2 or BIN file").required();
+  app.add_option("--until", &options->until,
+                 "End at this simulated time, such as 2.5s or 10ms; without it when the script "
+                 "ends, or at Ctrl-C")
+      .value_name("TIME");
+  app.add_option("--script", &options->run.script,
+                 "Drive pins and ports, and expect things of them (docs/chip-script.md)")
+      .value_name("FILE");
+  app.add_option("--vcd", &options->run.vcd, "Trace of all pins, for GTKWave").value_name("FILE");
+  app.add_option("--profile", &options->run.profile,
+                 "Cycles by function and interrupt, as folded stacks for flame graphs; a table on "
+                 "the terminal")
+      .value_name("FILE");
+  app.add_option("--pty", &options->pty,
+                 "Serial port of the image's USB as a pseudo-terminal; --pty=LINK makes a link to "
+                 "it; keeps to the wall clock")
+      .bare(unnamed);
+  app.add_option("--uart", &options->uart0,
+                 "UART0: - shows what it sends, pty makes a pseudo-terminal, any other name a "
+                 "link to one")
+      .value_name("-|pty|LINK");
+  app.add_option("--uart1", &options->uart1, "The same for UART1; both can be shown")
+      .value_name("-|pty|LINK");
+  app.add_option("--gdb", &options->run.gdb,
+                 "Wait for gdb on this port of 127.0.0.1 (0: any free one), or on HOST:PORT, with "
+                 "both cores halted at reset")
+      .value_name("PORT");
+  app.add_option("--freq", &options->freq, "Print the frequencies of clocks and pins at the end");
+  app.add_option("--step-every-clock", &options->run.step_every_clock,
+                 "Run PIO and DMA in every single clock instead of skipping those in which nothing "
+                 "happens: slower, the same trace");
   const auto flash_mib = std::make_shared<std::size_t>(options->run.flash_size / mib);
-  app->add_option("--flash-size", *flash_mib, "Size of the flash in MiB")
-      ->check(one_of({"1", "2", "4", "8", "16"}))
-      ->type_name("1|2|4|8|16")
-      ->capture_default_str();
-  app->add_flag("--json", options->json, "Print the summary as JSON on stdout");
-  app->callback([options, flash_mib, &action] {
+  app.add_option("--flash-size", flash_mib.get(), "Size of the flash in MiB")
+      .check(one_of({"1", "2", "4", "8", "16"}))
+      .value_name("1|2|4|8|16")
+      .show_default();
+  app.add_json(options->json, "Print the summary as JSON on stdout");
+  app.action([options, flash_mib] {
     options->run.flash_size = *flash_mib * mib;
-    action = [options] { return run_image(*options); };
+    return run_image(*options);
   });
 }
 
-}  // namespace lamplock::cli
+}  // namespace lamplock::chip_tool

@@ -1,17 +1,31 @@
 // `lamplock bench`: what planning gains, measured against the source documents and the optimum.
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 
+#include "host/bench/command_bench.hpp"
 #include "host/bench/report.hpp"
-#include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/options.hpp"
+#include "host/cli/program.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/staged_file.hpp"
+#include "host/cli/validators.hpp"
 #include "host/file.hpp"
+#include "host/version.hpp"
 
-namespace lamplock::cli {
+namespace lamplock::bench {
 namespace {
+
+using cli::check_target;
+using cli::Command;
+using cli::Console;
+using cli::file_name;
+using cli::Json;
+using cli::number_from;
+using cli::number_in;
+using cli::one_of;
+using cli::Progress;
+using cli::write_whole;
 
 struct Options {
   std::vector<std::string> rows{};
@@ -28,64 +42,61 @@ struct Options {
 };
 
 /// Points of everything that is to be planned.
-std::size_t work(const Options& options, const bench::BenchReport& report) {
+std::size_t work(const Options& options, const BenchReport& report) {
   std::size_t points = 0;
   const auto add = [&](const char* part, std::size_t rows, int each) {
     if (options.wants(part)) points += rows * static_cast<std::size_t>(each);
   };
-  add("measured", bench::glass_start_stop_times.size(), report.measured_points);
-  add("walks", bench::graded_walks.size(), report.walk_points);
-  add("example", bench::pulse_courses.size() * bench::pulse_draws, bench::pulse_points);
-  add("jerk", bench::jerk_machines.size() * bench::jerk_limits.size(),
-      report.walk_points + std::min(report.walk_points, bench::pulse_points));
+  add("measured", glass_start_stop_times.size(), report.measured_points);
+  add("walks", graded_walks.size(), report.walk_points);
+  add("example", pulse_courses.size() * pulse_draws, pulse_points);
+  add("jerk", jerk_machines.size() * jerk_limits.size(),
+      report.walk_points + std::min(report.walk_points, pulse_points));
   constexpr std::size_t clouds = 6;
-  add("orders", clouds * bench::order_machines.size() * bench::compared_orderings.size(),
-      report.order_points);
-  add("angles", bench::measured_angles.size(), report.order_points);
+  add("orders", clouds * order_machines.size() * compared_orderings.size(), report.order_points);
+  add("angles", measured_angles.size(), report.order_points);
   return points;
 }
 
-void measure_orders(const Options& options, bench::BenchReport& report,
-                    const bench::PointsPlanned& planned) {
+void measure_orders(const Options& options, BenchReport& report, const PointsPlanned& planned) {
   if (options.wants("orders")) {
-    const std::vector<bench::OrderCloud> clouds = bench::order_clouds(report.order_points);
-    for (const bench::Machine& machine : bench::order_machines)
-      for (const bench::OrderCloud& cloud : clouds)
+    const std::vector<OrderCloud> clouds = order_clouds(report.order_points);
+    for (const Machine& machine : order_machines)
+      for (const OrderCloud& cloud : clouds)
         report.orders.push_back(order_figures(cloud, machine, planned));
   }
   if (options.wants("angles")) {
-    const bench::OrderCloud cloud = bench::angle_cloud(report.order_points);
-    for (const bench::SortingAngle& row : bench::measured_angles)
+    const OrderCloud cloud = angle_cloud(report.order_points);
+    for (const SortingAngle& row : measured_angles)
       report.angles.push_back(sorting_angle(row, cloud, planned));
   }
 }
 
-bench::BenchReport measure(const Options& options) {
-  bench::BenchReport report;
+BenchReport measure(const Options& options) {
+  BenchReport report;
   report.seed = options.seed;
-  report.measured_points = options.points.value_or(bench::glass_points);
-  report.walk_points = options.points.value_or(bench::graded_points);
-  report.order_points = options.points.value_or(bench::glass_points);
+  report.measured_points = options.points.value_or(glass_points);
+  report.walk_points = options.points.value_or(graded_points);
+  report.order_points = options.points.value_or(glass_points);
   Progress progress("points planned", work(options, report));
   std::size_t done = 0;
   const auto planned = [&](std::size_t points) { progress.update(done += points); };
   if (options.wants("measured")) {
-    for (const bench::StartStopTime& row : bench::glass_start_stop_times) {
-      bench::MeasuredFigures figures{row, bench::start_stop_on_one_axis(row), {}};
+    for (const StartStopTime& row : glass_start_stop_times) {
+      MeasuredFigures figures{row, start_stop_on_one_axis(row), {}};
       figures.walk = walk_figures(figures.machine(), report.measured_points, options.seed, planned);
       report.measured.push_back(figures);
     }
   }
   if (options.wants("walks"))
-    for (const bench::Machine& machine : bench::graded_walks)
+    for (const Machine& machine : graded_walks)
       report.walks.push_back(
           {machine, walk_figures(machine, report.walk_points, options.seed, planned)});
   if (options.wants("example"))
-    for (const bench::PulseCourse& row : bench::pulse_courses)
-      report.courses.push_back(
-          {row.name, course_figures(row, bench::pulse_draws, options.seed, planned)});
+    for (const PulseCourse& row : pulse_courses)
+      report.courses.push_back({row.name, course_figures(row, pulse_draws, options.seed, planned)});
   if (options.wants("jerk"))
-    for (const bench::Machine& machine : bench::jerk_machines)
+    for (const Machine& machine : jerk_machines)
       report.jerks.push_back(
           {machine,
            jerk_beats(machine, motion::JoinMode::free, report.walk_points, options.seed, planned),
@@ -94,7 +105,7 @@ bench::BenchReport measure(const Options& options) {
   return report;
 }
 
-void add_figures(Json& row, const bench::Figures& f) {
+void add_figures(Json& row, const Figures& f) {
   row["start_stop"] = f.start_stop;
   row["path"] = f.path ? Json(*f.path) : Json(nullptr);
   row["free"] = f.free;
@@ -104,20 +115,20 @@ void add_figures(Json& row, const bench::Figures& f) {
   row["labels"] = f.labels;
 }
 
-Json machine_json(const bench::Machine& machine) {
+Json machine_json(const Machine& machine) {
   return {{"lamp_hz", machine.lamp_hz},
           {"speed_m_s", machine.speed_m_s},
           {"accel_m_s2", machine.accel_m_s2}};
 }
 
-Json orders_json(const bench::BenchReport& report) {
+Json orders_json(const BenchReport& report) {
   Json rows = Json::array();
-  for (const bench::OrderFigures& o : report.orders) {
+  for (const OrderFigures& o : report.orders) {
     Json row = machine_json(o.machine);
     row["cloud"] = o.cloud;
     row["points"] = o.points;
     for (std::size_t i = 0; i < o.beats.size(); ++i) {
-      const auto ordering = static_cast<std::size_t>(bench::compared_orderings[i]);
+      const auto ordering = static_cast<std::size_t>(compared_orderings[i]);
       row["beats"][std::string(order::ordering_names[ordering])] = o.beats[i];
     }
     rows.push_back(row);
@@ -125,9 +136,9 @@ Json orders_json(const bench::BenchReport& report) {
   return rows;
 }
 
-Json angles_json(const bench::BenchReport& report) {
+Json angles_json(const BenchReport& report) {
   Json rows = Json::array();
-  for (const bench::SortingAngle& row : report.angles)
+  for (const SortingAngle& row : report.angles)
     rows.push_back({{"angle_deg", row.angle_deg},
                     {"measured_s", row.measured_s},
                     {"start_stop", row.start_stop},
@@ -135,11 +146,11 @@ Json angles_json(const bench::BenchReport& report) {
   return rows;
 }
 
-Json document(const bench::BenchReport& report) {
-  Json json{{"version", LAMPLOCK_VERSION}, {"seed", report.seed}};
+Json document(const BenchReport& report) {
+  Json json{{"version", lamplock::version()}, {"seed", report.seed}};
   if (!report.measured.empty()) {
     Json rows = Json::array();
-    for (const bench::MeasuredFigures& m : report.measured) {
+    for (const MeasuredFigures& m : report.measured) {
       Json row = machine_json(m.machine());
       row["measured"] = measured_beats(m.row);
       row["start_stop_one_axis"] = m.start_stop;
@@ -151,7 +162,7 @@ Json document(const bench::BenchReport& report) {
   }
   if (!report.walks.empty()) {
     Json rows = Json::array();
-    for (const bench::WalkFigures& w : report.walks) {
+    for (const WalkFigures& w : report.walks) {
       Json row = machine_json(w.machine);
       add_figures(row, w.walk);
       rows.push_back(row);
@@ -160,24 +171,22 @@ Json document(const bench::BenchReport& report) {
   }
   if (!report.courses.empty()) {
     Json rows = Json::array();
-    for (const bench::CourseFigures& c : report.courses) {
+    for (const CourseFigures& c : report.courses) {
       Json row{{"course", c.name}};
       add_figures(row, c.course);
       rows.push_back(row);
     }
-    json["example"] = {
-        {"points", bench::pulse_points}, {"draws", bench::pulse_draws}, {"rows", rows}};
+    json["example"] = {{"points", pulse_points}, {"draws", pulse_draws}, {"rows", rows}};
   }
   if (!report.jerks.empty()) {
     Json rows = Json::array();
-    for (const bench::JerkFigures& j : report.jerks) {
+    for (const JerkFigures& j : report.jerks) {
       Json row = machine_json(j.machine);
       row["free"] = j.free;
       row["path"] = j.path;
       rows.push_back(row);
     }
-    json["jerk"] = {
-        {"points", report.walk_points}, {"limits_m_s3", bench::jerk_limits}, {"rows", rows}};
+    json["jerk"] = {{"points", report.walk_points}, {"limits_m_s3", jerk_limits}, {"rows", rows}};
   }
   if (!report.orders.empty()) json["orders"] = orders_json(report);
   if (!report.angles.empty()) json["angles"] = angles_json(report);
@@ -195,7 +204,7 @@ Exit run_bench(const Options& options) {
       throw Error(Exit::bad_input, "--chart", "the chart shows the measured rows",
                   "add measured to --rows");
   }
-  const bench::BenchReport report = measure(options);
+  const BenchReport report = measure(options);
   console.text(tables(report));
   console.document(document(report));
   if (!options.chart.empty())
@@ -206,10 +215,9 @@ Exit run_bench(const Options& options) {
 
 }  // namespace
 
-void add_bench(CLI::App& program, Action& action) {
-  CLI::App* app = program.add_subcommand(
-      "bench", "Plans the measured rows and walks of the sources, beside the exact optimum");
-  app->footer(
+void add_bench(Command& program) {
+  Command& app = cli::add_bench_command(program);
+  app.footer(
       "Example:\n  lamplock bench --chart beats.svg\n"
       "  lamplock bench --rows walks --points 2000 --seed 7 --json\n"
       "  lamplock bench --rows example,jerk\n"
@@ -217,27 +225,27 @@ void add_bench(CLI::App& program, Action& action) {
       "Nothing is simulated: the planner of the firmware plans each stream of points as the\n"
       "machine does, and a search finds the fewest beats that any plan needs. Rows of the example\n"
       "are means over " +
-      std::to_string(bench::pulse_draws) + " draws of their random distances.");
+      std::to_string(pulse_draws) + " draws of their random distances.");
   const auto options = std::make_shared<Options>();
-  app->add_option(
-         "--rows", options->rows,
+  app.add_option(
+         "--rows", &options->rows,
          "Only these tables: measured, walks, example (default: these three), jerk, orders, angles")
-      ->check(one_of({"measured", "walks", "example", "jerk", "orders", "angles"}))
-      ->delimiter(',')
-      ->type_name("TABLE,...");
-  app->add_option("--points", options->points,
-                  "Points of each walk (default: as many as the source has)")
-      ->check(CLI::Range(10, 10'000'000))
-      ->type_name("N");
-  app->add_option("--seed", options->seed, "Seed of what is drawn: same seed, same points")
-      ->check(number_from(0, true))
-      ->capture_default_str()
-      ->type_name("S");
-  app->add_option("--chart", options->chart, "Write a chart of beats per point against a/f^2 (SVG)")
-      ->check(file_name())
-      ->type_name("FILE");
-  app->add_flag("--json", options->json, "Print the figures as JSON on stdout");
-  app->callback([options, &action] { action = [options] { return run_bench(*options); }; });
+      .check(one_of({"measured", "walks", "example", "jerk", "orders", "angles"}))
+      .comma_separated()
+      .value_name("TABLE,...");
+  app.add_option("--points", &options->points,
+                 "Points of each walk, 10 to 10000000 (default: as many as the source has)")
+      .check(number_in({10, 10'000'000}))
+      .value_name("N");
+  app.add_option("--seed", &options->seed, "Seed of what is drawn: same seed, same points")
+      .check(number_from(0, true))
+      .show_default()
+      .value_name("S");
+  app.add_option("--chart", &options->chart, "Write a chart of beats per point against a/f^2 (SVG)")
+      .check(file_name())
+      .value_name("FILE");
+  app.add_json(options->json, "Print the figures as JSON on stdout");
+  app.action([options] { return run_bench(*options); });
 }
 
-}  // namespace lamplock::cli
+}  // namespace lamplock::bench

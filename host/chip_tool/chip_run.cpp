@@ -1,4 +1,4 @@
-#include "host/cli/chip_run.hpp"
+#include "host/chip_tool/chip_run.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -11,8 +11,15 @@
 #include "host/error.hpp"
 #include "sim/chip/script/parser.hpp"
 
-namespace lamplock::cli {
+namespace lamplock::chip_tool {
 namespace {
+
+using cli::check_distinct;
+using cli::check_target;
+using cli::open_tcp;
+using cli::read_image;
+using cli::refuse;
+using cli::write_whole;
 
 namespace chip = sim::chip;
 
@@ -118,4 +125,4 @@ void ChipRun::finish() {
   });
 }
 
-}  // namespace lamplock::cli
+}  // namespace lamplock::chip_tool

@@ -1,4 +1,6 @@
-#include "host/cli/chip_summary.hpp"
+#include "host/chip_tool/chip_summary.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
 
@@ -6,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace lamplock::cli {
+namespace lamplock::chip_tool {
 namespace {
 
 namespace chip = sim::chip;
@@ -71,13 +73,13 @@ std::string chip_frequencies(ChipRun& run) {
   return text;
 }
 
-Json chip_json(ChipRun& run, double wall_seconds) {
+cli::Json chip_json(ChipRun& run, double wall_seconds) {
   chip::Chip& chip = run.chip();
-  Json json;
+  cli::Json json;
   json["simulated_ps"] = run.now();
   json["cycles"] = {chip.core(0).cycle(), chip.core(1).cycle()};
   for (const auto& [name, clock] : clocks) json["clocks_hz"][name] = chip.system().clocks.hz(clock);
-  json["pins"] = Json::object();
+  json["pins"] = cli::Json::object();
   for (unsigned gpio = 0; gpio < chip::gpio_count; ++gpio) {
     const chip::PadCount& pad = run.pads().pads()[gpio];
     if (pad.edges() == 0) continue;
@@ -102,4 +104,4 @@ Json chip_json(ChipRun& run, double wall_seconds) {
   return json;
 }
 
-}  // namespace lamplock::cli
+}  // namespace lamplock::chip_tool

@@ -1,0 +1,154 @@
+#include "host/cli/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <type_traits>
+
+namespace lamplock::cli {
+namespace {
+
+template <class Value>
+std::string text_of(const Value& value) {
+  if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string>)
+    return fmt::format("{}", value);
+  else
+    return "";
+}
+
+/// What the help shows for a value that has no name of its own.
+struct ValueName {
+  template <class Value>
+  const char* operator()(const Value*) const {
+    return "N";
+  }
+  const char* operator()(const std::string*) const { return "TEXT"; }
+  const char* operator()(const std::optional<std::string>*) const { return "TEXT"; }
+  const char* operator()(const std::vector<std::string>*) const { return "TEXT"; }
+  const char* operator()(const bool*) const { return ""; }
+  const char* operator()(const std::optional<bool>*) const { return ""; }
+};
+
+}  // namespace
+
+Option::Option(std::string names, Target target, std::string help)
+    : names_(std::move(names)),
+      help_(std::move(help)),
+      value_name_(std::visit(ValueName(), target)),
+      target_(target) {}
+
+Option& Option::value_name(std::string name) {
+  value_name_ = std::move(name);
+  return *this;
+}
+
+Option& Option::group(std::string name) {
+  group_ = std::move(name);
+  return *this;
+}
+
+Option& Option::check(Check check) {
+  check_ = std::move(check);
+  return *this;
+}
+
+Option& Option::required(bool is_required) {
+  is_required_ = is_required;
+  return *this;
+}
+
+Option& Option::show_default() {
+  default_ = std::visit([](const auto* value) { return text_of(*value); }, target_);
+  return *this;
+}
+
+Option& Option::count(Count count) {
+  count_ = count;
+  return *this;
+}
+
+Option& Option::comma_separated() {
+  is_comma_separated_ = true;
+  return *this;
+}
+
+Option& Option::environment(std::string variable) {
+  environment_ = std::move(variable);
+  return *this;
+}
+
+Option& Option::excludes(const Option& other) {
+  excluded_.push_back(&other);
+  return *this;
+}
+
+Option& Option::bare(std::string text) {
+  bare_ = std::move(text);
+  return *this;
+}
+
+Option& Option::help(std::string text) {
+  help_ = std::move(text);
+  return *this;
+}
+
+bool Option::is_flag() const {
+  return std::holds_alternative<bool*>(target_) ||
+         std::holds_alternative<std::optional<bool>*>(target_);
+}
+
+std::vector<std::string> Option::typed_names() const {
+  if (is_positional()) return {};
+  std::vector<std::string> names;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
+    end = names_.find(',', begin);
+    names.push_back(names_.substr(begin, end == std::string::npos ? end : end - begin));
+  }
+  if (std::holds_alternative<std::optional<bool>*>(target_))
+    names.push_back("--no-" + names.back().substr(2));
+  return names;
+}
+
+std::string Option::name() const {
+  const auto names = typed_names();
+  const auto is_long = [](const std::string& name) { return name.starts_with("--"); };
+  const auto found = std::find_if(names.begin(), names.end(), is_long);
+  return found == names.end() ? names_ : *found;
+}
+
+Command& Command::add_command(std::string name, std::string description) {
+  return commands_.emplace_back(std::move(name), std::move(description));
+}
+
+Option& Command::add_option(std::string names, Target target, std::string help) {
+  return options_.emplace_back(std::move(names), target, std::move(help));
+}
+
+Option& Command::add_json(bool& json, std::string help) {
+  return add_option("--json", &json, std::move(help));
+}
+
+const Option& Command::option(const std::string& name) const {
+  for (const Option& option : options_) {
+    const auto names = option.typed_names();
+    if (std::find(names.begin(), names.end(), name) != names.end()) return option;
+  }
+  throw std::logic_error("lamplock " + name_ + " has no option " + name);
+}
+
+const Option& help_option() {
+  static bool is_asked = false;
+  static const Option option("-h,--help", &is_asked, "Print this help message and exit");
+  return option;
+}
+
+const Option& version_option() {
+  static bool is_asked = false;
+  static const Option option("--version", &is_asked,
+                             "Display program version information and exit");
+  return option;
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,187 @@
+#include "host/cli/parser.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "host/cli/separate_program.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+/// Which of our options and commands CLI11's belong to.
+struct Bound {
+  std::vector<std::pair<Option*, CLI::Option*>> options{};
+  std::vector<std::pair<const Command*, const CLI::App*>> commands{};
+
+  CLI::Option* parsed(const Option& option) const {
+    for (const auto& [ours, theirs] : options)
+      if (ours == &option) return theirs;
+    return nullptr;
+  }
+};
+
+std::string count_text(const Count& count) {
+  if (count.min == count.max) return fmt::format("{}", count.min);
+  if (count.min == 0) return fmt::format("at most {}", count.max);
+  return fmt::format("{} to {}", count.min, count.max);
+}
+
+/// Adds one option, by the kind of its value.
+class Binder {
+ public:
+  Binder(CLI::App& app, const Option& option) : app_(app), option_(option) {}
+
+  CLI::Option* bind() const {
+    return std::visit([this](auto* place) { return add(*place); }, option_.target());
+  }
+
+ private:
+  template <class Value>
+  CLI::Option* add(Value& value) const {
+    return app_.add_option(option_.names(), value, option_.help());
+  }
+  CLI::Option* add(bool& value) const {
+    return app_.add_flag(option_.names(), value, option_.help());
+  }
+  CLI::Option* add(std::optional<bool>& value) const {
+    const std::string name = option_.names();
+    return app_.add_flag_function(
+        fmt::format("{},!--no-{}", name, name.substr(2)),
+        [&value](std::int64_t count) { value = count > 0; }, option_.help());
+  }
+  CLI::Option* add(std::string& value) const {
+    if (option_.bare().empty()) return app_.add_option(option_.names(), value, option_.help());
+    return app_.add_flag(fmt::format("{}{{{}}}", option_.names(), option_.bare()), value,
+                         option_.help());
+  }
+  CLI::Option* add(std::optional<std::array<double, 3>>& value) const {
+    return add_numbers<double>([&value](const std::vector<double>& numbers) {
+      value.emplace();
+      std::copy(numbers.begin(), numbers.end(), value->begin());
+    });
+  }
+  CLI::Option* add(std::vector<double>& value) const { return add_list(value); }
+  CLI::Option* add(std::vector<std::int64_t>& value) const { return add_list(value); }
+  CLI::Option* add(std::vector<std::string>& value) const {
+    CLI::Option* made = app_.add_option(option_.names(), value, option_.help());
+    if (option_.is_comma_separated()) made->delimiter(',');
+    return option_.is_positional() ? made : made->allow_extra_args(false);
+  }
+
+  template <class Number>
+  CLI::Option* add_list(std::vector<Number>& value) const {
+    return add_numbers<Number>([&value](const std::vector<Number>& numbers) { value = numbers; });
+  }
+  /// Each number is checked by itself, then their count.
+  template <class Number, class Take>
+  CLI::Option* add_numbers(Take take) const {
+    const auto counted = [take, &option = option_](const std::vector<Number>& numbers) {
+      if (const auto& count = option.count();
+          count && (numbers.size() < count->min || numbers.size() > count->max))
+        throw CLI::ArgumentMismatch(fmt::format("{}: takes {} numbers: {}", option.name(),
+                                                count_text(*count), option.value_name()));
+      take(numbers);
+    };
+    return app_.add_option_function<std::vector<Number>>(option_.names(), counted, option_.help())
+        ->delimiter(',')
+        ->allow_extra_args(false);  // the next word is not another number
+  }
+
+  CLI::App& app_;
+  const Option& option_;
+};
+
+void bind(CLI::App& app, Option& option, Bound& bound) {
+  CLI::Option* made = Binder(app, option).bind();
+  made->group(option.group())->required(option.is_required());
+  if (!option.value_name().empty() && option.bare().empty()) made->type_name(option.value_name());
+  if (!option.default_text().empty()) made->default_str(option.default_text());
+  if (!option.environment().empty()) made->envname(option.environment());
+  if (option.check()) made->check(CLI::Validator(option.check(), ""));
+  bound.options.emplace_back(&option, made);
+}
+
+void bind(CLI::App& app, Command& command, Bound& bound) {
+  if (!command.footer().empty()) app.footer(command.footer());  // else that of the outer command
+  app.set_help_flag(help_option().names(), help_option().help());
+  if (!command.version().empty())
+    app.set_version_flag(version_option().names(), command.version(), version_option().help());
+  for (Option& option : command.options()) bind(app, option, bound);
+  for (const Option& option : command.options())
+    for (const Option* other : option.excluded())
+      bound.parsed(option)->excludes(bound.parsed(*other));
+  if (command.needs_command())
+    app.require_subcommand(1);
+  else if (!command.commands().empty())
+    app.require_subcommand(0, 1);
+  bound.commands.emplace_back(&command, &app);
+  for (Command& inner : command.commands())
+    bind(*app.add_subcommand(inner.name(), inner.description()), inner, bound);
+}
+
+/// What CLI11 found wrong, in our form: it says `Could not convert: --option = value`,
+/// `--option: what` or just what.
+Error usage_error(const CLI::App& program, const CLI::ParseError& error,
+                  const std::vector<std::string>& arguments) {
+  const auto commands = program.get_subcommands();
+  const std::string name = commands.empty() ? "lamplock" : "lamplock " + commands[0]->get_name();
+  std::string where = name, what = error.what();
+  constexpr std::string_view unconverted = "Could not convert: ";
+  if (const auto equals = what.find(" = "); what.starts_with(unconverted) && equals != what.npos)
+    what = fmt::format("{}: '{}' is not valid",
+                       what.substr(unconverted.size(), equals - unconverted.size()),
+                       what.substr(equals + 3));
+  const auto colon = what.find(": ");
+  if (what.starts_with("-") && colon != std::string::npos) {
+    where = what.substr(0, colon);
+    what.erase(0, colon + 2);
+  }
+  if (what == "A subcommand is required")
+    what = commands.empty() && !arguments.empty()
+               ? fmt::format("unknown command '{}'", arguments[0])
+               : "a command is missing";
+  return {Exit::bad_input, where, what, "see " + name + " --help"};
+}
+
+/// The innermost command that was given.
+const Command& chosen(const Bound& bound) {
+  const Command* chosen = bound.commands.front().first;
+  for (const auto& [command, app] : bound.commands)
+    if (app->parsed()) chosen = command;
+  return *chosen;
+}
+
+/// The command that is a program of its own, if it is the one that is named.
+const Command* separate_program(const Command& program, const std::vector<std::string>& arguments) {
+  if (arguments.empty()) return nullptr;
+  for (const Command& command : program.commands())
+    if (command.name() == arguments[0] && !command.separate_program().empty()) return &command;
+  return nullptr;
+}
+
+}  // namespace
+
+Exit run(Command& program, const std::vector<std::string>& arguments) {
+  if (const Command* command = separate_program(program, arguments))
+    run_separate_program(*command, arguments);
+  CLI::App app(program.description(), program.name());
+  Bound bound;
+  bind(app, program, bound);
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::Success& help) {
+    app.exit(help);
+    return Exit::done;
+  } catch (const CLI::ParseError& error) {
+    throw usage_error(app, error, arguments);
+  }
+  for (const auto& [option, parsed] : bound.options) option->set_given(parsed->count() > 0);
+  return chosen(bound).action()();
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,9 @@
+// The version of the program. Called by the command line, reports and the manual.
+#pragma once
+
+namespace lamplock {
+
+/// "0.1.0", as project() of CMakeLists.txt has it.
+const char* version();
+
+}  // namespace lamplock
