@@ -12,9 +12,13 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/world/world.hpp"
+#include "shared/kinematics.hpp"
+#include "sim/time.hpp"
 
 namespace lamplock::sim {
+
+class PinBus;
+class World;
 
 /// Where the loads were at the lattice tick of a shot's beat: the position without the jitter
 /// of the lamp.

@@ -1,8 +1,10 @@
 #include "host/cli/board_files.hpp"
 
 #include "host/error.hpp"
+#include "host/report/files.hpp"
 #include "host/report/report.hpp"
 #include "host/units.hpp"
+#include "sim/world/world.hpp"
 
 namespace lamplock::cli {
 

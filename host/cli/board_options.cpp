@@ -13,6 +13,7 @@
 #include "host/cli/staged_file.hpp"
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
+#include "host/gpio/read_line_table.hpp"
 #include "host/link/sender.hpp"
 #include "host/report/statistics.hpp"
 #include "host/units.hpp"

@@ -5,6 +5,7 @@
 #include "host/cli/image_path.hpp"
 #include "host/cli/simulator_error.hpp"
 #include "host/error.hpp"
+#include "sim/chip_board/board_timing.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 
 namespace lamplock::cli {
@@ -19,6 +20,11 @@ std::string image_file(const std::string& image) {
 }
 
 }  // namespace
+
+SimulatedBoard::SimulatedBoard() = default;
+SimulatedBoard::~SimulatedBoard() = default;
+SimulatedBoard::SimulatedBoard(SimulatedBoard&&) noexcept = default;
+SimulatedBoard& SimulatedBoard::operator=(SimulatedBoard&&) noexcept = default;
 
 sim::chip::Image read_image(const std::string& file) {
   try {

@@ -11,7 +11,11 @@
 #include "sim/board.hpp"
 #include "sim/chip/image/image.hpp"
 #include "sim/chip/usb_host/usb_function.hpp"
-#include "sim/chip_board/board_timing.hpp"
+
+namespace lamplock::sim {
+class BoardTiming;
+struct WorldConfig;
+}  // namespace lamplock::sim
 
 namespace lamplock::cli {
 
@@ -21,6 +25,11 @@ inline constexpr const char* chip_board = "chip";
 
 /// A board in this process. `timing` is there for the chip alone.
 struct SimulatedBoard {
+  SimulatedBoard();
+  ~SimulatedBoard();
+  SimulatedBoard(SimulatedBoard&&) noexcept;
+  SimulatedBoard& operator=(SimulatedBoard&&) noexcept;
+
   std::unique_ptr<sim::chip::Image> image;
   std::unique_ptr<sim::Board> board;
   std::unique_ptr<sim::BoardTiming> timing;

@@ -15,6 +15,7 @@
 #include "host/gpio/board_lines.hpp"
 #include "host/gpio/host_lines.hpp"
 #include "host/gpio/line_table.hpp"
+#include "host/gpio/read_line_table.hpp"
 #include "host/usb/libusb_bus.hpp"
 #include "host/usb/simulated_usb.hpp"
 

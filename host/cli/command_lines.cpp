@@ -8,6 +8,7 @@
 #include "host/gpio/host_lines.hpp"
 #include "host/gpio/line_table.hpp"
 #include "host/gpio/place.hpp"
+#include "host/gpio/read_line_table.hpp"
 
 namespace lamplock::cli {
 namespace {

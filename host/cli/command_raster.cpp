@@ -15,6 +15,7 @@
 #include "host/file.hpp"
 #include "host/job/job_file.hpp"
 #include "host/model/bitmap.hpp"
+#include "host/model/read_bitmap.hpp"
 #include "host/raster/pixels.hpp"
 #include "host/raster/row_gcode.hpp"
 #include "host/raster/row_motion.hpp"

@@ -19,6 +19,7 @@
 #include "host/cli/outputs.hpp"
 #include "host/cli/staged_file.hpp"
 #include "sim/world/limit_settings.hpp"
+#include "sim/world/world.hpp"
 
 namespace lamplock::cli {
 namespace {

@@ -10,6 +10,7 @@
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/glass/description_file.hpp"
 
 namespace lamplock::cli {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
+#include "host/job/read_profile.hpp"
 
 namespace lamplock::cli {
 namespace {

@@ -13,6 +13,7 @@
 #include "host/glass/transformation.hpp"
 #include "host/model/bitmap.hpp"
 #include "host/model/mesh_faults.hpp"
+#include "host/model/read_bitmap.hpp"
 #include "host/model/read_dxf.hpp"
 #include "host/model/read_mesh.hpp"
 #include "host/model/read_points.hpp"

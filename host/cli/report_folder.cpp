@@ -9,6 +9,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/report/files.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::cli {

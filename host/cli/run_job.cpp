@@ -21,8 +21,10 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/link/simulated_transport.hpp"
+#include "host/report/files.hpp"
 #include "host/units.hpp"
 #include "shared/beat_reason.hpp"
+#include "sim/chip_board/board_timing.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 
 namespace lamplock::cli {

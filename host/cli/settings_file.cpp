@@ -7,6 +7,7 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/job/profile.hpp"
+#include "host/job/read_profile.hpp"
 #include "host/text.hpp"
 #include "shared/units.hpp"
 

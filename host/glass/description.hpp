@@ -8,11 +8,10 @@
 // Every key is a parameter (parameters.hpp) and an option of the command line too; there the
 // description has one object.
 //
-// In:  a file, or the options of a command line. Out: a Description; text that reads back as the
-//      same. Who: `points`, `engrave`, `job`, `frame`, `estimate`.
+// In:  a file (description_file.hpp), or the options of a command line. Out: a Description.
+// Who: `points`, `engrave`, `job`, `frame`, `estimate`.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -106,16 +105,5 @@ std::vector<Parameter> parameters(Object& object);  ///< `file` first
 std::vector<Parameter> parameters(OrderChoice& order);
 std::vector<Parameter> parameters(PauseChoice& pause);
 std::vector<Parameter> parameters(OutputChoice& output);
-
-/// By extension: .toml.
-bool is_description(const std::filesystem::path& file);
-
-/// Reads a description; names of files in it are from its folder. Throws Error(bad_input) at file
-/// and line: syntax, unknown sections and keys, wrong kinds of values, values out of range, no
-/// object, an object without a file.
-Description read_description(const std::filesystem::path& file);
-
-/// The text of a description that is to stand in `folder`; what is as by default is left out.
-std::string to_text(const Description& description, const std::filesystem::path& folder);
 
 }  // namespace lamplock::glass

@@ -1,14 +1,11 @@
-// Which lines of the computer do what: the file that `--lines` names, or [lines] of a machine
-// profile.
+// Which lines of the computer do what.
 //
-// In:  a TOML file (examples/lines.toml). Out: requests by role.
+// In:  a file (read_line_table.hpp). Out: requests by role.
 // Who: the guard of jobs (guard.hpp), reset and boot lines (board_lines.hpp), the command line.
 #pragma once
 
 #include <chrono>
-#include <filesystem>
 #include <optional>
-#include <string_view>
 
 #include "host/gpio/lines.hpp"
 
@@ -31,16 +28,5 @@ struct LineTable {
   /// A job has something to look at or to switch.
   bool guards() const { return estop || door || interlock || lamp; }
 };
-
-/// Takes the text of such a file apart; `file` names it in errors. Throws Error(bad_input) with
-/// file, line, key and what it may be; two roles on one line, too.
-LineTable parse_line_table(std::string_view text, const std::filesystem::path& file);
-
-/// Reads a file. Throws as parse_line_table().
-LineTable read_line_table(const std::filesystem::path& file);
-
-/// What a machine profile says under `lines`: [lines.estop] and so on; no lines if it says nothing.
-/// Throws as parse_line_table().
-LineTable read_machine_lines(const std::filesystem::path& profile);
 
 }  // namespace lamplock::gpio

@@ -7,6 +7,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/model/read_bitmap.hpp"
 
 namespace lamplock::model {
 

@@ -1,4 +1,5 @@
-// The files of a report (declared in report.hpp) and their formats.
+#include "host/report/files.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include "host/report/matching.hpp"
 #include "host/report/page.hpp"
 #include "host/report/picture.hpp"
-#include "host/report/report.hpp"
 
 namespace lamplock::report {
 namespace {

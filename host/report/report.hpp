@@ -1,8 +1,7 @@
-// What a job did: the judge of a run and the files that tell about it.
+// What a job did: the judge of a run.
 //
 // In:  the points as ordered, in firing order; what the laser recorded; the firmware's counters.
-// Out: a Report (numbers), and in a folder report.json, report.html, shots.csv, shots.ply,
-//      cloud.png.
+// Out: a Report (numbers); files.hpp writes it down.
 // Who: the command line after `engrave`; end-to-end tests.
 //
 // Missed and doubled points come from what was really fired, not from the firmware's counters:
@@ -16,7 +15,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -119,18 +117,5 @@ std::vector<std::uint64_t> point_numbers(const JobRun& run);
 
 /// The report as JSON text, keys as documented; settings by name in their unit.
 std::string to_json(const Report& report);
-
-/// Writes shots whose points nobody knows: one line each, positions in mm. Throws lamplock::Error
-/// if the file cannot be written.
-void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
-                     const std::filesystem::path& path);
-/// Writes the shots of a job, as shots.csv has them: positions in the glass, and behind them the
-/// number in the job of the point that each belongs to. Throws as the other.
-void write_shots_csv(const JobRun& run, const std::filesystem::path& path);
-
-/// Writes report.json, report.html (page.hpp), shots.csv, shots.ply and cloud.png into `folder`,
-/// which is made if needed. Without known shots there is no shots.csv and no shots.ply, and the
-/// picture shows the points as ordered. Throws lamplock::Error if a file cannot be written.
-void write_report(const Report& report, const JobRun& run, const std::filesystem::path& folder);
 
 }  // namespace lamplock::report

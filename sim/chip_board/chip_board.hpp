@@ -22,6 +22,7 @@
 #include "sim/board.hpp"
 #include "sim/chip/chip.hpp"
 #include "sim/chip/usb_host/usb_host.hpp"
+#include "sim/world/world.hpp"
 
 namespace lamplock::sim {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/virtual_board/virtual_board.hpp"
+
 namespace lamplock::sim {
 namespace {
 

@@ -14,9 +14,12 @@
 #include <vector>
 
 #include "shared/wire/status.hpp"
-#include "sim/virtual_board/virtual_board.hpp"
+#include "sim/virtual_board/tick_listener.hpp"
+#include "sim/world/pins.hpp"
 
 namespace lamplock::sim {
+
+class VirtualBoard;
 
 /// Ticks in which every axis has constant acceleration.
 struct MotionPiece {

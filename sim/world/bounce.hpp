@@ -11,10 +11,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <random>
 #include <span>
 
 #include "sim/time.hpp"
+#include "sim/world/random.hpp"
 
 namespace lamplock::sim {
 
@@ -37,7 +37,7 @@ class BounceMaker {
     const std::size_t bounces = 1 + random_() % most_bounces;
     const double length = (makes ? config_.make_us : config_.break_us) * double{ps_per_us};
     for (Picoseconds& time : times_) {
-      const double share = static_cast<double>(random_() >> 11) * 0x1p-53;
+      const double share = random_.uniform();
       time = at + 1 + static_cast<Picoseconds>(share * (length - 1));
     }
     if (length < 1) return {};
@@ -48,7 +48,7 @@ class BounceMaker {
 
  private:
   BounceConfig config_;
-  std::mt19937_64 random_;
+  Random random_;
   std::array<Picoseconds, 2 * most_bounces> times_{};
 };
 

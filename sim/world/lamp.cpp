@@ -42,9 +42,9 @@ void check(const LampConfig& c) {
 
 }  // namespace
 
-Lamp::Lamp(const LampConfig& config, PinBus& bus) : config_(config), bus_(&bus) {
+Lamp::Lamp(const LampConfig& config, PinBus& bus)
+    : config_(config), bus_(&bus), random_(config.seed) {
   check(config);
-  random_.seed(config.seed);
   jitter_ = from_us(config.jitter_us);
   pulse_ = from_us(config.pulse_us);
   on_after_ = from_us(config.on_after_s * 1e6);
@@ -58,9 +58,6 @@ Lamp::Lamp(const LampConfig& config, PinBus& bus) : config_(config), bus_(&bus) 
   }
 }
 
-/// Uniform in [0, 1): 53 bits, the same on every platform.
-double Lamp::uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
-
 void Lamp::add_pulse(Picoseconds rise, Picoseconds fall, Kind kind) {
   add(rise, kind);
   add(fall, Kind::fall);
@@ -69,9 +66,10 @@ void Lamp::add_pulse(Picoseconds rise, Picoseconds fall, Kind kind) {
 /// Fills edges_ with one period whose flash has the given ideal phase; everything ends before the
 /// earliest edge of the next period.
 void Lamp::make_period(Picoseconds ideal, Picoseconds next_ideal) {
-  const double jitter_draw = uniform(), dropout_draw = uniform(), doubled_draw = uniform(),
-               echo_draw = uniform(), runt_draw = uniform(), runt_width_draw = uniform(),
-               runt_phase_draw = uniform();
+  const double jitter_draw = random_.uniform(), dropout_draw = random_.uniform(),
+               doubled_draw = random_.uniform(), echo_draw = random_.uniform(),
+               runt_draw = random_.uniform(), runt_width_draw = random_.uniform(),
+               runt_phase_draw = random_.uniform();
   next_ = count_ = 0;
   const Picoseconds jitter =
       config_.triggered ? 0

@@ -11,17 +11,16 @@
 // and the second edge of a doubled flash is an echo on the wire: none of them is a flash, so a
 // doubled flash counts once. Flashes are numbered from 1; that number is the beat of a shot.
 //
-// All randomness comes from one std::mt19937_64, whose output the C++ standard fixes, through our
-// own conversions; every period draws the same amount, so that switching one fault on leaves the
-// others where they were.
+// All randomness comes from one generator; every period draws the same amount, so that switching
+// one fault on leaves the others where they were.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <random>
 
 #include "sim/world/pins.hpp"
+#include "sim/world/random.hpp"
 
 namespace lamplock::sim {
 
@@ -84,7 +83,6 @@ class Lamp final : public PinListener {
     Kind kind;
   };
 
-  double uniform();
   void add(Picoseconds at, Kind kind) { edges_[count_++] = {at, kind}; }
   void add_pulse(Picoseconds rise, Picoseconds fall, Kind kind);
   void make_period(Picoseconds ideal, Picoseconds next_ideal);
@@ -93,7 +91,7 @@ class Lamp final : public PinListener {
 
   LampConfig config_;
   PinBus* bus_;
-  std::mt19937_64 random_;
+  Random random_;
   Picoseconds jitter_;
   Picoseconds pulse_;
   Picoseconds on_after_;

@@ -9,10 +9,10 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "sim/world/pins.hpp"
+#include "sim/world/random.hpp"
 #include "sim/world/shutters.hpp"
 
 namespace lamplock::sim {
@@ -57,7 +57,7 @@ class Photosensors final : public PinListener {
   void pin_changed(Pin /*pin*/, bool level, Picoseconds at) override {
     if (!level) return;
     // Always drawn: 53 bits, so that the shots after a fault are the same as without it.
-    const bool made = static_cast<double>(random_() >> 11) * 0x1p-53 >= config_.failure;
+    const bool made = random_.uniform() >= config_.failure;
     made_.push_back(made);
     if (!made || config_.blind || config_.stuck_high || next_event() != never) return;
     pin_ = photosensor_pin(shutters_.channel());
@@ -69,7 +69,7 @@ class Photosensors final : public PinListener {
   PhotosensorConfig config_;
   PinBus& bus_;
   const Shutters& shutters_;
-  std::mt19937_64 random_;
+  Random random_;
   Pin pin_ = Pin::photosensor_1;
   Picoseconds rise_ = never, fall_ = never;
   std::vector<bool> made_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace lamplock::sim {
 namespace {
@@ -92,7 +93,7 @@ void Switches::add_contact(const ContactConfig& config, bool normally_closed) {
   contact.now = contact.coming;
   contact.engaged = is_engaged(contact);
   contact.conducts = contact.engaged != normally_closed;
-  contacts_.push_back(contact);
+  contacts_.push_back(std::move(contact));
   if (config.bridged_from > 0 && config.bridged_from != never) push({.at = config.bridged_from});
 }
 

@@ -9,7 +9,7 @@
 #include "host/units.hpp"
 #include "tests/board/program_host.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::beat_lock_test {
 namespace {
 
 using testing::Contains;
@@ -530,4 +530,4 @@ TEST_F(BeatLock, WaitsBehindAnOpenDoor) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::beat_lock_test

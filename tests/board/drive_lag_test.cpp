@@ -2,7 +2,7 @@
 #include "host/error.hpp"
 #include "tests/board/rig.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::drive_lag_test {
 namespace {
 
 using settings::LampMode;
@@ -143,4 +143,4 @@ TEST(DriveLag, MoreThanTheLongestIsRefusedByItsNumber) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::drive_lag_test

@@ -1,7 +1,7 @@
 // Every point exactly once, at its place, in order, inside the limits: over lamps, faults, modes.
 #include "tests/board/rig.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::exactly_once_test {
 namespace {
 
 using settings::LampMode;
@@ -135,4 +135,4 @@ TEST(ExactlyOnceCount, RuntsAreNotBeats) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::exactly_once_test

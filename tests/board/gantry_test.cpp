@@ -9,7 +9,7 @@
 #include "tests/board/machine_with_switches.hpp"
 #include "tests/board/step_log.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::gantry_test {
 namespace {
 
 using testing::Contains;
@@ -297,4 +297,4 @@ TEST(Gantry, ItsMotorIsNoAxis) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::gantry_test

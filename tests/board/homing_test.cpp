@@ -8,7 +8,7 @@
 
 #include "tests/board/machine_with_switches.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::homing_test {
 namespace {
 
 using testing::Contains;
@@ -294,4 +294,4 @@ TEST(HomingFaults, AnEngagedSwitchIsAnAlarmAgainAfterHoming) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::homing_test

@@ -7,7 +7,7 @@
 
 #include "tests/board/program_host.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::jog_test {
 namespace {
 
 using testing::Each;
@@ -157,4 +157,4 @@ TEST_F(Jog, NoneWhileAToolIsChanged) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::jog_test

@@ -5,7 +5,7 @@
 #include "host/error.hpp"
 #include "tests/board/board_cable.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::machine_states_test {
 namespace {
 
 constexpr std::size_t job_points = 60;
@@ -461,4 +461,4 @@ TEST_F(Disturbed, SilentHostHoldsTheMachine) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::machine_states_test

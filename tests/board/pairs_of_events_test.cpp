@@ -10,7 +10,7 @@
 #include "tests/board/machine_with_switches.hpp"
 #include "tests/board/motion_judge.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::pairs_of_events_test {
 namespace {
 
 enum class Machine { plain, jerk, core_xy, gantry };
@@ -303,4 +303,4 @@ TEST(Events, OutputsThatNoMotionTakesAlongDoNotHoldTheProgramUp) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::pairs_of_events_test

@@ -8,7 +8,7 @@
 #include "tests/board/motion_judge.hpp"
 #include "tests/board/program_host.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::parking_test {
 namespace {
 
 using testing::Contains;
@@ -189,4 +189,4 @@ TEST_F(Parking, ResetAndEstopOnTheWay) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::parking_test

@@ -7,7 +7,7 @@
 
 #include "tests/board/machine_with_switches.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::probe_test {
 namespace {
 
 using testing::Contains;
@@ -200,4 +200,4 @@ TEST(Probe, TheLaserIsOff) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::probe_test

@@ -8,7 +8,7 @@
 #include "tests/board/motion_judge.hpp"
 #include "tests/board/program_host.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::program_limits_test {
 namespace {
 
 constexpr double steps_per_mm = 200;
@@ -256,4 +256,4 @@ TEST(ProgramLimitsOfAxes, DwellsAsLongAsProgrammed) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::program_limits_test

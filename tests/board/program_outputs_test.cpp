@@ -10,7 +10,7 @@
 #include "shared/boards/pico_pins.hpp"
 #include "tests/board/program_host.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::program_outputs_test {
 namespace {
 
 using sim::Pin;
@@ -522,4 +522,4 @@ TEST(DrivesAtRest, TakeNoStepAtRandomMoments) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::program_outputs_test

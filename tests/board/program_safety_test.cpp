@@ -9,7 +9,7 @@
 #include "tests/board/board_cable.hpp"
 #include "tests/board/wire_host.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::program_safety_test {
 namespace {
 
 using testing::AllOf;
@@ -568,4 +568,4 @@ TEST_F(ProgramSafety, SaysThatThereIsNoHoming) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::program_safety_test

@@ -8,7 +8,7 @@
 #include "host/program/program_run.hpp"
 #include "tests/board/program_host.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::program_test {
 namespace {
 
 using testing::AllOf;
@@ -322,4 +322,4 @@ TEST_F(Program, WakesFromSleepByAReset) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::program_test

@@ -10,7 +10,7 @@
 #include "tests/board/motion_judge.hpp"
 #include "tests/board/wire_host.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::random_moments_test {
 namespace {
 
 using testing::Each;
@@ -199,4 +199,4 @@ INSTANTIATE_TEST_SUITE_P(OfAJob, RandomMoments,
                                          What::estop));
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::random_moments_test

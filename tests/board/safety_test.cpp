@@ -6,7 +6,7 @@
 #include "host/error.hpp"
 #include "tests/board/board_cable.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::safety_test {
 namespace {
 
 using testing::HasSubstr;
@@ -392,4 +392,4 @@ TEST(Safety, PointsOutsideTheWorkSpaceAreRefusedByTheFirmwareToo) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::safety_test

@@ -4,7 +4,7 @@
 
 #include "tests/board/program_host.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::stop_at_error_test {
 namespace {
 
 using testing::Contains;
@@ -125,4 +125,4 @@ TEST_F(ErrorsInPrograms, CoolantIsSwitchedByHand) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::stop_at_error_test

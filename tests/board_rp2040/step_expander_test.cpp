@@ -15,7 +15,7 @@
 #include "sim/virtual_board/step_edges.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::rp2040 {
+namespace lamplock::rp2040::step_expander_test {
 namespace {
 
 using stepper::AxisRun;
@@ -386,4 +386,4 @@ TEST(StepExpander, CountsThePowerInTheMiddleOfEveryCell) {
 }
 
 }  // namespace
-}  // namespace lamplock::rp2040
+}  // namespace lamplock::rp2040::step_expander_test

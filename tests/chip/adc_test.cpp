@@ -9,7 +9,7 @@
 #include "tests/chip/dma_system_rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::adc_test {
 namespace {
 
 constexpr std::uint32_t cs = 0x00, result = 0x04, fcs = 0x08, fifo = 0x0c, divider = 0x10,
@@ -251,4 +251,4 @@ TEST_F(AdcTest, LookingDoesNotChangeWhatIsSeen) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::adc_test

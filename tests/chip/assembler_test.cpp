@@ -5,7 +5,7 @@
 
 #include "firmware/boards/rp2040/pio/programs.hpp"
 
-namespace lamplock::rp2040::pio {
+namespace lamplock::rp2040::pio::assembler_test {
 namespace {
 
 // jmp: 000 delay condition address
@@ -126,4 +126,4 @@ TEST(Assembler, TheProgramsAreWhatTheirEssaysSay) {
 }
 
 }  // namespace
-}  // namespace lamplock::rp2040::pio
+}  // namespace lamplock::rp2040::pio::assembler_test

@@ -7,7 +7,7 @@
 
 #include "sim/chip/bus.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::bus_test {
 namespace {
 
 using namespace sim::chip;  // NOLINT(google-build-using-namespace)
@@ -190,4 +190,4 @@ TEST_F(BusTest, MemoryOnThePeripheralBusIsWatched) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::bus_test

@@ -9,7 +9,7 @@
 #include "sim/chip/profile/profile.hpp"
 #include "tests/chip/core_rig.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::call_stacks_test {
 namespace {
 
 using sim::chip::CallStacks;
@@ -146,4 +146,4 @@ TEST(ShadowStack, SleepThatHasNotEndedCounts) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::call_stacks_test

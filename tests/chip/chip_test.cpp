@@ -8,7 +8,7 @@
 
 #include "shared/boards/boot2_crc32.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::chip_test {
 namespace {
 
 constexpr std::uint32_t set_alias = 0x2000, clear_alias = 0x3000;
@@ -239,4 +239,4 @@ TEST_F(ChipTest, BitsThatAWriteClearsPassTheGateOfResets) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::chip_test

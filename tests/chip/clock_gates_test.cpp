@@ -9,7 +9,7 @@
 
 #include "tests/chip/dma_system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::clock_gates_test {
 namespace {
 
 constexpr std::uint32_t wake_en = 0xa0, enabled = 0xb0;
@@ -298,4 +298,4 @@ TEST(ClockGates, PwmCountsNoEdgesWithoutAClock) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::clock_gates_test

@@ -10,7 +10,7 @@
 
 #include "tests/chip/system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::clock_pins_test {
 namespace {
 
 constexpr std::uint32_t gpout0 = 0x00, gpout_bytes = 0x0c, sys_control = 0x3c, peri_control = 0x48,
@@ -259,4 +259,4 @@ TEST_F(ClockPinsTest, AStageTakesThoseAfterItAlong) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::clock_pins_test

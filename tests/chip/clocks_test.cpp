@@ -4,7 +4,7 @@
 
 #include "tests/chip/system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::clocks_test {
 namespace {
 
 class ClocksTest : public ::testing::Test {
@@ -158,4 +158,4 @@ TEST_F(ClocksTest, IdentificationIsThatOfSteppingB2) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::clocks_test

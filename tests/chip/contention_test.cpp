@@ -11,7 +11,7 @@
 #include "tests/chip/core_rig.hpp"
 #include "tests/chip/put_code.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::contention_test {
 namespace {
 
 using namespace sim::chip;  // NOLINT(google-build-using-namespace)
@@ -213,7 +213,9 @@ struct LoneCore {
     for (std::uint32_t i = 0; i < load_count; ++i) put(bank5 + 2 * i, 0x6801);  // ldr r1, [r0]
     put(end, 0xe7fe);                                                           // b .
   }
-  void put(std::uint32_t address, std::uint16_t half) { test::put(chip, address, {half}); }
+  void put(std::uint32_t address, std::uint16_t half) {
+    lamplock::test::put(chip, address, {half});
+  }
   void write(std::uint32_t address, std::uint32_t value) {
     chip.bus().write(address, value, Width::word, Master::core0, chip.now());
   }
@@ -442,4 +444,4 @@ TEST(PerformanceCounter, GoesOnWithAnotherEventAndIsClearedByAnyWrite) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::contention_test

@@ -6,7 +6,7 @@
 
 #include "tests/chip/core_rig.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::core_exceptions_test {
 namespace {
 
 using namespace sim::chip;  // NOLINT(google-build-using-namespace)
@@ -662,4 +662,4 @@ TEST_F(CoreExceptions, WhatAnInstructionPendsOrLetsThroughComesBeforeTheNextInAR
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::core_exceptions_test

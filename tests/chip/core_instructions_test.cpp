@@ -22,7 +22,7 @@
 #include "tests/chip/core_rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::core_instructions_test {
 namespace {
 
 constexpr std::uint32_t data_size = 4096;
@@ -684,4 +684,4 @@ TEST(CoreInstructions, BranchWithLinkReaches16MiBBothWays) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::core_instructions_test

@@ -8,7 +8,7 @@
 
 #include "tests/chip/core_rig.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::core_timing_test {
 namespace {
 
 using namespace sim::chip;  // NOLINT(google-build-using-namespace)
@@ -259,4 +259,4 @@ TEST(CoreTiming, AListenerHearsEveryCallAndBranchOfARun) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::core_timing_test

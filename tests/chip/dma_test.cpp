@@ -5,7 +5,7 @@
 #include "tests/chip/pio_rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::test::pio {
+namespace lamplock::test::pio::dma_test {
 namespace {
 
 inline constexpr std::uint32_t intr_dma = 0x400, inte0 = 0x404, intf0 = 0x408, ints0 = 0x40c,
@@ -390,4 +390,4 @@ TEST(DmaProperty, DeliversExactlyOnceUnderRandomStalls) {
 }
 
 }  // namespace
-}  // namespace lamplock::test::pio
+}  // namespace lamplock::test::pio::dma_test

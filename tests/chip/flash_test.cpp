@@ -16,7 +16,7 @@
 #include "tests/chip/random_bytes.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::flash_test {
 namespace {
 
 using test::random_bytes;
@@ -551,4 +551,4 @@ TEST(XipCache, HoldsTwoLinesOfASet) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::flash_test

@@ -16,7 +16,7 @@
 #include "tests/chip/put_code.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip::gdb {
+namespace lamplock::sim::chip::gdb::gdb_test {
 namespace {
 
 using test::put;
@@ -816,4 +816,4 @@ TEST(GdbServer, RunsWithoutADebugger) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip::gdb
+}  // namespace lamplock::sim::chip::gdb::gdb_test

@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::gpio_test {
 namespace {
 
 struct Watcher : PadListener {
@@ -270,4 +270,4 @@ TEST_F(GpioTest, ResetOfTheBankDisconnectsEverything) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::gpio_test

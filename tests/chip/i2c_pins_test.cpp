@@ -10,7 +10,7 @@
 #include "sim/chip/serial/i2c.hpp"
 #include "tests/chip/dma_system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::i2c_pins_test {
 namespace {
 
 constexpr std::uint32_t con = 0x00, tar = 0x04, data_cmd = 0x10, fs_hcnt = 0x1c, fs_lcnt = 0x20,
@@ -208,4 +208,4 @@ TEST_F(I2cPinsTest, NothingIsDueOnAFreeBus) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::i2c_pins_test

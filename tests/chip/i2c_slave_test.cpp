@@ -8,7 +8,7 @@
 #include "sim/chip/serial/i2c.hpp"
 #include "tests/chip/dma_system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::i2c_slave_test {
 namespace {
 
 constexpr std::uint32_t con = 0x00, tar = 0x04, sar = 0x08, data_cmd = 0x10, fs_hcnt = 0x1c,
@@ -504,4 +504,4 @@ TEST_F(I2cSlaveTest, MasterAndSlaveAtOnceIsReported) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::i2c_slave_test

@@ -10,7 +10,7 @@
 
 #include "tests/chip/dma_system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::i2c_test {
 namespace {
 
 constexpr std::uint32_t con = 0x00, tar = 0x04, data_cmd = 0x10, ss_hcnt = 0x14, ss_lcnt = 0x18,
@@ -419,4 +419,4 @@ TEST_F(I2cTest, ResetAndWhatIsNotModelled) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::i2c_test

@@ -8,7 +8,7 @@
 
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip::usb {
+namespace lamplock::sim::chip::usb::microsoft_os_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -117,4 +117,4 @@ TEST(MicrosoftOs, NoBytesAreTooStrange) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip::usb
+}  // namespace lamplock::sim::chip::usb::microsoft_os_test

@@ -4,7 +4,7 @@
 
 #include "tests/chip/core_rig.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::mpu_test {
 namespace {
 
 using namespace sim::chip;  // NOLINT(google-build-using-namespace)
@@ -210,4 +210,4 @@ TEST_F(MpuTest, EveryAccessOfARunIsAskedFor) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::mpu_test

@@ -11,7 +11,7 @@
 #include "sim/chip/image/image.hpp"
 #include "tests/chip/tiny_image.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::one_clock_test {
 namespace {
 
 using lamplock::test::leave_reset;
@@ -128,4 +128,4 @@ TEST(OneClock, TheDmaTakesItsTimeBesideTheCpu) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::one_clock_test

@@ -7,7 +7,7 @@
 #include "tests/chip/pio_rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::test::pio {
+namespace lamplock::test::pio::pio_property_test {
 namespace {
 
 struct Action {
@@ -318,4 +318,4 @@ TEST(PioProperty, SleepingLeavesTheTraceOfSteppingEveryClock) {
 }
 
 }  // namespace
-}  // namespace lamplock::test::pio
+}  // namespace lamplock::test::pio::pio_property_test

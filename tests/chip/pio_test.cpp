@@ -1,7 +1,7 @@
 // PIO timing to the cycle, by the rules of the RP2040 datasheet, chapter 3.
 #include "tests/chip/pio_rig.hpp"
 
-namespace lamplock::test::pio {
+namespace lamplock::test::pio::pio_test {
 namespace {
 
 using Longs = std::vector<long>;
@@ -793,4 +793,4 @@ TEST(PioKernel, StampTimesEdgesToTwoClocks) {
 }
 
 }  // namespace
-}  // namespace lamplock::test::pio
+}  // namespace lamplock::test::pio::pio_test

@@ -8,7 +8,7 @@
 
 #include "tests/chip/dma_system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::pwm_dma_test {
 namespace {
 
 constexpr std::uint32_t pwm_base = 0x4005'0000;
@@ -151,4 +151,4 @@ TEST_F(PwmDmaTest, InterruptIsClearedThroughAnAlias) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::pwm_dma_test

@@ -9,7 +9,7 @@
 #include "tests/chip/system_rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::pwm_test {
 namespace {
 
 struct Edges : PadListener {
@@ -231,4 +231,4 @@ TEST_F(PwmTest, LazyCounterAgreesWithEveryClock) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::pwm_test

@@ -15,7 +15,7 @@
 #include "sim/chip/usb_host/usb_host.hpp"
 #include "sim/chip/usb_host/vendor_host.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::rom_usb_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -433,4 +433,4 @@ TEST_F(RomUsb, ResetToUsbBootTakesItsTwoMasks) {  // 2.8.3.1.4
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::rom_usb_test

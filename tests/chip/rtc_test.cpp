@@ -9,7 +9,7 @@
 #include "tests/chip/dma_system_rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::rtc_test {
 namespace {
 
 constexpr std::uint32_t clkdiv = 0x00, setup_0 = 0x04, setup_1 = 0x08, control = 0x0c,
@@ -195,4 +195,4 @@ TEST_F(RtcTest, BlocksAreWhereTheDatasheetHasThem) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::rtc_test

@@ -11,7 +11,7 @@
 #include "tests/chip/tiny_image.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip::script {
+namespace lamplock::sim::chip::script::script_test {
 namespace {
 
 using testing::HasSubstr;
@@ -320,4 +320,4 @@ TEST(ScriptRunner, IsDeterministic) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip::script
+}  // namespace lamplock::sim::chip::script::script_test

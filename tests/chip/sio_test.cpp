@@ -9,7 +9,7 @@
 #include "tests/chip/system_rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::sio_test {
 namespace {
 
 class SioTest : public ::testing::Test {
@@ -233,4 +233,4 @@ TEST_F(SioTest, InterpolatorBlendsAndClamps) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::sio_test

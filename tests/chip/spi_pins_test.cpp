@@ -8,7 +8,7 @@
 #include "sim/chip/serial/spi.hpp"
 #include "tests/chip/dma_system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::spi_pins_test {
 namespace {
 
 constexpr std::uint32_t cr0 = 0x00, cr1 = 0x04, dr = 0x08, sr = 0x0c, cpsr = 0x10;
@@ -198,4 +198,4 @@ TEST_F(SpiPinsTest, SlaveOutputOff) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::spi_pins_test

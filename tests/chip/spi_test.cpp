@@ -8,7 +8,7 @@
 
 #include "tests/chip/dma_system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::spi_test {
 namespace {
 
 constexpr std::uint32_t cr0 = 0x00, cr1 = 0x04, dr = 0x08, sr = 0x0c, cpsr = 0x10, imsc = 0x14,
@@ -174,4 +174,4 @@ TEST_F(SpiTest, TheDmaKeepsTheWiresBusyBothWays) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::spi_test

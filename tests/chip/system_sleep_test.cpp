@@ -10,7 +10,7 @@
 #include "sim/chip/chip.hpp"
 #include "tests/chip/put_code.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::system_sleep_test {
 namespace {
 
 constexpr std::uint32_t clocks = 0x4000'8000, rtc_ctrl = clocks + 0x6c, rtc_div = clocks + 0x70,
@@ -212,4 +212,4 @@ TEST(SystemSleep, AResetEndsIt) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::system_sleep_test

@@ -7,7 +7,7 @@
 #include "tests/chip/system_rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::timer_test {
 namespace {
 
 class TimerTest : public ::testing::Test {
@@ -156,4 +156,4 @@ TEST_F(TimerTest, NoTickNoTime) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::timer_test

@@ -13,7 +13,7 @@
 #include "tests/chip/put_code.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::two_cores_test {
 namespace {
 
 using namespace sim::chip;  // NOLINT(google-build-using-namespace)
@@ -249,4 +249,4 @@ TEST(TwoCores, RunAsTheyDoStepByStep) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::two_cores_test

@@ -8,7 +8,7 @@
 #include "sim/chip/serial/uart.hpp"
 #include "tests/chip/dma_system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::uart_pins_test {
 namespace {
 
 constexpr std::uint32_t dr = 0x00, rsr = 0x04, fr = 0x18, ibrd = 0x24, fbrd = 0x28, lcr_h = 0x2c,
@@ -389,4 +389,4 @@ TEST_F(UartPinsTest, DmaStopsOnError) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::uart_pins_test

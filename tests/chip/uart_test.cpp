@@ -7,7 +7,7 @@
 
 #include "tests/chip/system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::uart_test {
 namespace {
 
 constexpr std::uint32_t irq_rx = 1u << 4, irq_tx = 1u << 5, irq_timeout = 1u << 6;
@@ -160,4 +160,4 @@ TEST_F(UartTest, LoopBackAndReset) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::uart_test

@@ -9,7 +9,7 @@
 #include "tests/chip/usb_bench.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::usb_host_test {
 namespace {
 
 using lamplock::test::random_bytes;
@@ -456,4 +456,4 @@ TEST(UsbHost, E5NeedsAQuietBus) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::usb_host_test

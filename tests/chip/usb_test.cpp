@@ -6,7 +6,7 @@
 #include "tests/chip/usb_bench.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::usb_test {
 namespace {
 
 using test::Bytes;
@@ -600,4 +600,4 @@ TEST(UsbTransactions, TakeTheirTimeOnTheBus) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::usb_test

@@ -4,7 +4,7 @@
 
 #include "tests/chip/system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::watchdog_test {
 namespace {
 
 constexpr std::uint32_t enable = 1u << 30;
@@ -143,4 +143,4 @@ TEST_F(WatchdogTest, TickRegister) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::watchdog_test

@@ -7,7 +7,7 @@
 
 #include "tests/chip/dma_system_rig.hpp"
 
-namespace lamplock::sim::chip {
+namespace lamplock::sim::chip::write_clear_test {
 namespace {
 
 constexpr std::uint32_t set_alias = 0x2000, clear_alias = 0x3000;
@@ -92,4 +92,4 @@ TEST_P(WriteClear, InterruptsOfThePrimeCells) {
 INSTANTIATE_TEST_SUITE_P(Aliases, WriteClear, testing::Values(0u, set_alias, clear_alias));
 
 }  // namespace
-}  // namespace lamplock::sim::chip
+}  // namespace lamplock::sim::chip::write_clear_test

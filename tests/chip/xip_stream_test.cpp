@@ -7,7 +7,7 @@
 #include "sim/chip/pio_dma_clock.hpp"
 #include "tests/chip/xip_rig.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::xip_stream_test {
 namespace {
 
 constexpr std::uint32_t stream_addr = control + 0x14, stream_ctr = control + 0x18,
@@ -219,4 +219,4 @@ TEST_F(XipDmaTest, TheDmaFillsTheSsi) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::xip_stream_test

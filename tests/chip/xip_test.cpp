@@ -8,7 +8,7 @@
 #include "sim/chip/cpu/core.hpp"
 #include "sim/chip/irq_lines.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::xip_test {
 namespace {
 
 TEST_F(XipTest, AMissTakesTheTransferOfALineAndAHitNothing) {
@@ -226,4 +226,4 @@ TEST_F(CodeInFlash, FaultsWhereNothingCanBeRead) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::xip_test

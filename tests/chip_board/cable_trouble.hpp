@@ -50,7 +50,7 @@ inline void run_jobs_with_cuts(ChipRig& rig, const job::Profile& profile, const 
     return std::uniform_int_distribution<Picoseconds>(0, most)(random);
   };
   int cut = 0, pulled = 0;
-  for (int round = 0; round < scaled(4); ++round) {
+  for (int round = 0; round < scaled(2); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     const job::Job job = job::make_job(chip_points(80, random()), profile, {});
     const std::size_t fired = rig.shots().size();
@@ -72,7 +72,7 @@ inline void run_jobs_with_cuts(ChipRig& rig, const job::Profile& profile, const 
     ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job, fired));
     EXPECT_EQ(rig.monitor.violation(profile.settings), "");
   }
-  EXPECT_GT(pulled, scaled(4));
+  EXPECT_GT(pulled, scaled(2));
   expect_no_violations(rig);
 }
 

@@ -40,7 +40,7 @@ TEST(ChipCoreXy, KnowsWhereItIsAfterADeadStop) {
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   const sim::Drives& drives = rig.board.world().drives();
-  for (int round = 0; round < 6; ++round) {
+  for (int round = 0; round < scaled(4); ++round) {
     rig.type("G1 X7 Y-3 F3000\nG0 X-4 Y5\nG1 X0.3 Y0.4 F2000\n");
     rig.run(static_cast<Picoseconds>(40 + random() % 150) * ps_per_ms);
     rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
@@ -53,7 +53,7 @@ TEST(ChipCoreXy, KnowsWhereItIsAfterADeadStop) {
     EXPECT_THAT(rig.answer("$X"), HasSubstr("ok"));
     EXPECT_EQ(drives.motors(), stood);
     rig.answer("G90 G1 X1 Y2 F3000");
-    rig.run(1000 * ps_per_ms);
+    rig.run(400 * ps_per_ms);  // some 10 mm at 50 mm/s
     // X + Y and X - Y.
     EXPECT_EQ(drives.motors(), (StepPosition{600, -200, 0, 0})) << "round " << round;
   }

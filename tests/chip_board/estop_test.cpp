@@ -34,7 +34,7 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
   using sim::ps_per_ns;
   Picoseconds slowest = 0;
   int gate_was_on = 0, pulse_was_on = 0, was_moving = 0;
-  for (int round = 0; round < scaled(12); ++round) {
+  for (int round = 0; round < scaled(8); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     const std::size_t fired = rig.shots().size();
     const job::Profile& machine = round % 2 == 0 ? profile : lagging;
@@ -94,7 +94,7 @@ TEST_F(Stops, DoorOpensAndClosesAtRandomMoments) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
-  for (int round = 0; round < scaled(6); ++round) {
+  for (int round = 0; round < scaled(4); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     const std::size_t fired = rig.shots().size();
     const job::Job job = job::make_job(chip_points(50, random_()), profile, {});

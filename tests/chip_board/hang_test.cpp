@@ -2,7 +2,7 @@
 // itself, the reason is told after the restart, and nothing happens before a new job.
 #include "tests/chip_board/chip_rig.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::hang_test {
 namespace {
 
 using sim::chip::Master;
@@ -310,4 +310,4 @@ TEST_F(Loss, OfPowerInAJob) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::hang_test

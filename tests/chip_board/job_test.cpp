@@ -31,7 +31,7 @@ TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
     job::JobOptions options;
     options.mode = c.mode;
     const job::Job job =
-        job::make_job(histogram_walk(static_cast<std::size_t>(scaled(60)), 9), profile, options);
+        job::make_job(histogram_walk(static_cast<std::size_t>(scaled(40)), 9), profile, options);
     sim::VirtualBoard board(profile.settings, chip_world(profile));
     const PinMonitor monitor(board.bus(), board.world().lamp());
     link::SimulatedTransport transport(board);
@@ -68,8 +68,8 @@ TEST_P(LongJob, KeepsTheLatticeAndTheShotsWithABusyLink) {
   job::Profile profile = chip_profile(GetParam().lamp_hz);
   job::set_acceleration(profile, GetParam().accel_m_s2);
   job::state_setting(profile, Id::q_switch_delay, GetParam().delay_us, "test");
-  // A longer job shows nothing that this one does not: scaled down only.
-  const auto points = static_cast<std::size_t>(std::min(scaled(2000), 2000));
+  // More than any buffer holds. From 2000 on a longer job shows nothing new.
+  const auto points = static_cast<std::size_t>(std::min(scaled(500), 2000));
   const job::Job job = job::make_job(histogram_walk(points, 3), profile, {});
   ChipRig rig(profile);
   const sim::BoardTiming timing(rig.board, flash_image());

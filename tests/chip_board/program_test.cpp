@@ -110,7 +110,7 @@ double way_off(const ChipRig& rig, double steps_per_mm) {
 /// 20 um at 100 mm/s are 5000 lines a second.
 TEST(ChipProgram, RunsFiveThousandLinesASecond) {
   const job::Profile profile = program_profile();
-  const auto lines = static_cast<std::size_t>(scaled(2500));
+  const auto lines = static_cast<std::size_t>(scaled(1500));
   const std::string text = spiral(lines, 0.02, 6000);
   const auto plan = program_run::run_program(text, profile.settings, 1);
   ChipRig rig(profile);
@@ -133,7 +133,7 @@ TEST(ChipProgram, KeepsItsPathHoweverFastItIsAsked) {
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   ProgramSender sender(rig.board);
   // The first tenth of a second fills the buffers.
-  const auto lines = static_cast<std::size_t>(scaled(3000));
+  const auto lines = static_cast<std::size_t>(scaled(2000));
   const Picoseconds begin = rig.now();
   run(sender, spiral(lines, 0.02, 30'000), begin + 60 * ps_per_s);
   // Two steps of 5 um, and what the junction deviation and chords make.
@@ -153,7 +153,7 @@ TEST(ChipProgram, ACoreXyIsNoSlowerForBeingAskedTooMuch) {
     ASSERT_NO_FATAL_FAILURE(rig.boot());
     ProgramSender sender(rig.board);
     // The first tenth of a second fills the buffers.
-    const auto lines = static_cast<std::size_t>(std::max(2000, scaled(3000)));
+    const auto lines = static_cast<std::size_t>(std::max(2000, scaled(2000)));
     const Picoseconds begin = rig.now();
     run(sender, spiral(lines, 0.02, feed_mm_s * 60), begin + 60 * ps_per_s);
     rates.push_back(static_cast<double>(lines) / sim::seconds(rig.now() - begin));
@@ -167,7 +167,7 @@ TEST(ChipProgram, EndsWhereItShouldThoughLinesAreLate) {
   for (const double feed_mm_s : {80, 100, 250}) {
     SCOPED_TRACE(feed_mm_s);
     const std::string text =
-        spiral(static_cast<std::size_t>(scaled(900)), 0.02, feed_mm_s * 60) + "X1 Y2\n";
+        spiral(static_cast<std::size_t>(scaled(600)), 0.02, feed_mm_s * 60) + "X1 Y2\n";
     ChipRig rig(profile);
     ASSERT_NO_FATAL_FAILURE(rig.boot());
     ProgramSender sender(rig.board);

@@ -11,7 +11,7 @@
 #include "tests/chip_board/program_sender.hpp"
 #include "tests/chip_board/program_trace.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::pulse_modes_test {
 namespace {
 
 using settings::PulseMode;
@@ -106,7 +106,7 @@ TEST_P(PulseModes, JobsHitTheirPointsAndAnEmergencyStopKeepsThePlace) {
   const StepLog log(machine.settings, rig.board.bus());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   std::mt19937_64 random(5);
-  for (int round = 0; round < scaled(6); ++round) {
+  for (int round = 0; round < scaled(3); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     RunningJob running(rig, turning_job(machine, random()), static_cast<std::uint32_t>(round + 1));
     const std::size_t before = rig.shots().size();
@@ -159,4 +159,4 @@ INSTANTIATE_TEST_SUITE_P(Drives, PulseModes, testing::ValuesIn(kinds),
                          [](const auto& kind) { return std::string(kind.param.name); });
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::pulse_modes_test

@@ -60,7 +60,7 @@ std::string chatter(std::mt19937_64& random) {
 TEST(ChipPulseStream, AJobIsTheSameOverBothFunctions) {
   const job::Profile profile = chip_profile(1000);
   const job::Job job =
-      job::make_job(chip_points(static_cast<std::size_t>(scaled(120)), 7), profile, {});
+      job::make_job(chip_points(static_cast<std::size_t>(scaled(60)), 7), profile, {});
   std::vector<Deeds> deeds;
   for (const UsbFunction function : {UsbFunction::serial, UsbFunction::vendor}) {
     FunctionRig rig(profile, function);
@@ -78,7 +78,7 @@ TEST(ChipPulseStream, AJobIsTheSameOverBothFunctions) {
 TEST(ChipPulseStream, ChatterOverTheOtherFunctionDisturbsNoJob) {
   const job::Profile profile = chip_profile(1000);
   const job::Job job =
-      job::make_job(chip_points(static_cast<std::size_t>(scaled(120)), 8), profile, {});
+      job::make_job(chip_points(static_cast<std::size_t>(scaled(60)), 8), profile, {});
   for (const UsbFunction function : {UsbFunction::vendor, UsbFunction::serial}) {
     const UsbFunction beside =
         function == UsbFunction::serial ? UsbFunction::vendor : UsbFunction::serial;
@@ -143,7 +143,7 @@ TEST(ChipPulseStream, ASilentHostIsADeadManAndTheSerialPortCanAskLater) {
   profile.settings.set_milli(Id::dead_man, 200'000);  // ms
   FunctionRig rig(profile, UsbFunction::vendor);
   rig.open_both();
-  const job::Job job = job::make_job(chip_points(300, 3), profile, {});
+  const job::Job job = job::make_job(chip_points(100, 3), profile, {});
   RunningJob running(rig, job, 1);
   ASSERT_TRUE(running.run_until_fired(10));
   // The program hangs. It has the interface, and nobody reads.
@@ -170,7 +170,7 @@ TEST(ChipPulseStream, ASilentHostIsADeadManAndTheSerialPortCanAskLater) {
 TEST(ChipPulseStream, ABadCableCostsTimeOnly) {
   const job::Profile profile = chip_profile(1000);
   std::uint64_t repeated = 0;
-  for (int seed = 0; seed < scaled(3); ++seed) {
+  for (int seed = 0; seed < scaled(2); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     FunctionRig rig(profile, UsbFunction::vendor);
     const job::Job job = job::make_job(chip_points(100, random()), profile, {});

@@ -7,7 +7,7 @@
 #include "tests/chip_board/chip_rig.hpp"
 #include "tests/chip_board/program_sender.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::raster_test {
 namespace {
 
 /// On a board that has been booted.
@@ -53,7 +53,7 @@ TEST(ChipRaster, OfGreyPixelsKeepsItsSpeed) {
 /// An e-stop in the light starts the lattice anew, at any tick, and LASER PWM with it.
 TEST(ChipRaster, IsInItsPlaceAfterAnEStop) {
   std::mt19937_64 random(1);
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < scaled(2); ++i) {
     ChipRig rig(raster_machine());
     ASSERT_NO_FATAL_FAILURE(rig.boot());
     rig.type("G21 G90 G0 X-40\nM3 S700\nG1 X-35 F9000\n");
@@ -108,4 +108,4 @@ TEST(ChipRaster, PowerInProportionFollowsTheSpeedInEachPeriod) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::raster_test

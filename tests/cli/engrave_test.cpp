@@ -73,13 +73,13 @@ TEST(Engrave, mesh_by_rays) {
 
 TEST(Engrave, bitmap) {
   const Folder folder;
-  const std::string bitmap = folder.write("d.bmp", disc_bmp(40));
-  const Json report = run_json({"engrave", bitmap, "--size", "8", "--spacing", "0.2", "--layers",
+  const std::string bitmap = folder.write("d.bmp", disc_bmp(20));
+  const Json report = run_json({"engrave", bitmap, "--size", "4", "--spacing", "0.2", "--layers",
                                 "2", "--layer", "0.5", "--shots", folder / "shots.csv"});
   expect_each_once(report);
-  EXPECT_NEAR(report["points"].get<double>(), 2 * M_PI / 4 * 40 * 40, 100);
+  EXPECT_NEAR(report["points"].get<double>(), 2 * M_PI / 4 * 20 * 20, 50);
   for (const points::Point& p : read_shots(folder / "shots.csv")) {
-    EXPECT_LT(std::hypot(p.x, p.y), 4);
+    EXPECT_LT(std::hypot(p.x, p.y), 2);
     EXPECT_EQ(std::abs(p.z), 0.25);
   }
 }

@@ -9,10 +9,10 @@
 #include "host/error.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace lamplock::cli {
+namespace lamplock::cli::image_path_test {
 namespace {
 
-using test::TemporaryFolder;
+using lamplock::test::TemporaryFolder;
 
 namespace fs = std::filesystem;
 
@@ -58,4 +58,4 @@ TEST(ImagePath, TheGivenFileIsTakenAsItIs) {
 }
 
 }  // namespace
-}  // namespace lamplock::cli
+}  // namespace lamplock::cli::image_path_test

@@ -118,7 +118,7 @@ TEST(ChipFlash, AfterAPowerCutAtAnyMomentNoHalfImageStarts) {
   const FlashImage old = small_image(1), image = small_image(2);
   std::mt19937_64 random(5);
   int starts = 0, in_loader = 0;
-  const int cuts = lamplock::test::scaled(100);
+  const int cuts = lamplock::test::scaled(50);
   for (int i = 0; i < cuts; ++i) {
     // Enumeration takes 130 ms, the whole of it some 320 ms.
     const auto at = static_cast<sim::Picoseconds>(830 + random() % 330) * sim::ps_per_ms +

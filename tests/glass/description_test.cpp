@@ -10,6 +10,7 @@
 #include <set>
 
 #include "host/error.hpp"
+#include "host/glass/description_file.hpp"
 #include "tests/error_of.hpp"
 #include "tests/scale.hpp"
 #include "tests/temporary_folder.hpp"

@@ -12,12 +12,12 @@
 #include "tests/error_of.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::glass {
+namespace lamplock::glass::volume_test {
 namespace {
 
+using lamplock::test::error_of;
 using points::Bounds;
 using points::Point;
-using test::error_of;
 using ::testing::HasSubstr;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -36,7 +36,7 @@ TEST(Refraction, AStageMoveMovesTheFocusByTheIndexTimesAsMuch) {
 TEST(Refraction, GoesToTheStageAndBack) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<> index(1, 4), mm(-100, 100);
-  for (int i = 0; i < test::scaled(2000); ++i) {
+  for (int i = 0; i < lamplock::test::scaled(2000); ++i) {
     const Refraction glass{index(random), mm(random)};
     const Point p{mm(random), mm(random), mm(random)};
     const Point back = glass.glass(glass.stage(p));
@@ -50,7 +50,7 @@ TEST(Refraction, WithoutGlassChangesNoBit) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<> mm(-100, 100);
   const Refraction none{1, 12.3};
-  for (int i = 0; i < test::scaled(1000); ++i) {
+  for (int i = 0; i < lamplock::test::scaled(1000); ++i) {
     const Point p{mm(random), mm(random), mm(random)};
     EXPECT_EQ(none.stage(p), p);
     EXPECT_EQ(none.glass(p), p);
@@ -129,4 +129,4 @@ TEST(Volume, ThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace lamplock::glass
+}  // namespace lamplock::glass::volume_test

@@ -8,6 +8,7 @@
 
 #include "host/error.hpp"
 #include "host/gpio/place.hpp"
+#include "host/gpio/read_line_table.hpp"
 #include "tests/error_of.hpp"
 #include "tests/scale.hpp"
 #include "tests/temporary_folder.hpp"

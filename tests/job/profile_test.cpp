@@ -11,6 +11,7 @@
 #include <string>
 
 #include "host/error.hpp"
+#include "host/job/read_profile.hpp"
 #include "shared/units.hpp"
 #include "tests/error_of.hpp"
 #include "tests/temporary_folder.hpp"

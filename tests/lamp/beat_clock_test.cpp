@@ -16,7 +16,7 @@
 #include "tests/lamp/lamp_model.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::lamp {
+namespace lamplock::lamp::beat_clock_test {
 namespace {
 
 using settings::Id;
@@ -491,4 +491,4 @@ TEST(BeatClock, SpansAddUpThroughEverything) {
 }
 
 }  // namespace
-}  // namespace lamplock::lamp
+}  // namespace lamplock::lamp::beat_clock_test

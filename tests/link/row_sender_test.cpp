@@ -13,7 +13,7 @@
 #include "tests/link/fake_row_machine.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::link {
+namespace lamplock::link::row_sender_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -190,4 +190,4 @@ TEST(RowSender, AMachineWithoutLaserModeIsNamedWithItsSetting) {
 }
 
 }  // namespace
-}  // namespace lamplock::link
+}  // namespace lamplock::link::row_sender_test

@@ -15,7 +15,7 @@
 #include "tests/link/random_job.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::link {
+namespace lamplock::link::sender_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -646,4 +646,4 @@ TEST(Sender, RefusesAStartBeyondTheJob) {
 }
 
 }  // namespace
-}  // namespace lamplock::link
+}  // namespace lamplock::link::sender_test

@@ -18,7 +18,7 @@
 #include "tests/scale.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace lamplock {
+namespace lamplock::dxf_test {
 namespace {
 
 using model::Arc;
@@ -358,4 +358,4 @@ TEST_F(Dxf, PointsAloneAreAPointList) {
 }
 
 }  // namespace
-}  // namespace lamplock
+}  // namespace lamplock::dxf_test

@@ -16,7 +16,7 @@
 #include "tests/scale.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace lamplock {
+namespace lamplock::svg_test {
 namespace {
 
 using model::ArcLength;
@@ -310,4 +310,4 @@ TEST_F(Svg, IsADrawing) {
 }
 
 }  // namespace
-}  // namespace lamplock
+}  // namespace lamplock::svg_test

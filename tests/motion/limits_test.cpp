@@ -10,7 +10,7 @@
 #include "shared/work_space.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::motion::limits_test {
 namespace {
 
 using Real = long double;
@@ -182,4 +182,4 @@ TEST(Limits, BeatsAreTheNearestWholeNumberOfTicks) {
 }
 
 }  // namespace
-}  // namespace lamplock::motion
+}  // namespace lamplock::motion::limits_test

@@ -12,7 +12,7 @@
 #include "tests/motion/path_checks.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::motion::path_jerk_test {
 namespace {
 
 using test::Chain;
@@ -58,4 +58,4 @@ TEST(PathJerk, EveryPlanIsExactKeepsEveryLimitAndCanStop) {
 }
 
 }  // namespace
-}  // namespace lamplock::motion
+}  // namespace lamplock::motion::path_jerk_test

@@ -10,7 +10,7 @@
 #include "tests/motion/tick_sum.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::motion::profile_test {
 namespace {
 
 using test::native;
@@ -184,4 +184,4 @@ TEST(Brake, StandsAtTheEndAndKeepsTheLimit) {
 }
 
 }  // namespace
-}  // namespace lamplock::motion
+}  // namespace lamplock::motion::profile_test

@@ -13,7 +13,7 @@
 #include "tests/motion/plan_checks.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::motion::pulse_test {
 namespace {
 
 using test::Chain;
@@ -272,4 +272,4 @@ TEST(Pulse, ChainsKeepEveryLimitAndCanAlwaysStop) {
 }
 
 }  // namespace
-}  // namespace lamplock::motion
+}  // namespace lamplock::motion::pulse_test

@@ -11,7 +11,7 @@
 #include "tests/motion/reach_question.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::motion::reach_test {
 namespace {
 
 using test::hair;
@@ -188,4 +188,4 @@ TYPED_TEST(Reach, ReachesMoreFromMore) {
 }
 
 }  // namespace
-}  // namespace lamplock::motion
+}  // namespace lamplock::motion::reach_test

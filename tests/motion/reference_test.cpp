@@ -13,7 +13,7 @@
 #include "tests/motion/chain.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::motion::reference_test {
 namespace {
 
 using test::Chain;
@@ -191,4 +191,4 @@ TEST(Planner, StaysAtTheOptimumOverLongStreams) {
 }
 
 }  // namespace
-}  // namespace lamplock::motion
+}  // namespace lamplock::motion::reference_test

@@ -10,7 +10,7 @@
 #include "tests/motion/chain.hpp"
 #include "tests/motion/plan_checks.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::motion::run_up_test {
 namespace {
 
 using test::Chain;
@@ -89,4 +89,4 @@ TEST(RunUp, SteadyWaysAreRunWithoutAcceleration) {
 }
 
 }  // namespace
-}  // namespace lamplock::motion
+}  // namespace lamplock::motion::run_up_test

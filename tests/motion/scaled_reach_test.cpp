@@ -10,7 +10,7 @@
 #include "tests/motion/reach_question.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::motion {
+namespace lamplock::motion::scaled_reach_test {
 namespace {
 
 using test::Question;
@@ -104,4 +104,4 @@ TEST(ScaledReach, RootsAreNeverTooLarge) {
 }
 
 }  // namespace
-}  // namespace lamplock::motion
+}  // namespace lamplock::motion::scaled_reach_test

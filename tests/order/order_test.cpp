@@ -167,20 +167,13 @@ TEST(Order, SerpentineOfALatticeTakesNoLongStep) {
   EXPECT_NEAR(travel(ordered), 0.1 * (7 * 11 * 3 - 1), 1e-9);
 }
 
-TEST(Order, BestNeedsNoMoreBeatsThanTheOthers) {
+TEST(Order, BestNeedsNoMoreBeatsThanTheOthersAndATenthLessThanNearestWhereBeatsAreScarce) {
   const bench::Machine machine{100, 2, 1};
-  for (bench::OrderCloud& cloud : bench::order_clouds(std::max(600, test::scaled(3000)))) {
+  for (const bench::OrderCloud& cloud : bench::order_clouds(std::max(1500, test::scaled(3000)))) {
     const auto figures = bench::order_figures(cloud, machine);
     for (const double beats : figures.beats) {
       EXPECT_LE(figures.beats.back(), beats * 1.0005) << cloud.name;
     }
-  }
-}
-
-TEST(Order, BestSavesATenthOfNearestWhereBeatsAreScarce) {
-  const bench::Machine machine{100, 2, 1};
-  for (const bench::OrderCloud& cloud : bench::order_clouds(std::max(1500, test::scaled(3000)))) {
-    const auto figures = bench::order_figures(cloud, machine);
     const double nearest = figures.beats[2];
     if (nearest < 1.15) continue;  // hardly anything can be saved
     EXPECT_LT(figures.beats.back(), 0.9 * nearest) << cloud.name;

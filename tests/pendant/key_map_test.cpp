@@ -1,4 +1,5 @@
 // The table [pendant] of a machine profile, and what a macro may have.
+#include "host/job/read_profile.hpp"
 #include "host/pendant/key_map.hpp"
 
 #include <fmt/format.h>

@@ -7,6 +7,7 @@
 
 #include "host/file.hpp"
 #include "host/model/bitmap.hpp"
+#include "host/model/read_bitmap.hpp"
 #include "host/points/bitmap_points.hpp"
 #include "host/points/bounds.hpp"
 #include "tests/points/shapes.hpp"

@@ -10,7 +10,7 @@
 #include "tests/native_int128.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::angle_test {
 namespace {
 
 using Exact = boost::multiprecision::cpp_bin_float_50;
@@ -122,4 +122,4 @@ TEST(Angle, UndoesSineAndCosine) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::angle_test

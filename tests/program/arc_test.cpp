@@ -11,7 +11,7 @@
 #include "tests/program/curve_checks.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::arc_test {
 namespace {
 
 /// 10^-5 mm is 100; what arc.hpp says is 1.
@@ -30,7 +30,7 @@ std::int64_t rounded(long double v) { return std::llround(v); }
 /// any plane. `change` is added to the radius at the end.
 ArcRequest any_arc(Random& random, long double change = 0) {
   ArcRequest r{};
-  const std::array<CurvePlane, 3> planes{xy, zx, yz};
+  const std::array<CurvePlane, 3> planes{plane_xy, plane_zx, plane_yz};
   r.plane = planes[random() % 3];
   const long double radius = any_size(random, 1e5L, 4e10L);
   const long double start = between(random, 0, two_pi_l);
@@ -150,7 +150,7 @@ TEST(Arc, SpiralsOfAFewMicrometresAreAsLongAsTheyAre) {
     long double small = any_size(random, 20, 2e5L), large = small + any_size(random, 20, 4.99e4L);
     if (random() % 2 != 0) std::swap(small, large);
     const long double sweep = between(random, 0.01L, two_pi_l - 0.01L);
-    ArcRequest r{{rounded(small), 0, 0, 0}, {}, {}, xy, random() % 2 != 0, 0, 100};
+    ArcRequest r{{rounded(small), 0, 0, 0}, {}, {}, plane_xy, random() % 2 != 0, 0, 100};
     r.end[0] = rounded(large * std::cos(sweep));
     r.end[1] = rounded(large * std::sin(sweep));
     if (random() % 2 != 0) r.end[2] = rounded(any_size(random, 1e2L, 1e6L));
@@ -206,7 +206,7 @@ TEST(Arc, FullCircles) {
 }
 
 TEST(Arc, TurnsAreFurtherTurns) {
-  ArcRequest r{{mm(10), 0, 0, 0}, {0, mm(10), mm(6), mm(-90)}, {}, xy, false, 0, mm(0.002)};
+  ArcRequest r{{mm(10), 0, 0, 0}, {0, mm(10), mm(6), mm(-90)}, {}, plane_xy, false, 0, mm(0.002)};
   Curve curve;
   for (const std::uint32_t turns : {0u, 1u, 2u, 3u, 100u}) {
     r.turns = turns;
@@ -223,7 +223,7 @@ TEST(Arc, TurnsAreFurtherTurns) {
 }
 
 TEST(Arc, NoDriftOverManyTurns) {
-  ArcRequest r{{mm(4000), 0, 0, 0}, {mm(4000), 0, mm(1), 0}, {}, xy, false, 0, mm(0.01)};
+  ArcRequest r{{mm(4000), 0, 0, 0}, {mm(4000), 0, mm(1), 0}, {}, plane_xy, false, 0, mm(0.01)};
   r.turns = static_cast<std::uint32_t>(test::scaled(100));
   Curve curve;
   EXPECT_LE(run(r, curve).point, point_error);
@@ -232,7 +232,8 @@ TEST(Arc, NoDriftOverManyTurns) {
 
 TEST(Arc, HugeRadiusAndTinySweep) {
   // 4 m, 10^-6 rad: 4 um of way.
-  ArcRequest r{{0, mm(-4000), 0, 0}, {rounded(4e4L), mm(-4000), 0, 0}, {}, xy, false, 0, mm(0.002)};
+  ArcRequest r{
+      {0, mm(-4000), 0, 0}, {rounded(4e4L), mm(-4000), 0, 0}, {}, plane_xy, false, 0, mm(0.002)};
   Curve curve;
   ASSERT_TRUE(arc_fits(r));
   EXPECT_LE(run(r, curve).point, point_error);
@@ -251,7 +252,7 @@ TEST(Arc, HugeRadiusAndTinySweep) {
 TEST(Arc, RadiiBeyondTheMachine) {
   // R 1 km over 1 m of way, and R 7 km.
   for (const double radius : {1e6, 6.9e6}) {
-    ArcRequest r{{0, 0, 0, 0}, {mm(1000), mm(500), 0, 0}, {}, xy, true, 0, mm(0.002)};
+    ArcRequest r{{0, 0, 0, 0}, {mm(1000), mm(500), 0, 0}, {}, plane_xy, true, 0, mm(0.002)};
     ASSERT_TRUE(centre_of_radius(r.start, r.end, r.plane, mm(radius), true, r.centre));
     ASSERT_TRUE(arc_fits(r));
     Curve curve;
@@ -266,7 +267,8 @@ TEST(Arc, SweepsThatRoundToNothingAreNeitherNothingNorATurn) {
   // 0.3 units of an angle.
   const std::int64_t far = most_coordinate_e7;
   for (const bool clockwise : {false, true}) {
-    const ArcRequest r{{0, -far, 0, 0}, {1, -far, 0, 0}, {0, far, 0, 0}, xy, clockwise, 0, far};
+    const ArcRequest r{
+        {0, -far, 0, 0}, {1, -far, 0, 0}, {0, far, 0, 0}, plane_xy, clockwise, 0, far};
     Curve curve;
     curve.begin_arc(r);
     const std::vector<Place> places = trace(curve, r.start);
@@ -313,36 +315,37 @@ TEST(Arc, RadiusSaysOnWhichSideTheCentreIs) {
   const Place a{}, b{mm(10), 0, mm(7), 0};
   const double aside = std::sqrt(100.0 - 25.0);
   Place c{};
-  ASSERT_TRUE(centre_of_radius(a, b, xy, mm(10), false, c));
+  ASSERT_TRUE(centre_of_radius(a, b, plane_xy, mm(10), false, c));
   EXPECT_EQ(c, (Place{mm(5), mm(aside), 0, 0}));
-  ASSERT_TRUE(centre_of_radius(a, b, xy, mm(10), true, c));
+  ASSERT_TRUE(centre_of_radius(a, b, plane_xy, mm(10), true, c));
   EXPECT_EQ(c, (Place{mm(5), mm(-aside), 0, 0}));
-  ASSERT_TRUE(centre_of_radius(a, b, xy, mm(-10), false, c));
+  ASSERT_TRUE(centre_of_radius(a, b, plane_xy, mm(-10), false, c));
   EXPECT_EQ(c, (Place{mm(5), mm(-aside), 0, 0}));
-  ASSERT_TRUE(centre_of_radius(a, b, xy, mm(-10), true, c));
+  ASSERT_TRUE(centre_of_radius(a, b, plane_xy, mm(-10), true, c));
   EXPECT_EQ(c, (Place{mm(5), mm(aside), 0, 0}));
 }
 
 TEST(Arc, RadiusTooSmallIsNoArc) {
   const Place a{}, b{mm(10), 0, 0, 0};
   Place c{1, 2, 3, 4};
-  EXPECT_TRUE(centre_of_radius(a, b, xy, mm(5), false, c));
+  EXPECT_TRUE(centre_of_radius(a, b, plane_xy, mm(5), false, c));
   EXPECT_EQ(c, (Place{mm(5), 0, 0, 0}));
   // 7 decimals of half a way of 3 sqrt 2 are too few by rounding.
-  EXPECT_TRUE(centre_of_radius(a, {mm(3), mm(3), 0, 0}, xy, 21'213'203, false, c));
+  EXPECT_TRUE(centre_of_radius(a, {mm(3), mm(3), 0, 0}, plane_xy, 21'213'203, false, c));
   EXPECT_EQ(c, (Place{mm(1.5), mm(1.5), 0, 0}));
-  EXPECT_FALSE(centre_of_radius(a, b, xy, mm(4.9999), false, c));
-  EXPECT_FALSE(centre_of_radius(a, b, xy, mm(-4.9999), false, c));
-  EXPECT_FALSE(centre_of_radius(a, b, xy, 0, false, c));
-  EXPECT_FALSE(centre_of_radius(a, a, xy, mm(5), false, c));
-  EXPECT_FALSE(centre_of_radius(a, {0, 0, mm(1), 0}, xy, mm(5), false, c));
-  EXPECT_FALSE(centre_of_radius(a, b, xy, most_coordinate_e7 + 1, false, c));
-  EXPECT_FALSE(centre_of_radius(a, b, xy, std::numeric_limits<std::int64_t>::max(), false, c));
+  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, mm(4.9999), false, c));
+  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, mm(-4.9999), false, c));
+  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, 0, false, c));
+  EXPECT_FALSE(centre_of_radius(a, a, plane_xy, mm(5), false, c));
+  EXPECT_FALSE(centre_of_radius(a, {0, 0, mm(1), 0}, plane_xy, mm(5), false, c));
+  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, most_coordinate_e7 + 1, false, c));
+  EXPECT_FALSE(
+      centre_of_radius(a, b, plane_xy, std::numeric_limits<std::int64_t>::max(), false, c));
 }
 
 TEST(Arc, RadiiAgreeAsGrblAsks) {
   const auto fits = [](double start, double end) {
-    return arc_fits({{mm(start), 0, 0, 0}, {0, mm(end), 0, 0}, {}, xy, false, 0, mm(0.002)});
+    return arc_fits({{mm(start), 0, 0, 0}, {0, mm(end), 0, 0}, {}, plane_xy, false, 0, mm(0.002)});
   };
   EXPECT_TRUE(fits(1, 1.005));  // 0.005 mm
   EXPECT_FALSE(fits(1, 1.0050001));
@@ -353,15 +356,15 @@ TEST(Arc, RadiiAgreeAsGrblAsks) {
   EXPECT_TRUE(fits(100, 99.9));
   EXPECT_TRUE(fits(4000, 4000.5));  // 0.5 mm
   EXPECT_FALSE(fits(4000, 4000.5000001));
-  EXPECT_FALSE(arc_fits({{}, {mm(10), 0, 0, 0}, {}, xy, false, 0, mm(0.002)}));
+  EXPECT_FALSE(arc_fits({{}, {mm(10), 0, 0, 0}, {}, plane_xy, false, 0, mm(0.002)}));
 }
 
 TEST(Arc, TheShortWayRoundToHundredAndHundredTwenty) {
   // A radius of 150 mm, from (0, 0) to (100, 120).
-  ArcRequest r{{}, {mm(100), mm(120), 0, 0}, {}, xy, false, 0, mm(0.002)};
+  ArcRequest r{{}, {mm(100), mm(120), 0, 0}, {}, plane_xy, false, 0, mm(0.002)};
   for (const bool clockwise : {false, true}) {
     r.clockwise = clockwise;
-    ASSERT_TRUE(centre_of_radius(r.start, r.end, xy, mm(150), clockwise, r.centre));
+    ASSERT_TRUE(centre_of_radius(r.start, r.end, plane_xy, mm(150), clockwise, r.centre));
     // d = sqrt(24400) = 156.205; the centre is sqrt(150^2 - d^2/4) = 128.0625 beside its middle.
     const double side = clockwise ? -1 : 1, aside = std::sqrt(22500.0 - 6100.0);
     const double d = std::sqrt(24400.0);
@@ -382,11 +385,11 @@ TEST(Arc, WhatIsNoArcIsAStraightPiece) {
   const Place a{mm(1), mm(2), mm(3), mm(4)}, b{mm(5), mm(-6), mm(7), mm(-8)};
   const std::int64_t far = most_coordinate_e7 + 1;
   const std::array<ArcRequest, 5> requests{{
-      {a, b, a, xy, false, 0, mm(0.002)},                       // centre = start
-      {a, b, b, zx, true, 7, mm(0.002)},                        // centre = end
-      {a, a, a, yz, false, 0, mm(0.002)},                       // no way at all
-      {a, b, {far, 0, 0, 0}, xy, false, 0, mm(0.002)},          // a centre beyond all
-      {a, b, {0, -far, 0, 0}, xy, false, 1'000'000, mm(0.002)}  //
+      {a, b, a, plane_xy, false, 0, mm(0.002)},                       // centre = start
+      {a, b, b, plane_zx, true, 7, mm(0.002)},                        // centre = end
+      {a, a, a, plane_yz, false, 0, mm(0.002)},                       // no way at all
+      {a, b, {far, 0, 0, 0}, plane_xy, false, 0, mm(0.002)},          // a centre beyond all
+      {a, b, {0, -far, 0, 0}, plane_xy, false, 1'000'000, mm(0.002)}  //
   }};
   for (const ArcRequest& r : requests) {
     Curve curve;
@@ -405,7 +408,7 @@ TEST(Arc, WhatIsNoArcIsAStraightPiece) {
 }
 
 TEST(Arc, AnyToleranceEnds) {
-  ArcRequest r{{mm(4000), 0, 0, 0}, {mm(4000), 0, 0, 0}, {}, xy, false, 0, 0};
+  ArcRequest r{{mm(4000), 0, 0, 0}, {mm(4000), 0, 0, 0}, {}, plane_xy, false, 0, 0};
   Curve curve;
   const std::array<std::int64_t, 2> none{0, std::numeric_limits<std::int64_t>::min()};
   for (const std::int64_t tolerance : none) {
@@ -428,7 +431,7 @@ TEST(Arc, TheSmallestArcs) {
   for (std::int64_t x = -3; x <= 3; ++x) {
     for (std::int64_t y = -3; y <= 3; ++y) {
       for (const std::int64_t tolerance : {0, 1, 5}) {
-        const ArcRequest r{{2, 1, 0, 0}, {x, y, 5, 0}, {}, xy, y > 0, 0, tolerance};
+        const ArcRequest r{{2, 1, 0, 0}, {x, y, 5, 0}, {}, plane_xy, y > 0, 0, tolerance};
         Curve curve;
         curve.begin_arc(r);
         const std::vector<Place> places = trace(curve, r.start);
@@ -448,7 +451,7 @@ TEST(Arc, AtTheEdgeOfTheNumbers) {
       const ArcRequest r{{at(0), at(1), at(6), 0},
                          {at(2), at(3), -at(6), most},
                          {at(4), at(5), 0, 0},
-                         xy,
+                         plane_xy,
                          at(6) > 0,
                          0,
                          most / 1000};
@@ -465,7 +468,7 @@ TEST(Arc, AtTheEdgeOfTheNumbers) {
       ASSERT_LE(far.pieces(), 1u << 30);
       Place centre{};
       for (const std::int64_t radius : {most, -most, 2 * most})
-        (void)centre_of_radius(r.start, r.end, xy, radius, at(6) > 0, centre);
+        (void)centre_of_radius(r.start, r.end, plane_xy, radius, at(6) > 0, centre);
       const TrueArc arc(r);
       if (arc.start_radius == 0 || arc.end_radius == 0) continue;
       // Ten thousand turns, as far as they can be counted.
@@ -473,7 +476,7 @@ TEST(Arc, AtTheEdgeOfTheNumbers) {
       ASSERT_GE(static_cast<long double>(far.length_e7()), std::min(0.99L * turned, 0x1p61L))
           << bits;
       // 2^-44 of the radius, and rounding.
-      ASSERT_LE(errors_of(places, xy, arc).point, 2 + arc.start_radius * 0x1p-43L) << bits;
+      ASSERT_LE(errors_of(places, plane_xy, arc).point, 2 + arc.start_radius * 0x1p-43L) << bits;
     }
   }
 }
@@ -490,19 +493,25 @@ struct Golden {
 TEST(Arc, GoldenTable) {
   const std::vector<Golden> table = {
       // A quarter of 10 mm
-      {{{100000000, 0, 0, 0}, {0, 100000000, 0, 0}, {0, 0, 0, 0}, xy, false, 0, 20000},
+      {{{100000000, 0, 0, 0}, {0, 100000000, 0, 0}, {0, 0, 0, 0}, plane_xy, false, 0, 20000},
        40,
        13,
        {87249601, 48862124, 0, 0},
        157079633},
       // three quarters of it, clockwise
-      {{{100000000, 0, 0, 0}, {0, 100000000, 0, 0}, {0, 0, 0, 0}, xy, true, 0, 20000},
+      {{{100000000, 0, 0, 0}, {0, 100000000, 0, 0}, {0, 0, 0, 0}, plane_xy, true, 0, 20000},
        118,
        39,
        {1331144, -99991140, 0, 0},
        471238898},
       // a full circle in G18
-      {{{30000000, 0, 40000000, 0}, {30000000, 0, 40000000, 0}, {0, 0, 0, 0}, zx, true, 0, 100000},
+      {{{30000000, 0, 40000000, 0},
+        {30000000, 0, 40000000, 0},
+        {0, 0, 0, 0},
+        plane_zx,
+        true,
+        0,
+        100000},
        50,
        16,
        {-48966461, 0, 10113640, 0},
@@ -511,7 +520,7 @@ TEST(Arc, GoldenTable) {
       {{{10000000, 250000000, 0, 0},
         {310000000, 250000000, 0, 3600000000},
         {0, 0, 0, 0},
-        yz,
+        plane_yz,
         false,
         3,
         200000},
@@ -520,7 +529,7 @@ TEST(Arc, GoldenTable) {
        {109152542, 249645674, -13305544, 1189830508},
        5937727672},
       // half an inch, coarse
-      {{{0, 0, 0, 0}, {254000000, 0, 0, 0}, {127000000, 0, 0, 0}, xy, true, 0, 5000000},
+      {{{0, 0, 0, 0}, {254000000, 0, 0, 0}, {127000000, 0, 0, 0}, plane_xy, true, 0, 5000000},
        6,
        2,
        {63500000, 109985226, 0, 0},
@@ -529,7 +538,7 @@ TEST(Arc, GoldenTable) {
       {{{40000000000, 0, 0, 0},
         {39800166611, 3993336666, 50000000, 0},
         {0, 0, 0, 0},
-        xy,
+        plane_xy,
         false,
         0,
         20000},
@@ -541,7 +550,7 @@ TEST(Arc, GoldenTable) {
       {{{1000500000, 500000000, 0, 0},
         {1000500000, 500000000, 0, 0},
         {1000000000, 500000000, 0, 0},
-        xy,
+        plane_xy,
         false,
         0,
         20000},
@@ -564,4 +573,4 @@ TEST(Arc, GoldenTable) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::arc_test

@@ -14,7 +14,7 @@
 
 namespace lamplock::program {
 
-inline constexpr CurvePlane xy{0, 1, 2}, zx{2, 0, 1}, yz{1, 2, 0};
+inline constexpr CurvePlane plane_xy{0, 1, 2}, plane_zx{2, 0, 1}, plane_yz{1, 2, 0};
 inline constexpr long double two_pi_l = 2 * std::numbers::pi_v<long double>;
 
 inline constexpr std::int64_t mm(double value) {

@@ -11,12 +11,12 @@
 #include "tests/program/curve_checks.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::curve_test {
 namespace {
 
-const ArcRequest arc{{mm(10), 0, 0, 0}, {0, mm(10), mm(1), 0}, {}, xy, false, 0, mm(0.002)};
+const ArcRequest arc{{mm(10), 0, 0, 0}, {0, mm(10), mm(1), 0}, {}, plane_xy, false, 0, mm(0.002)};
 const SplineRequest spline{
-    {}, {mm(10), 0, 0, 0}, {mm(10), mm(5), 0, 0}, {mm(3), mm(5)}, CurvePlane{xy}, mm(0.002)};
+    {}, {mm(10), 0, 0, 0}, {mm(10), mm(5), 0, 0}, {mm(3), mm(5)}, CurvePlane{plane_xy}, mm(0.002)};
 
 TEST(Curve, IsSmallAndCanBeCopied) {
   EXPECT_LE(sizeof(Curve), 300u);
@@ -118,4 +118,4 @@ TEST(EvenWalk, ManyStepsOfALongWay) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::curve_test

@@ -8,7 +8,7 @@
 #include "tests/program/rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::cycles_test {
 namespace {
 
 using lamplock::test::scaled;
@@ -160,4 +160,4 @@ TEST(Cycles, CutWhatIsAskedForAndRapidsStayAboveIt) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::cycles_test

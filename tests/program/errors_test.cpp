@@ -12,7 +12,7 @@
 #include "tests/program/rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::errors_test {
 namespace {
 
 using lamplock::test::scaled;
@@ -374,4 +374,4 @@ TEST(InterpreterErrors, ProgramsWithLinesInErrorRunAsWithout) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::errors_test

@@ -5,7 +5,7 @@
 
 #include "tests/program/rig.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::interpreter_codes_test {
 namespace {
 
 using test::expect_rows;
@@ -303,4 +303,4 @@ TEST(Interpreter, AxesThatTheMachineLacks) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::interpreter_codes_test

@@ -10,7 +10,7 @@
 #include "tests/program/rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::interpreter_curves_test {
 namespace {
 
 using lamplock::test::scaled;
@@ -237,4 +237,4 @@ TEST(Rotation, DoesNotDrift) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::interpreter_curves_test

@@ -9,7 +9,7 @@
 #include "tests/program/rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::interpreter_exact_test {
 namespace {
 
 using lamplock::test::scaled;
@@ -156,4 +156,4 @@ TEST(ExactInterpreter, EndsEveryLineAtTheSamePlace) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::interpreter_exact_test

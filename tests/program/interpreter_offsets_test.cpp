@@ -8,7 +8,7 @@
 #include "tests/program/rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::interpreter_offsets_test {
 namespace {
 
 using lamplock::test::scaled;
@@ -169,4 +169,4 @@ TEST(Offsets, RelativeProgramsDoNotDrift) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::interpreter_offsets_test

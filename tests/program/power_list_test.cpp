@@ -10,7 +10,7 @@
 #include "tests/program/rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program::test {
+namespace lamplock::program::test::power_list_test {
 namespace {
 
 Options laser_options() {
@@ -138,4 +138,4 @@ TEST(PowerList, GivesThePiecesThatWereWritten) {
 }
 
 }  // namespace
-}  // namespace lamplock::program::test
+}  // namespace lamplock::program::test::power_list_test

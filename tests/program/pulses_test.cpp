@@ -4,7 +4,7 @@
 #include "tests/program/refusals.hpp"
 #include "tests/program/rig.hpp"
 
-namespace lamplock::program::test {
+namespace lamplock::program::test::pulses_test {
 namespace {
 
 struct Laser {
@@ -148,4 +148,4 @@ TEST(Pulses, RowsOfPixelsAreOneMoveWithoutThem) {
 }
 
 }  // namespace
-}  // namespace lamplock::program::test
+}  // namespace lamplock::program::test::pulses_test

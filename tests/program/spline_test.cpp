@@ -11,7 +11,7 @@
 #include "tests/program/curve_checks.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::spline_test {
 namespace {
 
 constexpr long double point_error = 1;  // spline.hpp; 10^-5 mm is 100
@@ -46,7 +46,7 @@ SplineRequest in_xy(std::array<double, 8> points_mm, double tolerance_mm = 0.002
   const auto at = [&](std::size_t i) {
     return Place{mm(points_mm[2 * i]), mm(points_mm[2 * i + 1]), 0, 0};
   };
-  return {at(0), at(1), at(2), at(3), xy, mm(tolerance_mm)};
+  return {at(0), at(1), at(2), at(3), plane_xy, mm(tolerance_mm)};
 }
 
 Errors run(const SplineRequest& r, Curve& curve) {
@@ -64,7 +64,7 @@ void expect_length(const Curve& curve, const SplineRequest& r) {
 
 SplineRequest any_spline(std::mt19937_64& random) {
   const auto part = [&] { return static_cast<double>(random() >> 11) / 0x1p53; };
-  const std::array<CurvePlane, 3> planes{xy, zx, yz};
+  const std::array<CurvePlane, 3> planes{plane_xy, plane_zx, plane_yz};
   SplineRequest r{};
   r.plane = planes[random() % 3];
   const double size = 1e4 * std::pow(1e6, part());
@@ -82,7 +82,7 @@ SplineRequest any_spline(std::mt19937_64& random) {
 TEST(Spline, EveryPointIsOnTheCurveAndEveryChordKeepsTheTolerance) {
   std::mt19937_64 random(1);
   long double worst = 0;
-  for (int i = 0; i < test::scaled(500); ++i) {
+  for (int i = 0; i < lamplock::test::scaled(500); ++i) {
     const SplineRequest r = any_spline(random);
     SCOPED_TRACE(i);
     Curve curve;
@@ -98,7 +98,7 @@ TEST(Spline, EveryPointIsOnTheCurveAndEveryChordKeepsTheTolerance) {
 TEST(Spline, LengthWithinAThousandth) {
   std::mt19937_64 random(2);
   double worst = 0;
-  for (int i = 0; i < test::scaled(200); ++i) {
+  for (int i = 0; i < lamplock::test::scaled(200); ++i) {
     SplineRequest r = any_spline(random);
     // Also without other axes, and on a straight line, where it turns back.
     if (i % 3 != 0) r.end[r.plane.normal] = r.start[r.plane.normal];
@@ -189,7 +189,7 @@ TEST(Spline, AtTheEdgeOfTheNumbers) {
                             {at(2), at(3), 0, 0},
                             {at(4), at(5), 0, 0},
                             {at(6), at(7), most, -most},
-                            xy,
+                            plane_xy,
                             most / 1000};
       Curve curve;
       ASSERT_LE(run(r, curve).point, 2);
@@ -209,4 +209,4 @@ TEST(Spline, BeyondTheNumbersIsAStraightPiece) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::spline_test

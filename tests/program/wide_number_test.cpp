@@ -8,7 +8,7 @@
 #include "tests/native_int128.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::wide_number_test {
 namespace {
 
 using test::Native;
@@ -93,4 +93,4 @@ TEST(WideNumber, LengthOfAVector) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::wide_number_test

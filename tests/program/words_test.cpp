@@ -10,7 +10,7 @@
 #include "tests/program/rig.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::program {
+namespace lamplock::program::words_test {
 namespace {
 
 using lamplock::test::scaled;
@@ -133,4 +133,4 @@ TEST(Words, WholeNumbers) {
 }
 
 }  // namespace
-}  // namespace lamplock::program
+}  // namespace lamplock::program::words_test

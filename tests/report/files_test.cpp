@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "host/error.hpp"
+#include "host/report/files.hpp"
 #include "host/report/picture.hpp"
 #include "host/report/report.hpp"
 #include "tests/report/job_run.hpp"

@@ -11,7 +11,7 @@
 #include "firmware/stepper/tick_generator.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::stepper {
+namespace lamplock::stepper::segment_power_test {
 namespace {
 
 /// What a segment was made of.
@@ -392,4 +392,4 @@ TEST(LaserGate, ShutsWhereMotionEndsOrComesTooLate) {
 }
 
 }  // namespace
-}  // namespace lamplock::stepper
+}  // namespace lamplock::stepper::segment_power_test

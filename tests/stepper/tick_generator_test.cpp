@@ -14,7 +14,7 @@
 #include "tests/motion/tick_sum.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::stepper {
+namespace lamplock::stepper::tick_generator_test {
 namespace {
 
 using motion::JoinMode;
@@ -754,4 +754,4 @@ TEST(TickGenerator, StandsUntilASegmentStarts) {
 }
 
 }  // namespace
-}  // namespace lamplock::stepper
+}  // namespace lamplock::stepper::tick_generator_test

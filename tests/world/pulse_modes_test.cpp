@@ -5,7 +5,7 @@
 #include "sim/world/drives.hpp"
 #include "tests/scale.hpp"
 
-namespace lamplock::sim {
+namespace lamplock::sim::pulse_modes_test {
 namespace {
 
 constexpr Pin first = Pin::step_x, second = Pin::dir_x;
@@ -29,7 +29,7 @@ TEST(PulseModes, CwAndCcwCountEachTheirWay) {
     std::mt19937_64 random(1);
     Picoseconds at = ps_per_us;
     std::int32_t expected = 0;
-    for (int n = 0; n < test::scaled(50'000); ++n) {
+    for (int n = 0; n < lamplock::test::scaled(50'000); ++n) {
       const bool up = random() % 2 == 0;
       const Picoseconds width = 400'000 + static_cast<Picoseconds>(random() % 100'000);
       bus.set(up ? first : second, !active_low, at);
@@ -80,7 +80,7 @@ TEST(PulseModes, QuadratureCountsBothWaysAtRandomSpeeds) {
   std::mt19937_64 random(6);
   Picoseconds at = ps_per_us;
   std::int32_t place = 0;
-  for (int run = 0; run < test::scaled(2000); ++run) {
+  for (int run = 0; run < lamplock::test::scaled(2000); ++run) {
     const int way = random() % 2 == 0 ? 1 : -1;
     const auto period = static_cast<Picoseconds>(900'000 + random() % 50'000'000);
     for (auto steps = random() % 60; steps > 0; --steps, at += period) {
@@ -176,4 +176,4 @@ TEST(PulseModes, EveryAxisHasItsOwn) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim
+}  // namespace lamplock::sim::pulse_modes_test

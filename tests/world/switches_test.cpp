@@ -10,7 +10,7 @@
 #include "tests/scale.hpp"
 #include "tests/world/recorder.hpp"
 
-namespace lamplock::sim {
+namespace lamplock::sim::switches_test {
 namespace {
 
 using test::Change;
@@ -371,4 +371,4 @@ TEST(Switches, RefuseNonsense) {
 }
 
 }  // namespace
-}  // namespace lamplock::sim
+}  // namespace lamplock::sim::switches_test

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
+#include <random>
 #include <stdexcept>
 #include <utility>
 

@@ -14,13 +14,13 @@
 
 #include <array>
 #include <cstdint>
-#include <random>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "sim/chip/peripheral.hpp"
 #include "sim/time.hpp"
+#include "sim/world/random.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -154,7 +154,7 @@ class FlashChip {
 
   FlashTiming timing_;
   NotModelled not_modelled_;
-  std::mt19937_64 random_;
+  Random random_;
   std::vector<std::uint8_t> storage_;
   std::array<std::uint8_t, 8> unique_id_{};
   std::array<std::uint8_t, 3> status_{0, 2, 0x60};  ///< non-volatile bits; 3: driver strength 25 %

@@ -1,4 +1,4 @@
-#include "host/model/bitmap.hpp"
+#include "host/model/read_bitmap.hpp"
 
 #include <fmt/format.h>
 #include <stb/stb_image.h>

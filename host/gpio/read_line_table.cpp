@@ -1,4 +1,4 @@
-#include "host/gpio/line_table.hpp"
+#include "host/gpio/read_line_table.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "host/glass/description.hpp"
+#include "host/glass/description_file.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

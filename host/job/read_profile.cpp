@@ -1,0 +1,73 @@
+#include "host/job/read_profile.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string_view>
+
+#include "host/file.hpp"
+#include "host/gpio/read_line_table.hpp"
+#include "host/toml_file.hpp"
+
+namespace lamplock::job {
+namespace {
+
+using settings::Id;
+
+constexpr std::string_view axis_x_suffix = "_x";
+
+/// The X row of settings that exist once per axis, by their name without suffix.
+std::optional<Id> find_per_axis(std::string_view key) {
+  const Id id = settings::find_name(std::string(key) + std::string(axis_x_suffix));
+  if (id == Id::count) return std::nullopt;
+  return id;
+}
+
+double number_of(const toml::node& node, const std::string& where, std::string_view key) {
+  if (const auto* flag = node.as_boolean()) return flag->get() ? 1.0 : 0.0;
+  if (const auto number = node.value<double>(); number && node.is_number()) return *number;
+  refuse(where, fmt::format("'{}' must be a number", key), "write it without quotes");
+}
+
+void read_axes(Profile& profile, Id x_row, std::string_view key, const toml::node& node,
+               const std::string& where) {
+  const toml::array* values = node.as_array();
+  if (values == nullptr || values->empty() || values->size() > max_axes)
+    refuse(where, fmt::format("'{}' must be an array of 1 to {} numbers, X first", key, max_axes),
+           fmt::format("write {} = [x, y, z]", key));
+  for (std::size_t axis = 0; axis < values->size(); ++axis)
+    state_setting(profile, settings::for_axis(x_row, static_cast<int>(axis)),
+                  number_of(*values->get(axis), where, key), where);
+}
+
+void read_key(Profile& profile, std::string_view key, const toml::node& node,
+              const std::string& where) {
+  // No settings: host/pendant/key_map.hpp and host/gpio/line_table.hpp read them.
+  if (key == "pendant" || key == "lines") return;
+  if (key == "name") {
+    const auto text = node.value<std::string>();
+    if (!text || !node.is_string()) refuse(where, "'name' must be a text", "write it in quotes");
+    profile.name = *text;
+  } else if (const auto x_row = find_per_axis(key)) {
+    read_axes(profile, *x_row, key, node, where);
+  } else if (const Id id = settings::find_name(key); id != Id::count) {
+    state_setting(profile, id, number_of(node, where, key), where);
+  } else {
+    refuse(where, fmt::format("unknown key '{}'", key),
+           "use the names of the settings table (examples/machine.toml lists them)");
+  }
+}
+
+}  // namespace
+
+Profile read_profile(const std::filesystem::path& file) {
+  const toml::table table = read_toml(file);
+  Profile profile;
+  profile.name = file.stem().string();
+  if (table.contains("lines")) gpio::read_machine_lines(file);  // refuses what is wrong in it
+  for (const auto& [key, node] : table)
+    read_key(profile, key.str(), node, toml_location(file, key.source()));
+  return profile;
+}
+
+}  // namespace lamplock::job
