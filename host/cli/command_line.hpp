@@ -1,8 +1,7 @@
 // The command line as data: commands, their options, and where the values go.
 //
-// In:  descriptions by each command (command_*.cpp). Out: what the parser reads (parser.hpp), and
-// the
-//      manual pages and completions (host/manual).
+// In:  descriptions by each command (command_*.cpp). Out: what the parser (parser.hpp), the manual
+//      pages and the completions (host/manual) read.
 // No parser is included here, so that a file that has options compiles quickly.
 #pragma once
 

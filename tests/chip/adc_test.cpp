@@ -49,7 +49,7 @@ class AdcTest : public ::testing::Test {
 
   /// 96 cycles of 48 MHz in cycles of 125 MHz (4.9.1: 2 us a sample).
   static constexpr Cycle conversion = 250;
-  test::DmaSystemRig rig_;
+  rigs::DmaSystemRig rig_;
   Adc& adc_ = rig_.system.adc;
   Cycle origin_ = 0;
 };
@@ -217,11 +217,11 @@ TEST_F(AdcTest, StandsStillWithItsClockAndStopsWhenDisabled) {
 // Conversions that nobody sees are skipped: looking often must not change anything.
 TEST_F(AdcTest, LookingDoesNotChangeWhatIsSeen) {
   std::mt19937_64 random(11);
-  for (int round = 0; round < lamplock::test::scaled(40); ++round) {
-    test::DmaSystemRig other;
+  for (int round = 0; round < test::scaled(40); ++round) {
+    rigs::DmaSystemRig other;
     other.start_adc_and_rtc_clocks();
     rig_.wheel.advance_to(rig_.wheel.now() + 1000);
-    test::DmaSystemRig lazy;
+    rigs::DmaSystemRig lazy;
     lazy.start_adc_and_rtc_clocks();
     const auto control = static_cast<std::uint32_t>(random());
     const std::uint32_t inputs = random() % 2 == 0 ? 0 : control & round_robin(31);
@@ -230,7 +230,7 @@ TEST_F(AdcTest, LookingDoesNotChangeWhatIsSeen) {
     const std::uint32_t fifo_control = random() % 2 == 0 ? fifo_on : 0;
     const Cycle steps = 200 + random() % 2000;
     const Cycle step = 50 + random() % 400;
-    for (test::DmaSystemRig* rig : {&other, &lazy}) {
+    for (rigs::DmaSystemRig* rig : {&other, &lazy}) {
       rig->system.adc.write(divider, divide);
       rig->system.adc.write(fcs, fifo_control);
       rig->system.adc.set_input(1, 1.2);

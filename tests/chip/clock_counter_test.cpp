@@ -23,7 +23,7 @@ TEST(ClockCounter, SpellsShorterThanACycleAddUp) {
 TEST(ClockCounter, CountsWithoutDriftWhateverTheFrequencyDoes) {
   constexpr std::array<std::uint64_t, 5> frequencies{0, 46'875, 6'500'000, 48'000'000, 12'000'001};
   std::mt19937_64 random(1);
-  for (int run = 0; run < lamplock::test::scaled(50); ++run) {
+  for (int run = 0; run < test::scaled(50); ++run) {
     ClockCounter counter;
     Picoseconds now = static_cast<Picoseconds>(random() % ps_per_s);
     Wide parts = 0;

@@ -21,7 +21,7 @@ constexpr Cycle still = 12'345;  ///< how long clocks are stopped, of the 125 MH
 using Edge = std::pair<unsigned, Cycle>;
 
 /// What a run saw of the pins.
-struct Gated : PadListener, test::DmaSystemRig {
+struct Gated : PadListener, rigs::DmaSystemRig {
   Gated() {
     gpio.listen(*this);
     bus.map(pio0, fabric.pio0());

@@ -52,7 +52,7 @@ class ClockPinsTest : public ::testing::Test, public PadListener {
     return clocks_.read(fc0_result);
   }
 
-  test::SystemRig rig_;
+  rigs::SystemRig rig_;
   Clocks& clocks_ = rig_.system.clocks;
   std::array<std::vector<Edge>, gpio_count> by_pin_;
 };

@@ -10,7 +10,7 @@ namespace {
 class ClocksTest : public ::testing::Test {
  protected:
   System& system() { return rig_.system; }
-  test::SystemRig rig_;
+  rigs::SystemRig rig_;
 };
 
 TEST_F(ClocksTest, TheChipStartsOnTheRingOscillator) {

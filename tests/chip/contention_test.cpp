@@ -213,9 +213,7 @@ struct LoneCore {
     for (std::uint32_t i = 0; i < load_count; ++i) put(bank5 + 2 * i, 0x6801);  // ldr r1, [r0]
     put(end, 0xe7fe);                                                           // b .
   }
-  void put(std::uint32_t address, std::uint16_t half) {
-    lamplock::test::put(chip, address, {half});
-  }
+  void put(std::uint32_t address, std::uint16_t half) { test::put(chip, address, {half}); }
   void write(std::uint32_t address, std::uint32_t value) {
     chip.bus().write(address, value, Width::word, Master::core0, chip.now());
   }

@@ -12,7 +12,7 @@
 #include "sim/chip/pio_dma_clock.hpp"
 #include "tests/chip/system_rig.hpp"
 
-namespace lamplock::sim::chip::test {
+namespace lamplock::sim::chip::rigs {
 
 struct DmaSystemRig : SystemRig {
   static constexpr std::uint32_t dma_base = 0x5000'0000, resets_base = 0x4000'c000,
@@ -61,4 +61,4 @@ struct DmaSystemRig : SystemRig {
   }
 };
 
-}  // namespace lamplock::sim::chip::test
+}  // namespace lamplock::sim::chip::rigs

@@ -112,7 +112,7 @@ class I2cPinsTest : public ::testing::Test {
   bool pad(unsigned gpio) const { return (rig_.gpio.pad_levels() >> gpio & 1u) != 0; }
 
   static constexpr Cycle high = 86 + 7 + 7, low = 149 + 1, bit = high + low;  // 4.3.14.1
-  test::DmaSystemRig rig_;
+  rigs::DmaSystemRig rig_;
   I2c& i2c_ = rig_.system.i2c0;
   PinDevice device_{rig_.gpio};
 };

@@ -71,7 +71,7 @@ class I2cSlaveTest : public ::testing::Test {
   std::uint32_t slave_aborted() { return slave_.read(abort_source) & 0x1ffffu; }
 
   static constexpr Cycle high = 86 + 7 + 7, low = 149 + 1, bit = high + low;  // 4.3.14.1
-  test::DmaSystemRig rig_;
+  rigs::DmaSystemRig rig_;
   I2c& master_ = rig_.system.i2c0;
   I2c& slave_ = rig_.system.i2c1;
 };
@@ -411,7 +411,7 @@ TEST_F(I2cSlaveTest, InterruptsAndNothingDueOnAFreeBus) {
 TEST_F(I2cSlaveTest, ReceivesByDma) {
   constexpr std::uint32_t i2c1_base = 0x4004'8000;
   slave_.write(0x88, 1);
-  rig_.start_dma(0, i2c1_base + data_cmd, test::DmaSystemRig::ram, 20, 0, false, true,
+  rig_.start_dma(0, i2c1_base + data_cmd, rigs::DmaSystemRig::ram, 20, 0, false, true,
                  Dreq::i2c1_rx);
   for (std::uint32_t n = 0; n < 20; ++n) {
     command(n * 3 | (n == 19 ? do_stop : 0u));
@@ -420,13 +420,13 @@ TEST_F(I2cSlaveTest, ReceivesByDma) {
   pass_bits(30);
   EXPECT_FALSE(rig_.dma_busy(0));
   for (std::uint32_t n = 0; n < 20; ++n)
-    EXPECT_EQ(rig_.load(test::DmaSystemRig::ram + n / 4 * 4) >> n % 4 * 8 & 0xffu, n * 3);
+    EXPECT_EQ(rig_.load(rigs::DmaSystemRig::ram + n / 4 * 4) >> n % 4 * 8 & 0xffu, n * 3);
 }
 
 /// A master made of the two pins alone: it can send what I2C0 would not.
 class PinMaster {
  public:
-  explicit PinMaster(test::DmaSystemRig& rig) : rig_(rig) {}
+  explicit PinMaster(rigs::DmaSystemRig& rig) : rig_(rig) {}
   void start() {
     put(sda, true);
     put(scl, true);
@@ -464,7 +464,7 @@ class PinMaster {
     rig_.gpio.set_external(gpio, level ? External::floating : External::low, rig_.wheel.now());
     rig_.pass(200);
   }
-  test::DmaSystemRig& rig_;
+  rigs::DmaSystemRig& rig_;
 };
 
 // 4.3.6.2: a RESTART for reading repeats the first byte of ten bits; it is for whom all ten bits

@@ -84,7 +84,7 @@ class I2cTest : public ::testing::Test {
 
   // 4.3.14.1: high HCNT + SPKLEN + 7, low LCNT + 1.
   static constexpr Cycle high = 750 + 31 + 7, low = 500 + 1, byte = 9 * (high + low);
-  test::DmaSystemRig rig_;
+  rigs::DmaSystemRig rig_;
   I2c& i2c_ = rig_.system.i2c0;
   Recorder device_;
 };

@@ -200,7 +200,7 @@ TEST(Images, DamageNeverCrashes) {
   std::mt19937_64 random(21);
   const Bytes elf = elf_file(), uf2 = uf2_file(6);
   int refused = 0;
-  for (int i = 0; i < lamplock::test::scaled(20'000); ++i) {
+  for (int i = 0; i < test::scaled(20'000); ++i) {
     const bool is_elf = random() % 2 == 0;
     Bytes file = is_elf ? elf : uf2;
     const std::uint64_t flips = 1 + random() % 8;
@@ -223,7 +223,7 @@ TEST(Images, DamageNeverCrashes) {
       ++refused;
     }
   }
-  EXPECT_GT(refused, lamplock::test::scaled(20'000) / 10);
+  EXPECT_GT(refused, test::scaled(20'000) / 10);
 }
 
 TEST(Images, AreFoundOutAndPlaced) {

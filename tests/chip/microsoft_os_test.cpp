@@ -104,7 +104,7 @@ TEST(MicrosoftOs, DefectsAreNamed) {
 
 TEST(MicrosoftOs, NoBytesAreTooStrange) {
   std::mt19937_64 random(18);
-  for (int i = 0; i < lamplock::test::scaled(20000); ++i) {
+  for (int i = 0; i < test::scaled(20000); ++i) {
     Bytes bytes = i % 2 == 0 ? bos() : set();
     for (std::uint64_t changes = random() % 4; changes > 0; --changes)
       bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());

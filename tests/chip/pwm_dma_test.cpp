@@ -37,7 +37,7 @@ class PwmDmaTest : public ::testing::Test, public PadListener {
   void put(const std::vector<std::uint32_t>& words) {
     std::memcpy(rig_.bus.sram().data(), words.data(), 4 * words.size());
   }
-  test::DmaSystemRig rig_;
+  rigs::DmaSystemRig rig_;
   std::vector<std::pair<bool, Cycle>> edges_;
 };
 

@@ -28,7 +28,7 @@ class PwmTest : public ::testing::Test {
   void write(std::uint32_t offset, std::uint32_t value) { rig_.system.pwm.write(offset, value); }
   void connect(unsigned gpio) { rig_.gpio.io_bank().write(8 * gpio + 4, 4); }
 
-  test::SystemRig rig_;
+  rigs::SystemRig rig_;
   Edges edges_;
 };
 
@@ -204,7 +204,7 @@ TEST_F(PwmTest, ConnectingAPinLateShowsTheRightLevel) {
 
 TEST_F(PwmTest, LazyCounterAgreesWithEveryClock) {
   std::mt19937_64 random(11);
-  for (int n = 0; n < lamplock::test::scaled(200); ++n) {
+  for (int n = 0; n < test::scaled(200); ++n) {
     PwmSlice lazy;
     lazy.write(0x10, static_cast<std::uint32_t>(random() % 40));
     lazy.write(0xc, static_cast<std::uint32_t>(random() % 50) |

@@ -86,7 +86,7 @@ class Operands {
 
 TEST(SoftFloat, BasicOperationsAreRoundedOnce) {
   Operands<float, std::uint32_t> operands;
-  for (int i = 0; i < lamplock::test::scaled(200'000); ++i) {
+  for (int i = 0; i < test::scaled(200'000); ++i) {
     const float x = operands.one(), y = operands.one();
     const float a = clean(x), b = clean(y);
     // 53 bits of intermediate result are more than twice 24 and two: rounding twice does no harm.
@@ -106,7 +106,7 @@ TEST(SoftFloat, BasicOperationsAreRoundedOnce) {
 
 TEST(SoftFloat, DoublesToo) {
   Operands<double, std::uint64_t> operands;
-  for (int i = 0; i < lamplock::test::scaled(200'000); ++i) {
+  for (int i = 0; i < test::scaled(200'000); ++i) {
     const double x = operands.one(), y = operands.one();
     const double a = clean(x), b = clean(y);
     const auto check = [&](Function function, double wanted) {
@@ -159,7 +159,7 @@ TEST(SoftFloat, Compares) {
   EXPECT_EQ(compared(std::numeric_limits<float>::quiet_NaN(), inf_f), 0);
   EXPECT_EQ(compared(std::numeric_limits<float>::denorm_min(), 0), 0);
   Operands<double, std::uint64_t> operands;
-  for (int i = 0; i < lamplock::test::scaled(50'000); ++i) {
+  for (int i = 0; i < test::scaled(50'000); ++i) {
     const double x = operands.one(), y = i % 10 == 0 ? x : operands.one();
     const double a = clean(x), b = clean(y);
     EXPECT_EQ(
@@ -180,7 +180,7 @@ Integer rounded_down(Real value, int places) {
 
 TEST(SoftFloat, ConvertsToIntegersTowardsMinusInfinity) {  // 2.8.3.2.2
   Operands<float, std::uint32_t> operands;
-  for (int i = 0; i < lamplock::test::scaled(200'000); ++i) {
+  for (int i = 0; i < test::scaled(200'000); ++i) {
     const float x = operands.one();
     const int n = static_cast<int>(operands.random()() % 100) - 30;
     const auto of = [&](Function function) {
@@ -207,7 +207,7 @@ TEST(SoftFloat, ConvertsToIntegersTowardsMinusInfinity) {  // 2.8.3.2.2
 
 TEST(SoftFloat, DoublesToIntegersToo) {
   Operands<double, std::uint64_t> operands;
-  for (int i = 0; i < lamplock::test::scaled(200'000); ++i) {
+  for (int i = 0; i < test::scaled(200'000); ++i) {
     const double x = operands.one();
     const int n = static_cast<int>(operands.random()() % 100) - 30;
     const auto of = [&](Function function) {
@@ -226,7 +226,7 @@ TEST(SoftFloat, DoublesToIntegersToo) {
 
 TEST(SoftFloat, ConvertsFromIntegersToTheNearest) {
   std::mt19937_64 random(18);
-  for (int i = 0; i < lamplock::test::scaled(100'000); ++i) {
+  for (int i = 0; i < test::scaled(100'000); ++i) {
     const std::uint64_t u = random() >> random() % 64;
     const auto s = static_cast<std::int64_t>(random() % 2 == 0 ? u : 0 - u);
     const int n = static_cast<int>(random() % 60);
@@ -272,7 +272,7 @@ TEST(SoftFloat, ScientificFunctionsAreWithinOneUnit) {  // 2.8.3.2.1
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11) / 9007199254740992.0;
   };
-  for (int i = 0; i < lamplock::test::scaled(20'000); ++i) {
+  for (int i = 0; i < test::scaled(20'000); ++i) {
     const auto angle = static_cast<float>(uniform(-127.9, 127.9));
     near(single(Function::sine, angle), std::sin(static_cast<long double>(angle)));
     near(single(Function::cosine, angle), std::cos(static_cast<long double>(angle)));

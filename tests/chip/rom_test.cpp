@@ -191,7 +191,7 @@ TEST(BootRom, LooksFunctionsUpForThumbCode) {
 TEST(BootRom, CountsBits) {
   Chip chip;
   std::mt19937_64 random(5);
-  for (int i = 0; i < lamplock::test::scaled(200); ++i) {
+  for (int i = 0; i < test::scaled(200); ++i) {
     auto value = static_cast<std::uint32_t>(random());
     if (i % 3 == 0) value >>= random() % 32;
     if (i == 0) value = 0;
@@ -209,7 +209,7 @@ TEST(BootRom, FillsAndCopies) {
   Chip chip;
   std::mt19937_64 random(6);
   const std::span<std::uint8_t> memory = chip.bus.memory_at(0x2000'1000);
-  for (int i = 0; i < lamplock::test::scaled(200); ++i) {
+  for (int i = 0; i < test::scaled(200); ++i) {
     for (std::size_t k = 0; k < 1024; ++k) memory[k] = static_cast<std::uint8_t>(random());
     std::vector<std::uint8_t> model(memory.begin(), memory.begin() + 1024);
     const bool words = random() % 2 == 0, copy = random() % 2 == 0;
@@ -357,7 +357,7 @@ TEST(Boot, CopiesBoot2AndJumpsToIt) {
 
 TEST(Boot, ABadChecksumEndsInTheUsbLoaderAfterHalfASecond) {
   std::mt19937_64 random(10);
-  for (int i = 0; i < lamplock::test::scaled(3); ++i) {
+  for (int i = 0; i < test::scaled(3); ++i) {
     Chip chip;
     chip.give_boot2({0xe7fe});
     const std::uint64_t bit = random() % (256 * 8);
@@ -503,7 +503,7 @@ TEST(Boot, CoreOneWaitsForItsLaunch) {
 TEST(Boot, PowerCutsWhileTheRomWritesLeaveOldNewOrTheAllowedMix) {
   std::mt19937_64 random(12);
   int torn = 0;
-  for (int i = 0; i < lamplock::test::scaled(1000); ++i) {
+  for (int i = 0; i < test::scaled(1000); ++i) {
     Chip chip(0, random());
     chip.wheel.set_frequency(125'000'000);
     const std::span<std::uint8_t> data = chip.bus.memory_at(0x2000'2000);
@@ -532,7 +532,7 @@ TEST(Boot, PowerCutsWhileTheRomWritesLeaveOldNewOrTheAllowedMix) {
     }
     if (!all_old && !all_new) ++torn;
   }
-  EXPECT_GT(torn, lamplock::test::scaled(1000) / 4);
+  EXPECT_GT(torn, test::scaled(1000) / 4);
 }
 
 TEST(Profile, CountsFunctionsInterruptsAndStack) {

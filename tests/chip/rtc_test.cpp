@@ -46,7 +46,7 @@ class RtcTest : public ::testing::Test {
 
   static constexpr Cycle second = 125'000'000;
   static constexpr Cycle tick = 125'000'000 / 46'875;  ///< of clk_rtc: 2666.67
-  test::DmaSystemRig rig_;
+  rigs::DmaSystemRig rig_;
   Rtc& rtc_ = rig_.system.rtc;
 };
 
@@ -96,7 +96,7 @@ TEST_F(RtcTest, YearsThatFourDividesAreLeapYearsUnlessForced) {
 TEST(RtcTime, CountsTheCalendar) {
   using namespace std::chrono;
   std::mt19937_64 random(3);
-  for (int n = 0; n < lamplock::test::scaled(20'000); ++n) {
+  for (int n = 0; n < test::scaled(20'000); ++n) {
     const sys_days from{days{static_cast<int>(random() % 150'000)}};  // from 1970
     const year_month_day before{from};
     RtcTime time{static_cast<std::uint32_t>(static_cast<int>(before.year())),

@@ -149,7 +149,7 @@ TEST(ScriptParser, AnyLineIsTakenOrRefusedInOneLine) {
       "\"",     "usb",   "uart0",     "send",  "wait",   "5us..9us", "meanwhile", "end",
       "#",      "never", "frequency", "1kHz",  "+-1%",   "times",    "gpio26",    "1.5V"};
   std::mt19937_64 random(5);
-  for (int i = 0; i < lamplock::test::scaled(20'000); ++i) {
+  for (int i = 0; i < test::scaled(20'000); ++i) {
     std::string line;
     for (auto count = random() % 9; count-- > 0;) line += words[random() % words.size()] + ' ';
     try {

@@ -18,7 +18,7 @@ class SioTest : public ::testing::Test {
   void write(int core, std::uint32_t offset, std::uint32_t value) {
     rig_.sio.core(core).write(offset, value);
   }
-  test::SystemRig rig_;
+  rigs::SystemRig rig_;
 };
 
 TEST_F(SioTest, EachCoreReadsItsNumber) {
@@ -156,7 +156,7 @@ TEST_F(SioTest, DivisionFollowsTheDocumentedRules) {
     EXPECT_EQ(read(0, 0x70), one.quotient) << one.dividend << "/" << one.divisor;
   }
   std::mt19937_64 random(7);
-  for (int n = 0; n < lamplock::test::scaled(2000); ++n) {
+  for (int n = 0; n < test::scaled(2000); ++n) {
     const auto p = static_cast<std::uint32_t>(random() >> (random() % 32));
     const auto q = static_cast<std::uint32_t>(random() >> (random() % 63)) | 1u;
     write(0, 0x68, p);

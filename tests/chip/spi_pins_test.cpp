@@ -59,7 +59,7 @@ class SpiPinsTest : public ::testing::Test {
   bool pad(unsigned gpio) const { return (rig_.gpio.pad_levels() >> gpio & 1u) != 0; }
 
   static constexpr Cycle bit = 10 * 2, half = bit / 2;  ///< CPSDVSR x (1 + SCR)
-  test::DmaSystemRig rig_;
+  rigs::DmaSystemRig rig_;
   Spi& one_ = rig_.system.spi0;
   Spi& two_ = rig_.system.spi1;
   Board board_{rig_.gpio};

@@ -37,7 +37,7 @@ class SpiTest : public ::testing::Test, public SpiDevice {
   bool line() const { return rig_.line(Irq::spi0); }
 
   static constexpr Cycle bit = 10 * 2;  ///< CPSDVSR x (1 + SCR)
-  test::DmaSystemRig rig_;
+  rigs::DmaSystemRig rig_;
   Spi& spi_ = rig_.system.spi0;
   std::vector<std::pair<unsigned, Cycle>> sent_;
   unsigned bits_ = 0;

@@ -15,7 +15,7 @@
 #include "sim/chip/system.hpp"
 #include "sim/chip/time_wheel.hpp"
 
-namespace lamplock::sim::chip::test {
+namespace lamplock::sim::chip::rigs {
 
 struct SystemRig {
   std::vector<std::string> reports;
@@ -49,4 +49,4 @@ struct SystemRig {
   }
 };
 
-}  // namespace lamplock::sim::chip::test
+}  // namespace lamplock::sim::chip::rigs

@@ -19,7 +19,7 @@ class TimerTest : public ::testing::Test {
   void go_to(std::uint64_t time) {
     while (rig_.system.timer.time() < time) rig_.pass(1);
   }
-  test::SystemRig rig_;
+  rigs::SystemRig rig_;
 };
 
 TEST_F(TimerTest, CountsOneMicrosecondEvery125Cycles) {
@@ -114,7 +114,7 @@ TEST_F(TimerTest, TimeIsTheSameWhateverClkSysDoes) {
   std::mt19937_64 random(3);
   constexpr std::uint32_t dividers[] = {0x100, 0x180, 0x200, 0x333, 0x700};
   write(0x38, 1);
-  for (int n = 0; n < lamplock::test::scaled(300); ++n) {
+  for (int n = 0; n < test::scaled(300); ++n) {
     rig_.system.clocks.write(0x40, dividers[random() % 5]);
     write(0x34, 1);
     const std::uint64_t now = rig_.system.timer.time();

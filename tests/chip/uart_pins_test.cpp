@@ -73,7 +73,7 @@ class UartPinsTest : public ::testing::Test {
   bool empty(Uart& uart) { return (uart.read(fr) & rx_empty) != 0; }
 
   static constexpr Cycle bit = 1085;
-  test::DmaSystemRig rig_;
+  rigs::DmaSystemRig rig_;
   Uart& one_ = rig_.system.uart0;
   Uart& two_ = rig_.system.uart1;
   Edges edges_;

@@ -29,7 +29,7 @@ class UartTest : public ::testing::Test, public ByteLine {
   std::uint32_t flags() { return uart_.read(0x18) & ~1u; }
 
   static constexpr Cycle bit = 1085, frame = 10 * bit;
-  test::SystemRig rig_;
+  rigs::SystemRig rig_;
   Uart& uart_ = rig_.system.uart0;
   std::vector<std::pair<int, Cycle>> sent_;
 };

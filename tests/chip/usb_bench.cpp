@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace lamplock::sim::chip::test {
+namespace lamplock::sim::chip::rigs {
 
 namespace {
 
@@ -267,4 +267,4 @@ void FakeCdc::wake_host() {
   bench_.write(reg::sie_ctrl, bench_.read(reg::sie_ctrl) | usb::sie_ctrl::resume);
 }
 
-}  // namespace lamplock::sim::chip::test
+}  // namespace lamplock::sim::chip::rigs

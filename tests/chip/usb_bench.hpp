@@ -12,7 +12,7 @@
 #include "sim/chip/usb/registers.hpp"
 #include "sim/chip/usb/usb_controller.hpp"
 
-namespace lamplock::sim::chip::test {
+namespace lamplock::sim::chip::rigs {
 
 namespace reg = usb::reg;
 namespace bc = usb::buffer_control;
@@ -131,4 +131,4 @@ class FakeCdc {
   Picoseconds frame_at_ = 0;
 };
 
-}  // namespace lamplock::sim::chip::test
+}  // namespace lamplock::sim::chip::rigs

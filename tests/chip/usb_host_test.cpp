@@ -12,11 +12,11 @@
 namespace lamplock::sim::chip::usb_host_test {
 namespace {
 
-using lamplock::test::random_bytes;
-using test::Bytes;
-using test::FakeCdc;
-using test::FakeOptions;
-using test::UsbBench;
+using rigs::Bytes;
+using rigs::FakeCdc;
+using rigs::FakeOptions;
+using rigs::UsbBench;
+using test::random_bytes;
 
 /// Chip, device and PC together.
 struct Desk {
@@ -107,7 +107,7 @@ TEST(UsbHost, EchoesEveryByteOnce) {
 
 TEST(UsbHost, EchoesEveryByteOnceOverABadCable) {
   std::uint64_t repeated = 0;
-  for (int seed = 0; seed < lamplock::test::scaled(10); ++seed) {
+  for (int seed = 0; seed < test::scaled(10); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     // RP2040-E15 off: its trigger, a broken-off packet, is among the faults.
     UsbErrata errata;
@@ -138,7 +138,7 @@ TEST(UsbHost, EchoesEveryByteOnceOverABadCable) {
 }
 
 TEST(UsbHost, ControlTransfersSurviveABadCable) {
-  for (int seed = 0; seed < lamplock::test::scaled(10); ++seed) {
+  for (int seed = 0; seed < test::scaled(10); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed + 100));
     UsbErrata errata;
     errata.e15_broken_packet_hangs = false;
@@ -255,7 +255,7 @@ TEST(UsbHost, UserRequestsBesideData) {
 
 TEST(UsbHost, BusResetInTheMiddle) {
   std::mt19937_64 random(5);
-  for (int i = 0; i < lamplock::test::scaled(20); ++i) {
+  for (int i = 0; i < test::scaled(20); ++i) {
     Desk desk({.doubled = i % 2 == 0});
     ASSERT_TRUE(desk.connect());
     desk.host.write(random_bytes(random, 3000));
@@ -305,7 +305,7 @@ TEST(UsbHost, UnplugAndReplugAtAnyTime) {
   std::mt19937_64 random(6);
   Desk desk({.doubled = true});
   desk.device.start();
-  for (int i = 0; i < lamplock::test::scaled(20); ++i) {
+  for (int i = 0; i < test::scaled(20); ++i) {
     desk.run(static_cast<Picoseconds>(random() % (200 * ps_per_ms)));
     desk.host.write(random_bytes(random, 2000));
     desk.run(static_cast<Picoseconds>(random() % (4 * ps_per_ms)));
@@ -333,10 +333,10 @@ TEST(UsbHost, DeviceThatDisconnectsIsGone) {
 TEST(UsbHost, SilentDeviceFails) {
   UsbBench bench;
   UsbHost host(bench.wheel, bench.controller);
-  bench.write(test::reg::usb_muxing, 1);
-  bench.write(test::reg::usb_pwr, 12);
-  bench.write(test::reg::main_ctrl, 1);
-  bench.write(test::reg::sie_ctrl, usb::sie_ctrl::pullup_en);
+  bench.write(rigs::reg::usb_muxing, 1);
+  bench.write(rigs::reg::usb_pwr, 12);
+  bench.write(rigs::reg::main_ctrl, 1);
+  bench.write(rigs::reg::sie_ctrl, usb::sie_ctrl::pullup_en);
   bench.wheel.advance_to(bench.wheel.cycle_at(16 * ps_per_s));
   EXPECT_TRUE(host.failed()) << "no driver: SETUP is acknowledged, then NAK for ever";
   EXPECT_FALSE(host.violations().empty());

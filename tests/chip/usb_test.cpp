@@ -9,8 +9,8 @@
 namespace lamplock::sim::chip::usb_test {
 namespace {
 
-using test::Bytes;
-using test::UsbBench;
+using rigs::Bytes;
+using rigs::UsbBench;
 using usb::Fault;
 using usb::Pid;
 namespace bc = usb::buffer_control;
@@ -514,7 +514,7 @@ TEST(UsbController, WriteClearBitsAreDeclared) {
 /// Any mixture of packets, faults and arming against the rules of USB 2.0, 8.6: each side counts
 /// what it believes to be through, and both agree.
 TEST(UsbController, TogglesKeepBothEndsInStep) {
-  for (int seed = 0; seed < lamplock::test::scaled(20); ++seed) {
+  for (int seed = 0; seed < test::scaled(20); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     UsbErrata errata;
     errata.e15_broken_packet_hangs = false;

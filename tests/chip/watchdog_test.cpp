@@ -21,7 +21,7 @@ class WatchdogTest : public ::testing::Test {
   void write(std::uint32_t offset, std::uint32_t value) {
     rig_.system.watchdog.write(offset, value);
   }
-  test::SystemRig rig_;
+  rigs::SystemRig rig_;
   int held_ = 0, released_ = 0;
   bool held1_ = false;
 };
@@ -74,7 +74,7 @@ TEST_F(WatchdogTest, NothingIsResetUnlessSelected) {
 
 TEST_F(WatchdogTest, SelectedStagesAreResetScratchIsKept) {
   struct Bench {
-    explicit Bench(test::SystemRig& rig)
+    explicit Bench(rigs::SystemRig& rig)
         : timer(rig.system.resets.attach(ResetBit::timer, rig.system.timer)),
           io(rig.system.resets.attach(ResetBit::io_bank0, rig.gpio.io_bank())) {}
     Peripheral& timer;

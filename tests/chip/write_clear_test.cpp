@@ -17,7 +17,7 @@ constexpr std::uint32_t timer_alarm0 = timer + 0x10, timer_armed = timer + 0x20,
                         timer_raw_low = timer + 0x28, timer_intr = timer + 0x34;
 constexpr std::uint32_t bad_write = 1u << 24;
 
-struct WriteClear : testing::TestWithParam<std::uint32_t>, test::DmaSystemRig {
+struct WriteClear : testing::TestWithParam<std::uint32_t>, rigs::DmaSystemRig {
   /// A write through the alias under test.
   void clear(std::uint32_t address, std::uint32_t bits) { store(address + GetParam(), bits); }
   void arm_all(std::uint32_t in_us) {

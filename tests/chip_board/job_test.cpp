@@ -21,7 +21,7 @@ TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
         Case{motion::JoinMode::free, true, 500}, Case{motion::JoinMode::path},
         Case{motion::JoinMode::path, false, 500}}) {
     SCOPED_TRACE(testing::Message() << "lag " << c.lag << " jerk " << c.jerk_m_s3);
-    job::Profile profile = chip_profile(100);
+    job::Profile profile = chip_profile(300);
     if (c.lag) {
       job::state_setting(profile, Id::drive_lag_x, 150, "test");
       job::state_setting(profile, Id::drive_lag_y, 5000, "test");
@@ -69,7 +69,7 @@ TEST_P(LongJob, KeepsTheLatticeAndTheShotsWithABusyLink) {
   job::set_acceleration(profile, GetParam().accel_m_s2);
   job::state_setting(profile, Id::q_switch_delay, GetParam().delay_us, "test");
   // More than any buffer holds. From 2000 on a longer job shows nothing new.
-  const auto points = static_cast<std::size_t>(std::min(scaled(500), 2000));
+  const auto points = static_cast<std::size_t>(std::min(scaled(300), 2000));
   const job::Job job = job::make_job(histogram_walk(points, 3), profile, {});
   ChipRig rig(profile);
   const sim::BoardTiming timing(rig.board, flash_image());

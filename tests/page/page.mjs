@@ -24,7 +24,9 @@ if (spawnSync(chromium, ['--version']).status !== 0) {
   process.exit(not_there);
 }
 const scale = Number(process.env.LAMPLOCK_TEST_SCALE ?? 1);
-const many = scale < 1 ? 100_000 : 1_000_000;
+// A processor that does the work of a graphics card needs seconds for a picture of a million points.
+const many = scale < 20 ? 150_000 : 1_000_000;
+const bytes_per_point = 15;
 const folder = mkdtempSync(join(tmpdir(), 'lamplock-page-'));
 
 let failures = 0;
@@ -244,7 +246,7 @@ async function large_job(browser) {
   writeFileSync(input, vase(many));
   lamplock('estimate', input, '--order', 'given', '--page', file);
   const size = readFileSync(file).length;
-  check(`the page of ${many} points has ${(size / 1e6).toFixed(1)} MB`, size < 15e6);
+  check(`the page of ${many} points has ${(size / 1e6).toFixed(1)} MB`, size < many * bytes_per_point);
   const start = performance.now();
   const page = await browser.open(`file://${file}`);
   console.log(`        opened in ${((performance.now() - start) / 1000).toFixed(2)} s`);
@@ -255,7 +257,7 @@ async function large_job(browser) {
   for (let i = 0; i < 5; ++i) times.push(await page.ask(`lamplock.cloud.view.time_of_frame()`));
   console.log(`        a picture of all points by the processor alone: ${Math.min(...times).toFixed(0)} ms`);
   await page.click('#turn');
-  await page.frames(40);
+  await page.frames(20);
   const pace = await page.ask(`({every: lamplock.cloud.view.every, pace: lamplock.cloud.view.pace})`);
   console.log(`        turning: one point in ${pace.every}, ${pace.pace.toFixed(0)} ms a picture`);
   await page.click('#turn');
