@@ -7,7 +7,8 @@
 #   FOLDERS    below the current folder; all .cpp files in them and below; a new file needs no entry
 #   EXCEPT     leaves out the paths that match
 #   OPTIMIZE   1 (default), 2 or 3, in the configuration Release. 3 is for code whose speed users
-#              notice: it doubles the time to compile a file
+#              notice: it doubles the time to compile a file. Under the sanitizers, whose checks
+#              take long to optimise, such rooms have level 2, the others and the tests 0
 #   BATCH      files that are compiled as one unit, since most of the time goes into their common
 #              headers; 1: each file by itself. So names in anonymous namespaces of a room differ
 #   ALONE      leaves the paths that match out of batches: files that name registers, and hot
@@ -37,7 +38,7 @@ function(add_room name)
   foreach(source ${sources})
     if(ROOM_FAST AND source MATCHES "${ROOM_FAST}")
       set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
-        COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
+        COMPILE_OPTIONS $<IF:$<CONFIG:Release>,-O3,-O2>)
     elseif(ROOM_ALONE AND source MATCHES "${ROOM_ALONE}")
       set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     endif()
@@ -45,6 +46,7 @@ function(add_room name)
   # Libraries of others assert on bad input, which has an error of its own here.
   target_compile_definitions(lamplock_${name} PRIVATE $<$<CONFIG:Release>:NDEBUG>)
   if(ROOM_OPTIMIZE)
-    target_compile_options(lamplock_${name} PRIVATE $<$<CONFIG:Release>:-O${ROOM_OPTIMIZE}>)
+    target_compile_options(lamplock_${name} PRIVATE
+      $<IF:$<CONFIG:Release>,-O${ROOM_OPTIMIZE},-O2>)
   endif()
 endfunction()

@@ -216,7 +216,7 @@ TEST(HoldAndResume, EveryPointAsOrderedAndNoShotInBetween) {
 /// A host that delivers whenever it likes: the machine stops in time, and goes on by itself.
 TEST(Starvation, BurstsOfPointsCostBeatsAndNothingElse) {
   std::uint32_t starved = 0;
-  for (int seed = 0; seed < std::max(20, scaled(20)); ++seed) {
+  for (int seed = 0; seed < std::max(8, scaled(20)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const auto number = static_cast<std::uint64_t>(seed);
     std::mt19937_64 random(number);

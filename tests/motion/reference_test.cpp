@@ -148,7 +148,7 @@ TEST(Planner, StaysNearTheExactOptimumAtLampsOfKilohertz) {
   // Of other seeds single sequences take the exact search minutes.
   for (const std::uint64_t seed : {53u, 56u, 57u, 59u}) {
     SCOPED_TRACE(seed);
-    const Grade result = grade(500, 5000, test::scaled(250), seed);
+    const Grade result = grade(500, 5000, test::scaled(125), seed);
     EXPECT_LE(result.gap_percent(), 2);
     EXPECT_EQ(result.beyond_tenth_or_two, 0);
     EXPECT_LT(result.optimum, result.start_stop);

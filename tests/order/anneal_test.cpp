@@ -61,7 +61,8 @@ TEST(Anneal, KeepsThePointsAndTheRuleAndWastesNoMore) {
 
 // Several stretches, each of which knows nothing of the speeds at its ends.
 TEST(Anneal, SeamsBetweenStretchesWasteNothing) {
-  for (const bench::OrderCloud& cloud : bench::order_clouds(15'000)) {
+  for (const bench::OrderCloud& cloud :
+       bench::order_clouds(std::clamp(test::scaled(15'000), 9'000, 15'000))) {
     order::OrderOptions options;
     options.layer_mm = cloud.layer_mm;
     const PointCloud before = order::order(cloud.points, Ordering::layers, options);

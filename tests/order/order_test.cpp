@@ -145,7 +145,8 @@ constexpr std::array all_orderings{Ordering::given,   Ordering::layers, Ordering
 
 TEST(Order, DoesNotDependOnThreads) {
   std::mt19937_64 random(16);
-  const PointCloud cloud = test::random_cloud(random, 3000, 3);
+  const PointCloud cloud = test::random_cloud(
+      random, static_cast<std::size_t>(std::clamp(test::scaled(3000), 1000, 3000)), 3);
   for (const Ordering ordering : all_orderings) {
     const auto with = [&](unsigned threads) {
       return order::order(cloud, ordering, {.layer_mm = 0.5, .threads = threads});
