@@ -23,7 +23,7 @@ struct Engraving {
 };
 
 Engraving engrave(bool every_clock) {
-  const job::Profile profile = chip_profile(300);
+  const job::Profile profile = chip_profile(250);
   ChipRig rig(profile);
   rig.boot();
   // From here on: the boot is held against the same by the program's own tests.

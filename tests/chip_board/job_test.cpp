@@ -21,7 +21,7 @@ TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
         Case{motion::JoinMode::free, true, 500}, Case{motion::JoinMode::path},
         Case{motion::JoinMode::path, false, 500}}) {
     SCOPED_TRACE(testing::Message() << "lag " << c.lag << " jerk " << c.jerk_m_s3);
-    job::Profile profile = chip_profile(300);
+    job::Profile profile = chip_profile(250);
     if (c.lag) {
       job::state_setting(profile, Id::drive_lag_x, 150, "test");
       job::state_setting(profile, Id::drive_lag_y, 5000, "test");

@@ -23,7 +23,7 @@ void hold_second_core(ChipRig& rig) {
 }
 
 TEST(SecondCore, WithItAndWithoutTheJobIsTheSame) {
-  const job::Profile profile = chip_profile(300);
+  const job::Profile profile = chip_profile(250);
   const job::Job job =
       job::make_job(histogram_walk(static_cast<std::size_t>(scaled(40)), 5), profile, {});
   std::array<std::vector<Step>, 2> steps;
