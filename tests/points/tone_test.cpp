@@ -316,7 +316,8 @@ TEST(ReadMesh, DamagedGlbIsRefused) {
   EXPECT_THAT(refusal([](json& d) { d["nodes"][0]["children"] = {0, 0}; }), HasSubstr("no trees"));
   EXPECT_THAT(refusal([](json& d) {
                 json list = json::array();
-                for (int i = 0; i < 2000; ++i) list = json::array({std::move(list)});
+                // Deeper than is read; the writer of this text recurses too.
+                for (int i = 0; i < 200; ++i) list = json::array({std::move(list)});
                 d["extras"] = std::move(list);
               }),
               HasSubstr("cannot be read"));
