@@ -10,11 +10,11 @@
 
 namespace lamplock::report {
 
-/// Writes shots whose points nobody knows: one line each, positions in mm. Throws lamplock::Error
+/// Writes shots whose points are not known: one line each, positions in mm. Throws lamplock::Error
 /// if the file cannot be written.
 void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_mm,
                      const std::filesystem::path& path);
-/// Writes the shots of a job, as shots.csv has them: positions in the glass, and behind them the
+/// Writes the shots of a job, as shots.csv has them: positions in the glass, followed by the
 /// number in the job of the point that each belongs to. Throws as the other.
 void write_shots_csv(const JobRun& run, const std::filesystem::path& path);
 
