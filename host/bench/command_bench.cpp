@@ -5,6 +5,7 @@
 
 #include "host/bench/command_bench.hpp"
 #include "host/bench/report.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/program.hpp"
 #include "host/cli/progress.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "host/chip_tool/chip_run.hpp"
-#include "host/cli/console.hpp"
+#include "host/cli/json.hpp"
 
 namespace lamplock::chip_tool {
 

@@ -14,6 +14,7 @@
 #include "host/chip_tool/chip_run.hpp"
 #include "host/chip_tool/chip_summary.hpp"
 #include "host/chip_tool/command_chip.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/endpoints.hpp"
 #include "host/cli/interrupt.hpp"

@@ -3,6 +3,7 @@
 #include "host/cli/board_port.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "sim/world/limit_settings.hpp"
+#include "sim/world/world.hpp"
 
 namespace lamplock::cli {
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "host/cli/boards.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/report_folder.hpp"
 #include "host/cli/staged_file.hpp"
 #include "host/cli/validators.hpp"

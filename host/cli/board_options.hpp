@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "host/cli/command_line.hpp"
 #include "host/cli/motion_plot_file.hpp"
 #include "host/cli/outputs.hpp"
 #include "host/gpio/line_table.hpp"
@@ -18,6 +17,8 @@
 #include "sim/world/lamp.hpp"
 
 namespace lamplock::cli {
+
+class Command;
 
 /// Faults of a simulated board's lamp.
 struct LampFaults {

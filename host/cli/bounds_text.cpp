@@ -1,4 +1,7 @@
 #include "host/cli/bounds_text.hpp"
+
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 namespace lamplock::cli {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/cli/console.hpp"
+#include "host/cli/json.hpp"
 #include "host/points/bounds.hpp"
 
 namespace lamplock::cli {

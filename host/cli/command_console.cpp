@@ -1,6 +1,7 @@
 // `lamplock console`: a terminal to a board, for people and for scripts.
 #include <memory>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/guarded_board.hpp"

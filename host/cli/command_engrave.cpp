@@ -2,7 +2,9 @@
 #include <memory>
 
 #include "host/cli/board_port.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/origin.hpp"
 #include "host/cli/report_job.hpp"

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "host/cli/board_options.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/job_points.hpp"
 #include "host/cli/job_run.hpp"

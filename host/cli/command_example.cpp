@@ -1,6 +1,7 @@
 // `lamplock example`: the model to begin with.
 #include <memory>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/staged_file.hpp"

@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/board_port.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/origin.hpp"

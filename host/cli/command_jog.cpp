@@ -3,10 +3,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/guarded_board.hpp"
 #include "host/cli/jog_session.hpp"
+#include "host/pendant/read_key_map.hpp"
 
 namespace lamplock::cli {
 namespace {

@@ -7,6 +7,7 @@
 #include "host/cli/board_files.hpp"
 #include "host/cli/board_link.hpp"
 #include "host/cli/board_port.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/guarding.hpp"

@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "host/cli/board_port.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
 #include "host/cli/job_points.hpp"
 #include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"

@@ -11,6 +11,7 @@
 
 #include "host/cli/board_files.hpp"
 #include "host/cli/boards.hpp"
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/endpoints.hpp"

@@ -8,14 +8,12 @@
 
 #include <chrono>
 #include <cstdio>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 
-namespace lamplock::cli {
+#include "host/cli/json.hpp"
 
-/// Keys in the order in which they were put in.
-using Json = nlohmann::ordered_json;
+namespace lamplock::cli {
 
 /// The two streams of one command.
 class Console {

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "host/cli/bounds_text.hpp"
+#include "host/cli/console.hpp"
 #include "host/cli/mesh_points.hpp"
 #include "host/cli/placed_model.hpp"
 #include "host/error.hpp"

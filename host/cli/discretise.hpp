@@ -15,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include "host/cli/console.hpp"
 #include "host/glass/description.hpp"
 #include "host/glass/volume.hpp"
 #include "host/model/input.hpp"
@@ -23,6 +22,8 @@
 #include "host/points/point.hpp"
 
 namespace lamplock::cli {
+
+class Console;
 
 /// What came of an object.
 struct ObjectPoints {

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "host/cli/command_line.hpp"
+#include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/outputs.hpp"
 #include "host/cli/parameter_options.hpp"

@@ -9,13 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "host/cli/command_line.hpp"
-#include "host/cli/console.hpp"
 #include "host/cli/work.hpp"
 #include "host/glass/description.hpp"
 #include "host/glass/volume.hpp"
 
 namespace lamplock::cli {
+
+class Command;
+class Console;
+class Option;
 
 /// Everything that decides what is engraved, and how.
 class EngravingOptions {

@@ -1,5 +1,7 @@
 #include "host/cli/jog_screen.hpp"
 
+#include "host/cli/console.hpp"
+
 #include <unistd.h>
 
 #include <array>

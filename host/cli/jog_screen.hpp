@@ -8,10 +8,11 @@
 #include <chrono>
 #include <string>
 
-#include "host/cli/console.hpp"
 #include "host/pendant/jogger.hpp"
 
 namespace lamplock::cli {
+
+class Console;
 
 /// "X 1.000  Y 0.000 | Idle | step 0.1 mm | X | feed 100 %", work coordinates of so many axes.
 std::string jog_line(const pendant::Display& display, const link::BoardStatus& status);

@@ -4,6 +4,7 @@
 #include <exception>
 #include <thread>
 
+#include "host/cli/console.hpp"
 #include "host/cli/keyboard.hpp"
 #include "host/error.hpp"
 #include "host/link/board_settings.hpp"

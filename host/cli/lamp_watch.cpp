@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/error.hpp"
+#include "host/link/sender.hpp"
 #include "host/units.hpp"
 #include "shared/beat_reason.hpp"
 

@@ -9,8 +9,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "host/link/sender.hpp"
 #include "shared/settings_table.hpp"
+#include "shared/wire/status.hpp"
+
+namespace lamplock::link {
+class JobSender;
+}  // namespace lamplock::link
 
 namespace lamplock::cli {
 

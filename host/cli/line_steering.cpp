@@ -1,5 +1,7 @@
 #include "host/cli/line_steering.hpp"
 
+#include "host/link/line_sender.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -14,7 +14,10 @@
 #include "host/cli/keyboard.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/steering.hpp"
-#include "host/link/line_sender.hpp"
+
+namespace lamplock::link {
+class LineSender;
+}  // namespace lamplock::link
 
 namespace lamplock::cli {
 

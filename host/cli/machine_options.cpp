@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
 #include "host/job/read_profile.hpp"

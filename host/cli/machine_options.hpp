@@ -6,11 +6,12 @@
 #include <optional>
 #include <string>
 
-#include "host/cli/command_line.hpp"
 #include "host/glass/description.hpp"
 #include "host/job/profile.hpp"
 
 namespace lamplock::cli {
+
+class Command;
 
 /// Which machine, and what is to be different for this job.
 struct MachineOptions {

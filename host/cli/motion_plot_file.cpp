@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/staged_file.hpp"
 #include "host/error.hpp"

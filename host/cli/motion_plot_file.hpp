@@ -9,12 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "host/cli/command_line.hpp"
 #include "host/report/motion_series.hpp"
 #include "shared/settings_table.hpp"
 #include "sim/virtual_board/motion_trace.hpp"
 
 namespace lamplock::cli {
+
+class Command;
 
 /// --plot and --plot-beats.
 struct PlotOptions {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "host/cli/console.hpp"
 #include "host/cli/progress.hpp"
 #include "host/error.hpp"
 #include "host/units.hpp"

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "host/cli/console.hpp"
 #include "host/glass/description.hpp"
 #include "host/glass/refraction.hpp"
 #include "host/order/order.hpp"
@@ -15,6 +14,8 @@
 #include "shared/settings_table.hpp"
 
 namespace lamplock::cli {
+
+class Console;
 
 /// Of everything but point lists.
 inline constexpr const char* default_order = "best";

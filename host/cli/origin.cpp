@@ -1,5 +1,6 @@
 #include "host/cli/origin.hpp"
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/validators.hpp"
 #include "host/link/operator.hpp"
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <variant>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/validators.hpp"
 
 namespace lamplock::cli {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/separate_program.hpp"
 
 namespace lamplock::cli {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/cli/console.hpp"
 #include "host/cli/discretise.hpp"
 #include "host/cli/ordering.hpp"
 #include "host/glass/lens.hpp"

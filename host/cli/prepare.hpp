@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/cli/bounds_text.hpp"
-#include "host/cli/console.hpp"
+#include "host/cli/json.hpp"
 #include "host/glass/description.hpp"
 #include "host/glass/volume.hpp"
 #include "host/model/input.hpp"
@@ -21,6 +21,8 @@
 #include "shared/settings_table.hpp"
 
 namespace lamplock::cli {
+
+class Console;
 
 /// All points of a job, those of point lists first.
 struct Cloud {

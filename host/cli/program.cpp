@@ -1,5 +1,6 @@
 #include "host/cli/program.hpp"
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/version.hpp"
 

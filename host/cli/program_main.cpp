@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/parser.hpp"
 
 namespace lamplock::cli {

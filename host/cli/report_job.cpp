@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/cli/console.hpp"
 #include "host/cli/guarding.hpp"
 #include "host/cli/report_folder.hpp"
 #include "host/report/statistics.hpp"

@@ -5,12 +5,13 @@
 // Who: the commands that run jobs, behind run_job().
 #pragma once
 
-#include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/outcome.hpp"
 #include "host/error.hpp"
 
 namespace lamplock::cli {
+
+class Console;
 
 /// Judges the run, prints and writes the report, and tells how to go on. Gives the exit status;
 /// throws as tell_end(), and Error(job_failed) if points are missed or fired too often.

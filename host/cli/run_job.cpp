@@ -11,6 +11,7 @@
 
 #include "host/cli/board_files.hpp"
 #include "host/cli/boards.hpp"
+#include "host/cli/console.hpp"
 #include "host/cli/foresight.hpp"
 #include "host/cli/guarding.hpp"
 #include "host/cli/job_run.hpp"
@@ -20,6 +21,7 @@
 #include "host/cli/steering.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/link/sender.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "host/report/files.hpp"
 #include "host/units.hpp"

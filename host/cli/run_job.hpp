@@ -6,13 +6,14 @@
 
 #include <memory>
 
-#include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/outcome.hpp"
 #include "host/cli/work.hpp"
 #include "host/link/transport.hpp"
 
 namespace lamplock::cli {
+
+class Console;
 
 /// Asks the user if need be, then runs the job to its end. `port` as open_port() gave it
 /// (board_port.hpp). Throws Error where nothing was done; later errors are part of the outcome.

@@ -13,6 +13,7 @@
 
 #include "host/cli/board_files.hpp"
 #include "host/cli/board_link.hpp"
+#include "host/cli/console.hpp"
 #include "host/cli/guarding.hpp"
 #include "host/cli/line_steering.hpp"
 #include "host/cli/progress.hpp"

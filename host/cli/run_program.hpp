@@ -6,7 +6,6 @@
 
 #include <string>
 
-#include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
 #include "host/error.hpp"
 

@@ -1,5 +1,6 @@
 #include "host/cli/run_rows.hpp"
 
+#include "host/cli/console.hpp"
 #include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"
 

@@ -5,13 +5,14 @@
 
 #include <memory>
 
-#include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/work.hpp"
 #include "host/error.hpp"
 #include "host/link/transport.hpp"
 
 namespace lamplock::cli {
+
+class Console;
 
 /// "12 lines, 3000 pixels in 3 rows": what a job of rows consists of; dark cells are no pixels.
 std::string rows_text(const job::Job& job);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "host/cli/command_line.hpp"
 #include "host/cli/image_path.hpp"
 
 namespace lamplock::cli {

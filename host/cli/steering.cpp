@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
+#include "host/link/sender.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::cli {

@@ -15,7 +15,10 @@
 #include "host/cli/interrupt.hpp"
 #include "host/cli/keyboard.hpp"
 #include "host/cli/progress.hpp"
-#include "host/link/sender.hpp"
+
+namespace lamplock::link {
+class JobSender;
+}  // namespace lamplock::link
 
 namespace lamplock::cli {
 

@@ -1,5 +1,7 @@
 #include "host/manual/commands.hpp"
 
+#include "host/cli/command_line.hpp"
+
 #include <algorithm>
 #include <cctype>
 #include <string_view>

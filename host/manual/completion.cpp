@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "host/cli/command_line.hpp"
 #include "host/manual/commands.hpp"
 
 namespace lamplock::manual {

@@ -6,6 +6,7 @@
 #include <array>
 #include <string_view>
 
+#include "host/cli/command_line.hpp"
 #include "host/manual/commands.hpp"
 
 namespace lamplock::manual {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <filesystem>
 #include <string_view>
 
 #include "host/file.hpp"
@@ -11,7 +12,8 @@
 
 namespace lamplock::model {
 
-InputKind classify(const std::filesystem::path& path) {
+InputKind classify(const std::string& file) {
+  const std::filesystem::path path(file);
   struct Extension {
     std::string_view name;
     InputKind kind;

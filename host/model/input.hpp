@@ -2,7 +2,7 @@
 // discretiser.
 #pragma once
 
-#include <filesystem>
+#include <string>
 
 namespace lamplock::model {
 
@@ -12,6 +12,6 @@ enum class InputKind { mesh, bitmap, points, curves };
 /// .asc .cad points; .ply is a mesh if its header has faces, .dxf curves if it has anything but
 /// points, points otherwise. Throws Error (bad_input) for any other extension, a missing file, a
 /// broken PLY header or DXF.
-InputKind classify(const std::filesystem::path& path);
+InputKind classify(const std::string& file);
 
 }  // namespace lamplock::model

@@ -1,21 +1,9 @@
 #include "host/pendant/key_map.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <string_view>
-
-#include "host/error.hpp"
-#include "host/pendant/terminal_keys.hpp"
-#include "host/toml_file.hpp"
 
 namespace lamplock::pendant {
 namespace {
-
-constexpr double greatest_step_mm = 100, greatest_feed_mm_min = 1e6;
-constexpr std::size_t most_steps = 16, most_macro_lines = 100;
 
 struct KeyDefault {
   Key key;
@@ -76,147 +64,6 @@ constexpr std::array keyboard_defaults{KeyboardDefault{"left", Action::jog_x_min
                                        KeyboardDefault{"ctrl-c", Action::quit},
                                        KeyboardDefault{"ctrl-d", Action::quit}};
 
-/// With a question mark for what is not seen: TOML may say any character.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c == 0x7f; }, '?');
-  return text;
-}
-
-/// Reads one table [pendant].
-class Reader {
- public:
-  explicit Reader(const std::filesystem::path& file) : file_(file) {}
-
-  KeyMap read(const toml::table& table) {
-    // Keys may be bound to macros, wherever those stand.
-    if (const toml::node* node = table.get("macros")) each(*node, "macros", &Reader::read_macro);
-    for (const auto& [key, node] : table) read_key(key, node);
-    return map_;
-  }
-
- private:
-  using Take = void (Reader::*)(const toml::key&, const toml::node&);
-
-  [[noreturn]] void fail(const toml::source_region& at, const std::string& what,
-                         const std::string& remedy) const {
-    throw Error(Exit::bad_input, where(at), what, remedy);
-  }
-  std::string where(const toml::source_region& at) const { return toml_location(file_, at); }
-
-  void read_key(const toml::key& key, const toml::node& node) {
-    const std::string_view name = key.str();
-    if (name == "macros") return;
-    if (name == "keys") return each(node, name, &Reader::bind_key);
-    if (name == "keyboard") return each(node, name, &Reader::bind_keyboard);
-    if (name == "steps") return read_steps(key, node);
-    if (name == "feed") {
-      map_.feed_mm_min = number(key, node, greatest_feed_mm_min);
-    } else if (name == "safe_z") {
-      map_.safe_z_mm = any_number(key, node);
-    } else if (name == "hb04_keys") {
-      map_.hb04_keys = static_cast<int>(any_number(key, node));
-      if (map_.hb04_keys != 16 && map_.hb04_keys != 18)
-        fail(key.source(), "'hb04_keys' is neither 16 nor 18", "count the keys of the pendant");
-    } else {
-      fail(key.source(), fmt::format("unknown key '{}' in [pendant]", printable(std::string(name))),
-           "there are keys, keyboard, macros, steps, feed, safe_z, hb04_keys");
-    }
-  }
-
-  void each(const toml::node& node, std::string_view name, Take take) {
-    const toml::table* table = node.as_table();
-    if (table == nullptr)
-      fail(node.source(), fmt::format("'{}' must be a table", name),
-           fmt::format("write [pendant.{}]", name));
-    for (const auto& [key, value] : *table) (this->*take)(key, value);
-  }
-
-  void bind_key(const toml::key& key, const toml::node& node) {
-    const auto known = key_named(key.str());
-    if (!known)
-      fail(key.source(),
-           fmt::format("no pendant has a key '{}'", printable(std::string(key.str()))),
-           "use the names of docs/pendants.md, as safe-z, macro-1, button-1");
-    map_.keys[*known] = binding(key, node);
-  }
-
-  void bind_keyboard(const toml::key& key, const toml::node& node) {
-    const std::string name(key.str());
-    if (!is_keyboard_name(name))
-      fail(key.source(), fmt::format("a keyboard has no key '{}'", printable(name)),
-           "use one character, or a name of docs/pendants.md, as page-up, f1, ctrl-x");
-    map_.keyboard[name] = binding(key, node);
-  }
-
-  Binding binding(const toml::key& key, const toml::node& node) const {
-    const auto name = node.value<std::string>();
-    if (!name) fail(key.source(), fmt::format("'{}' must be a text", key.str()), "use quotes");
-    if (const auto action = action_named(*name)) return {*action, {}};
-    for (std::size_t i = 0; i < map_.macros.size(); ++i)
-      if (map_.macros[i].name == *name) return {Action::none, i};
-    fail(key.source(), fmt::format("there is no action and no macro '{}'", *name),
-         "see docs/pendants.md for actions, and [pendant.macros] for macros");
-  }
-
-  void read_macro(const toml::key& key, const toml::node& node) {
-    const toml::table* table = node.as_table();
-    const toml::array* lines = table == nullptr ? nullptr : (*table)["lines"].as_array();
-    Macro macro{std::string(key.str()), {}, false};
-    if (action_named(macro.name))
-      fail(key.source(), fmt::format("'{}' is the name of an action", macro.name),
-           "call the macro otherwise");
-    if (lines == nullptr || lines->empty() || lines->size() > most_macro_lines)
-      fail(key.source(), fmt::format("macro '{}' needs lines", macro.name),
-           "write lines = [\"G91 G38.2 Z-20 F100\"]");
-    for (const auto& [name, value] : *table)
-      if (name == "laser" && value.is_boolean())
-        macro.laser = *value.value<bool>();
-      else if (name != "lines")
-        fail(name.source(), fmt::format("'{}' is nothing of a macro", name.str()),
-             "a macro has lines, and laser = true or false");
-    macro.lines.reserve(lines->size());
-    for (const toml::node& line : *lines) {
-      const auto text = line.value<std::string>();
-      if (!text) fail(line.source(), "a line of a macro must be a text", "use quotes");
-      macro.lines.push_back(macro_line(*text, macro.laser, where(line.source())));
-    }
-    map_.macros.push_back(std::move(macro));
-  }
-
-  void read_steps(const toml::key& key, const toml::node& node) {
-    const toml::array* values = node.as_array();
-    if (values == nullptr || values->empty() || values->size() > most_steps)
-      fail(key.source(), fmt::format("'steps' must be an array of 1 to {} numbers", most_steps),
-           "write steps = [0.01, 0.1, 1]");
-    map_.steps_mm.clear();
-    for (const toml::node& value : *values)
-      map_.steps_mm.push_back(number(key, value, greatest_step_mm));
-    std::sort(map_.steps_mm.begin(), map_.steps_mm.end());
-  }
-
-  double any_number(const toml::key& key, const toml::node& node) const {
-    const auto value = node.value<double>();
-    if (!value || !node.is_number() || !std::isfinite(*value) ||
-        std::fabs(*value) > greatest_feed_mm_min)
-      fail(node.source(), fmt::format("'{}' must be a number", key.str()),
-           "write it without quotes");
-    return *value;
-  }
-  /// Above 0, and what a line of G-code can say.
-  double number(const toml::key& key, const toml::node& node, double greatest) const {
-    constexpr double least = 0.001;
-    const double value = any_number(key, node);
-    if (value < least || value > greatest)
-      fail(node.source(), fmt::format("'{}' = {} is out of range", key.str(), value),
-           fmt::format("it is {}..{:.0f}", least, greatest));
-    return value;
-  }
-
-  const std::filesystem::path& file_;
-  KeyMap map_ = default_key_map();
-};
-
 }  // namespace
 
 KeyMap default_key_map() {
@@ -225,16 +72,6 @@ KeyMap default_key_map() {
   for (const KeyboardDefault& bound : keyboard_defaults)
     map.keyboard[bound.name] = {bound.action, {}};
   return map;
-}
-
-KeyMap read_key_map(const std::filesystem::path& file) {
-  const toml::table table = read_toml(file);
-  const toml::node* node = table.get("pendant");
-  if (node == nullptr) return default_key_map();
-  if (node->as_table() == nullptr)
-    throw Error(Exit::bad_input, toml_location(file, node->source()), "'pendant' must be a table",
-                "write [pendant]");
-  return Reader(file).read(*node->as_table());
 }
 
 }  // namespace lamplock::pendant

@@ -1,11 +1,9 @@
-// What the keys of pendants and of the keyboard do: the table [pendant] of a machine profile.
+// What the keys of pendants and of the keyboard do.
 //
-// In:  a TOML file (docs/pendants.md, examples/pendant.toml), or nothing. Out: actions by key,
-//      macros, steps, feed.
-// Who: `lamplock jog`. What a file does not state is as default_key_map() says.
+// In:  nothing, or a profile (read_key_map.hpp). Out: actions by key, macros, steps, feed.
+// Who: `lamplock jog`.
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -37,9 +35,5 @@ struct KeyMap {
 
 /// Keys do what is printed on them; nothing is bound to spindle and macro keys.
 KeyMap default_key_map();
-
-/// Reads the table [pendant]; a file without it gives the defaults. Throws Error(bad_input) with
-/// file, line, key.
-KeyMap read_key_map(const std::filesystem::path& file);
 
 }  // namespace lamplock::pendant

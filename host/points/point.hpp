@@ -1,7 +1,6 @@
 // A point in millimetres: the currency of the host between model, points, order and job.
 #pragma once
 
-#include <cmath>
 #include <vector>
 
 namespace lamplock::points {
@@ -13,8 +12,6 @@ struct Point {
 };
 using PointCloud = std::vector<Point>;
 
-inline bool is_finite(const Point& point) {
-  return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
-}
+bool is_finite(const Point& point);
 
 }  // namespace lamplock::points

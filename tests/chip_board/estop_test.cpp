@@ -34,7 +34,7 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
   using sim::ps_per_ns;
   Picoseconds slowest = 0;
   int gate_was_on = 0, pulse_was_on = 0, was_moving = 0;
-  for (int round = 0; round < scaled(8); ++round) {
+  for (int round = 0; round < scaled(8, 5); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     const std::size_t fired = rig.shots().size();
     const job::Profile& machine = round % 2 == 0 ? profile : lagging;

@@ -74,7 +74,8 @@ class Loss : public BootedRig {
 
 TEST_F(Loss, OfTheProcessorAtRandomMoments) {
   Picoseconds longest = 0;
-  for (int round = 0; round < scaled(static_cast<int>(End::count)); ++round) {
+  for (int round = 0; round < scaled(static_cast<int>(End::count), static_cast<int>(End::count));
+       ++round) {
     const auto end = static_cast<End>(round % static_cast<int>(End::count));
     SCOPED_TRACE(testing::Message() << "round " << round);
     if (round > 0) {
@@ -155,7 +156,7 @@ TEST_F(Loss, WithAShotGivenOut) {
 TEST_F(Loss, OfTheSecondCoreInAPlan) {
   const End ends[] = {End::spins_deaf, End::undefined, End::locked_up, End::bad_load,
                       End::bad_jump};
-  for (int round = 0; round < scaled(5); ++round) {
+  for (int round = 0; round < scaled(5, 5); ++round) {
     const End end = ends[round % 5];
     SCOPED_TRACE(testing::Message() << "round " << round);
     if (round > 0) {

@@ -51,7 +51,8 @@ TEST_F(PowerCut, WhileSettingsAreWritten) {
   ChipRig rig(old, chip_world(chip_profile()));
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   int kept_old = 0, kept_new = 0, in_program = 0, in_erase = 0;
-  for (int cut = 0; cut < scaled(25); ++cut) {
+  const int cuts = scaled(25, 25);
+  for (int cut = 0; cut < cuts; ++cut) {
     SCOPED_TRACE(testing::Message() << "cut " << cut);
     // Some whole writes before, so that all places of all sectors have their turn.
     for (auto writes = random_() % 5; writes > 0; --writes) {
@@ -93,7 +94,7 @@ TEST_F(PowerCut, WhileSettingsAreWritten) {
               static_cast<unsigned long long>(rig.board.chip().flash().counts().sectors_erased));
   EXPECT_GT(kept_old, 0);
   EXPECT_GT(kept_new, 0);
-  EXPECT_GT(in_program, scaled(25) / 4);
+  EXPECT_GT(in_program, cuts / 4);
   EXPECT_GT(in_erase, 0);
   EXPECT_TRUE(rig.monitor.nothing_happened());
   EXPECT_FALSE(rig.energy.any_high_within(0, rig.now()));

@@ -133,7 +133,7 @@ TEST(ChipProgram, KeepsItsPathHoweverFastItIsAsked) {
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   ProgramSender sender(rig.board);
   // The first tenth of a second fills the buffers.
-  const auto lines = static_cast<std::size_t>(scaled(2000));
+  const auto lines = static_cast<std::size_t>(scaled(2000, 2000));
   const Picoseconds begin = rig.now();
   run(sender, spiral(lines, 0.02, 30'000), begin + 60 * ps_per_s);
   // Two steps of 5 um, and what the junction deviation and chords make.
@@ -153,7 +153,7 @@ TEST(ChipProgram, ACoreXyIsNoSlowerForBeingAskedTooMuch) {
     ASSERT_NO_FATAL_FAILURE(rig.boot());
     ProgramSender sender(rig.board);
     // The first tenth of a second fills the buffers.
-    const auto lines = static_cast<std::size_t>(std::max(2000, scaled(2000)));
+    const auto lines = static_cast<std::size_t>(scaled(2000, 2000));
     const Picoseconds begin = rig.now();
     run(sender, spiral(lines, 0.02, feed_mm_s * 60), begin + 60 * ps_per_s);
     rates.push_back(static_cast<double>(lines) / sim::seconds(rig.now() - begin));

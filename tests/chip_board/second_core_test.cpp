@@ -69,7 +69,7 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
   Picoseconds judged_from = 0;
   // More than are planned ahead: with 80 the last plan is made when a handful has been fired.
   constexpr std::size_t points = 150;
-  for (int round = 0; round < scaled(5); ++round) {
+  for (int round = 0; round < scaled(5, 5); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     const std::size_t before = rig().shots().size();
     const job::Job job = job::make_job(chip_points(points, random_()), profile_, {});

@@ -88,7 +88,7 @@ TEST(Slices, WithLimitsOfJerkAreShort) {
         job::state_setting(profile, for_axis(Id::speed_jump_x, axis), 45, "test");
         job::state_setting(profile, for_axis(Id::jerk_x, axis), jerk_m_s3, "test");
       }
-      expect_short_slices(profile, mode, chip_points(28, 7), 20);
+      expect_short_slices(profile, mode, chip_points(20, 7), 20);
     }
 }
 

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/pendant/key_map.hpp"
+#include "host/pendant/read_key_map.hpp"
 #include "tests/docs/page.hpp"
 
 namespace lamplock::pendant {

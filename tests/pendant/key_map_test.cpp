@@ -1,6 +1,6 @@
 // The table [pendant] of a machine profile, and what a macro may have.
-#include "host/pendant/key_map.hpp"
 #include "host/job/read_profile.hpp"
+#include "host/pendant/read_key_map.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
