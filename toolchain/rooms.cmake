@@ -8,7 +8,7 @@
 #   EXCEPT     leaves out the paths that match
 #   OPTIMIZE   1 (default), 2 or 3, in the configuration Release. 3 is for code whose speed users
 #              notice: it doubles the time to compile a file. Under the sanitizers, whose checks
-#              take long to optimise, such rooms have level 2, the others and the tests 0
+#              take long to optimise, such rooms have level 2, the others 0
 #   BATCH      files that are compiled as one unit, since most of the time goes into their common
 #              headers; 1: each file by itself. So names in anonymous namespaces of a room differ
 #   ALONE      leaves the paths that match out of batches: files that name registers, and hot

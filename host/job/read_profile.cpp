@@ -42,7 +42,7 @@ void read_axes(Profile& profile, Id x_row, std::string_view key, const toml::nod
 
 void read_key(Profile& profile, std::string_view key, const toml::node& node,
               const std::string& where) {
-  // No settings: host/pendant/key_map.hpp and host/gpio/line_table.hpp read them.
+  // No settings: host/pendant/read_key_map.hpp and host/gpio/read_line_table.hpp read them.
   if (key == "pendant" || key == "lines") return;
   if (key == "name") {
     const auto text = node.value<std::string>();
