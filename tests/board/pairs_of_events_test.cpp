@@ -8,7 +8,7 @@
 #include <random>
 
 #include "tests/board/machine_with_switches.hpp"
-#include "tests/board/motion_judge.hpp"
+#include "tests/judges/motion_judge.hpp"
 
 namespace lamplock::test::pairs_of_events_test {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <random>
 
-#include "tests/board/motion_judge.hpp"
 #include "tests/board/program_host.hpp"
+#include "tests/judges/motion_judge.hpp"
 
 namespace lamplock::test::parking_test {
 namespace {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "sim/world/beam.hpp"
-#include "tests/board/pin_monitor.hpp"
 #include "tests/board/raster.hpp"
 #include "tests/board/row_host.hpp"
+#include "tests/judges/pin_monitor.hpp"
 
 namespace lamplock::test {
 

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "host/program/program_run.hpp"
-#include "tests/board/motion_judge.hpp"
 #include "tests/board/program_host.hpp"
+#include "tests/judges/motion_judge.hpp"
 
 namespace lamplock::test::program_limits_test {
 namespace {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "shared/boards/pico_pins.hpp"
-#include "tests/board/motion_judge.hpp"
 #include "tests/board/wire_host.hpp"
+#include "tests/judges/motion_judge.hpp"
 
 namespace lamplock::test::random_moments_test {
 namespace {

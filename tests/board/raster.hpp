@@ -18,7 +18,7 @@
 
 #include "host/job/job.hpp"
 #include "sim/world/beam.hpp"
-#include "tests/board/pin_monitor.hpp"
+#include "tests/judges/pin_monitor.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::test {

@@ -16,7 +16,7 @@
 #include "host/link/simulated_transport.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 #include "sim/world/drive_settings.hpp"
-#include "tests/board/pin_monitor.hpp"
+#include "tests/judges/pin_monitor.hpp"
 #include "tests/scale.hpp"
 #include "tests/step_histogram.hpp"
 

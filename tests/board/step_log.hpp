@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/world/drive_settings.hpp"
-#include "tests/board/pin_monitor.hpp"
+#include "tests/judges/pin_monitor.hpp"
 
 namespace lamplock::test {
 

@@ -23,7 +23,7 @@
 #include "sim/chip/profile/function_table.hpp"
 #include "sim/chip_board/chip_board.hpp"
 #include "sim/world/drive_settings.hpp"
-#include "tests/board/pin_monitor.hpp"
+#include "tests/judges/pin_monitor.hpp"
 #include "tests/scale.hpp"
 #include "tests/step_histogram.hpp"
 

@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 
 #include "sim/world/beam.hpp"
-#include "tests/board/pin_monitor.hpp"
+#include "tests/judges/pin_monitor.hpp"
 
 namespace lamplock::test {
 

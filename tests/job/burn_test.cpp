@@ -16,8 +16,8 @@
 #include "host/raster/rows.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 #include "sim/world/lamp_settings.hpp"
-#include "tests/board/pin_monitor.hpp"
 #include "tests/job/random_pixels.hpp"
+#include "tests/judges/pin_monitor.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::raster {
