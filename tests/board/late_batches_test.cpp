@@ -1,6 +1,7 @@
 // Batches of a program that come too late, while a laser shines with a list of powers: the machine
 // brakes, maybe beside its path, and goes back to where it left it. Wherever it goes it is dark or
 // has the light of that place, and no cell is left out.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,5 +1,6 @@
 // Drives of every kind on the virtual board: they lose nothing, the steps come at the same ticks
 // whatever the wires mean, and a dead stop knows where it was.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // Pulses per distance on the virtual board: where on the way each begins, over ends of lines,
 // ramps, corners and holds; how long they are; when it is dark.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,7 @@
 // Steps at 250 kHz on four axes at once, locked to a lamp: the fastest thing the board is made for;
 // in every pulse mode, with the defaults of set-up and hold.
+#include <fmt/format.h>
+
 #include "sim/chip_board/board_timing.hpp"
 #include "tests/board/step_log.hpp"
 #include "tests/chip_board/chip_rig.hpp"

@@ -1,5 +1,7 @@
 // Raster engraving on the chip: 0.1 mm pixels in both directions at 300 mm/s and 2 m/s2, power at
 // the pin within a step of its place.
+#include <fmt/format.h>
+
 #include "tests/board/raster.hpp"
 
 #include <algorithm>
