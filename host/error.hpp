@@ -8,7 +8,14 @@
 namespace lamplock {
 
 /// Exit status of the program.
-enum class Exit : int { done = 0, job_failed = 1, bad_input = 2, no_device = 3, interrupted = 130 };
+enum class Exit : int {
+  done = 0,
+  job_failed = 1,
+  bad_input = 2,
+  no_device = 3,
+  interrupted = 130,
+  terminated = 143  ///< by SIGTERM, as a shell reports it
+};
 
 /// An error shown as one line `error: WHERE: WHAT; REMEDY`.
 class Error : public std::runtime_error {

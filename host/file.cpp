@@ -11,12 +11,16 @@ void refuse(const std::filesystem::path& path, const std::string& what, const st
   throw Error(Exit::bad_input, path.string(), what, remedy);
 }
 
-std::string read_file(const std::filesystem::path& path) {
+void check_is_file(const std::filesystem::path& path) {
   std::error_code failure;
   if (!std::filesystem::exists(path, failure)) refuse(path, "no such file", "check the name");
-  if (!std::filesystem::is_regular_file(path, failure)) {
+  if (!std::filesystem::is_regular_file(path, failure))
     refuse(path, "not a file", "give a file, not a folder or device");
-  }
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  check_is_file(path);
+  std::error_code failure;
   std::ifstream file(path, std::ios::binary);
   if (!file) refuse(path, "cannot be read", "check its permissions");
   std::string bytes(std::filesystem::file_size(path, failure), '\0');

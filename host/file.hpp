@@ -11,6 +11,9 @@ namespace lamplock {
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what,
                          const std::string& remedy);
 
+/// Throws Error (bad_input) if there is no such file or it is a folder or a device.
+void check_is_file(const std::filesystem::path& path);
+
 /// All bytes of a file. Throws Error (bad_input) if it is missing, no file, unreadable or empty.
 std::string read_file(const std::filesystem::path& path);
 

@@ -5,6 +5,7 @@
 #include "host/cli/image_path.hpp"
 #include "host/cli/simulator_error.hpp"
 #include "host/error.hpp"
+#include "host/file.hpp"
 #include "sim/chip_board/board_timing.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 
@@ -27,6 +28,7 @@ SimulatedBoard::SimulatedBoard(SimulatedBoard&&) noexcept = default;
 SimulatedBoard& SimulatedBoard::operator=(SimulatedBoard&&) noexcept = default;
 
 sim::chip::Image read_image(const std::string& file) {
+  check_is_file(file);
   try {
     return sim::chip::load_image(file);
   } catch (const std::runtime_error& error) {

@@ -18,6 +18,8 @@ class Interrupt {
   /// Interrupts since the start or the last forget(); SIGTERM and a terminal that hangs up
   /// count as two: they are never a pause.
   int count() const;
+  /// SIGTERM has come since the start.
+  bool terminated() const;
   /// The user has gone on: the next interrupt is the first again.
   void forget();
 };

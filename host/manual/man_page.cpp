@@ -240,12 +240,13 @@ Page command_page(const cli::Command& app, const Edition& edition) {
 }
 
 /// Exit status of the program (host/error.hpp).
-constexpr std::array<std::pair<const char*, const char*>, 5> exits{
+constexpr std::array<std::pair<const char*, const char*>, 6> exits{
     {{"0", "Done."},
      {"1", "The job failed, or was stopped by the machine or by a line of the computer."},
      {"2", "Bad input or usage: nothing was done."},
      {"3", "No device, or no link to it."},
-     {"130", "Interrupted by the user."}}};
+     {"130", "Interrupted by the user."},
+     {"143", "Ended by SIGTERM, where that is told from an interrupt: lamplock chip."}}};
 
 Page program_page(const cli::Command& program, const Edition& edition) {
   Writer page;
