@@ -1,7 +1,6 @@
 #include "host/chip_tool/chip_run.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <stdexcept>
 
 #include "host/cli/boards.hpp"
@@ -9,6 +8,7 @@
 #include "host/cli/outputs.hpp"
 #include "host/cli/simulator_error.hpp"
 #include "host/error.hpp"
+#include "host/file.hpp"
 #include "sim/chip/script/parser.hpp"
 
 namespace lamplock::chip_tool {
@@ -24,10 +24,7 @@ using cli::write_whole;
 namespace chip = sim::chip;
 
 chip::script::Script read_script(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in || in.bad())
-    throw Error(Exit::bad_input, file, "cannot be read", "give the file of a script");
+  const std::string text = read_file(file);
   try {
     return chip::script::parse(text, file);
   } catch (const std::runtime_error& error) {
@@ -57,6 +54,7 @@ ChipRun::CoreProfile::CoreProfile(chip::Core& core, const chip::Image& image)
 ChipRun::ChipRun(const ChipRunOptions& options)
     : options_(options),
       image_(read_image(options.image)),
+      functions_(image_.symbols),
       chip_(chip_options(options)),
       host_(chip_.wheel(), chip_.usb()),
       ports_(chip_, host_),
@@ -105,6 +103,17 @@ bool ChipRun::run_until(sim::Picoseconds until, const std::function<bool()>& giv
   ports_.poll(end);
   if (trace_) trace_->writer.flush(now());
   return goes_on;
+}
+
+bool ChipRun::allows(const chip::Fault& fault) const {
+  return runner_ != nullptr && runner_->allows(fault.kind);
+}
+
+const chip::Fault* ChipRun::fatal_fault() const {
+  const auto& faults = chip_.faults();
+  const auto found = std::find_if(faults.begin(), faults.end(),
+                                  [this](const chip::Fault& fault) { return !allows(fault); });
+  return found == faults.end() ? nullptr : &*found;
 }
 
 void ChipRun::finish() {

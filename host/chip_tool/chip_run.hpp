@@ -20,6 +20,7 @@
 #include "sim/chip/gdb/server.hpp"
 #include "sim/chip/image/image.hpp"
 #include "sim/chip/profile/call_stacks.hpp"
+#include "sim/chip/profile/function_table.hpp"
 #include "sim/chip/profile/profile.hpp"
 #include "sim/chip/profile/shadow_stack.hpp"
 #include "sim/chip/script/runner.hpp"
@@ -36,6 +37,16 @@ struct ChipRunOptions {
   std::string gdb{};  ///< [HOST:]PORT, 0 any free one
   bool step_every_clock = false;
   std::size_t flash_size = sim::chip::FlashChip::default_size;
+};
+
+/// Why a run ended.
+enum class RunEnd : std::uint8_t { script, until, default_limit, interrupt, terminated, debugger };
+
+/// How a run ended.
+struct RunResult {
+  RunEnd end = RunEnd::until;
+  sim::Picoseconds limit = 0;  ///< simulated time at which it was to end
+  double wall_seconds = 0;
 };
 
 /// The run.
@@ -57,8 +68,14 @@ class ChipRun {
   /// Puts the trace and the profile in their places. Throws Error(bad_input).
   void finish();
 
-  const sim::chip::Image& image() const { return image_; }
+  const sim::chip::FunctionTable& functions() const { return functions_; }
+  const std::string& image_name() const { return options_.image; }
+  /// The script allows such a fault.
+  bool allows(const sim::chip::Fault& fault) const;
+  /// The first fault that the script does not allow; null: none.
+  const sim::chip::Fault* fatal_fault() const;
   sim::chip::Chip& chip() { return chip_; }
+  const sim::chip::Chip& chip() const { return chip_; }
   sim::chip::UsbHost& usb_host() { return host_; }
   sim::chip::script::SerialPorts& ports() { return ports_; }
   const sim::chip::PadCounter& pads() const { return pads_; }
@@ -89,6 +106,7 @@ class ChipRun {
 
   ChipRunOptions options_;
   sim::chip::Image image_;
+  sim::chip::FunctionTable functions_;
   sim::chip::Chip chip_;
   sim::chip::UsbHost host_;
   sim::chip::script::SerialPorts ports_;

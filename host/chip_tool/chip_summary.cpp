@@ -4,9 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
+
+#include "host/chip_tool/chip_faults.hpp"
+#include "sim/chip/script/moment.hpp"
 
 namespace lamplock::chip_tool {
 namespace {
@@ -34,6 +38,25 @@ std::vector<std::string> usb_violations(ChipRun& run) {
   return all;
 }
 
+/// Why the run ended, as a word of the JSON document.
+const char* end_word(RunEnd end) {
+  switch (end) {
+    case RunEnd::script:
+      return "script";
+    case RunEnd::until:
+      return "until";
+    case RunEnd::default_limit:
+      return "default_limit";
+    case RunEnd::interrupt:
+      return "interrupt";
+    case RunEnd::terminated:
+      return "terminated";
+    case RunEnd::debugger:
+      return "debugger";
+  }
+  return "";
+}
+
 std::string hertz(double hz) {
   if (hz >= 1e6) return fmt::format("{:.9g} MHz", hz / 1e6);
   if (hz >= 1e3) return fmt::format("{:.9g} kHz", hz / 1e3);
@@ -42,16 +65,45 @@ std::string hertz(double hz) {
 
 }  // namespace
 
-std::string chip_summary(ChipRun& run, double wall_seconds) {
+std::string end_text(const RunResult& result) {
+  const std::string limit = chip::script::time_text(result.limit);
+  switch (result.end) {
+    case RunEnd::script:
+      return "end of the script";
+    case RunEnd::until:
+      return "--until " + limit + " reached";
+    case RunEnd::default_limit:
+      return "default limit of a script reached, " + limit;
+    case RunEnd::interrupt:
+      return "interrupted";
+    case RunEnd::terminated:
+      return "SIGTERM";
+    case RunEnd::debugger:
+      return "the debugger has ended the run";
+  }
+  return {};
+}
+
+chip::script::Failure open_step(const ChipRun& run, const RunResult& result) {
+  // Where a limit has ended the run, the last instructions may have gone beyond it.
+  return run.script()->standing(std::min(run.now(), result.limit));
+}
+
+std::string chip_summary(ChipRun& run, const RunResult& result) {
   chip::Chip& chip = run.chip();
+  const double wall_seconds = result.wall_seconds;
   std::string text = fmt::format("simulated {:.6f} s in {:.2f} s: {:.2f} x real time\n",
                                  sim::seconds(run.now()), wall_seconds, ratio(run, wall_seconds));
+  text += "ended     " + end_text(result) + '\n';
   text +=
       fmt::format("cycles    core 0 {}, core 1 {}\n", chip.core(0).cycle(), chip.core(1).cycle());
   for (unsigned gpio = 0; gpio < chip::gpio_count; ++gpio) {
     const chip::PadCount& pad = run.pads().pads()[gpio];
     if (pad.edges() != 0) text += fmt::format("edges     gpio{:<3} {}\n", gpio, pad.edges());
   }
+  for (const chip::Fault& fault : chip.faults())
+    text += fmt::format("fault     {}{}\n", fault_text(run, fault),
+                        run.allows(fault) ? " (allowed)" : "");
   if (chip.watchdog_resets() != 0)
     text += fmt::format("resets    {} by the watchdog\n", chip.watchdog_resets());
   for (const std::string& each : usb_violations(run)) text += "USB       " + each + '\n';
@@ -73,10 +125,11 @@ std::string chip_frequencies(ChipRun& run) {
   return text;
 }
 
-cli::Json chip_json(ChipRun& run, double wall_seconds) {
+cli::Json chip_json(ChipRun& run, const RunResult& result) {
   chip::Chip& chip = run.chip();
   cli::Json json;
   json["simulated_ps"] = run.now();
+  json["ended"] = end_word(result.end);
   json["cycles"] = {chip.core(0).cycle(), chip.core(1).cycle()};
   for (const auto& [name, clock] : clocks) json["clocks_hz"][name] = chip.system().clocks.hz(clock);
   json["pins"] = cli::Json::object();
@@ -86,6 +139,7 @@ cli::Json chip_json(ChipRun& run, double wall_seconds) {
     json["pins"][fmt::format("gpio{}", gpio)] = {
         {"rises", pad.rises}, {"falls", pad.falls}, {"mean_hz", pad.hz()}};
   }
+  json["faults"] = faults_json(run);
   json["watchdog_resets"] = chip.watchdog_resets();
   json["usb_violations"] = usb_violations(run);
   json["not_modelled"] = chip.not_modelled();
@@ -93,14 +147,14 @@ cli::Json chip_json(ChipRun& run, double wall_seconds) {
     const bool passed = script->done() && !script->failure();
     json["script"]["passed"] = passed;
     if (!passed) {
-      const auto failure = script->failure() ? *script->failure() : script->standing();
+      const auto failure = script->failure() ? *script->failure() : open_step(run, result);
       json["script"]["line"] = failure.line;
       json["script"]["expected"] = failure.expected;
       json["script"]["seen"] = failure.seen;
       json["script"]["at_ps"] = failure.at;
     }
   }
-  json["wall"] = {{"seconds", wall_seconds}, {"ratio", ratio(run, wall_seconds)}};
+  json["wall"] = {{"seconds", result.wall_seconds}, {"ratio", ratio(run, result.wall_seconds)}};
   return json;
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/chip_tool/chip_faults.hpp"
 #include "host/chip_tool/chip_run.hpp"
 #include "host/chip_tool/chip_summary.hpp"
 #include "host/chip_tool/command_chip.hpp"
@@ -42,6 +43,8 @@ using sim::chip::script::Port;
 constexpr Picoseconds slice = 100 * sim::ps_per_us;
 /// So much ahead of the wall clock, a run with terminals waits.
 constexpr Picoseconds tolerated_lead = sim::ps_per_ms;
+/// A script without --until is over by then, or has failed.
+constexpr Picoseconds default_script_limit = 60 * sim::ps_per_s;
 /// Costliest functions shown per core.
 constexpr std::size_t profile_lines = 20;
 constexpr std::size_t mib = 1024 * 1024;
@@ -128,64 +131,92 @@ class Pace {
   WallClock::time_point start_ = WallClock::now();
 };
 
-/// Runs to the end of time or of the script; whether nobody interrupted it.
-bool run_to_end(ChipRun& run, Terminals& terminals, Picoseconds until) {
-  const Interrupt interrupt;
-  const auto interrupted = [&interrupt] { return interrupt.count() != 0; };
-  Pace pace;
-  while (run.now() < until && (run.script() == nullptr || !run.script()->done())) {
-    if (interrupted()) return false;
-    // On a grid of slices, however far the one before has gone beyond its end.
-    if (!run.run_until(std::min(until, (run.now() / slice + 1) * slice), interrupted)) return false;
-    terminals.exchange(run.ports());
-    if (terminals.any()) pace.wait(run.now());
-  }
-  return true;
-}
-
-[[noreturn]] void expectation_failed(const std::string& script,
-                                     const sim::chip::script::Failure& failure) {
-  throw Error(Exit::job_failed, script + ':' + std::to_string(failure.line),
-              "expected " + failure.expected + ", seen: " + failure.seen + ", at " +
-                  sim::chip::script::time_text(failure.at),
-              "look at the trace (--vcd FILE)");
-}
-
-Exit conclude(const ChipRun& run, const std::string& script, bool whole) {
-  if (run.script() == nullptr) return Exit::done;
-  if (run.script()->failure()) expectation_failed(script, *run.script()->failure());
-  if (run.script()->done()) return Exit::done;
-  if (!whole) return Exit::interrupted;
-  expectation_failed(script, run.script()->standing());
-}
-
-Picoseconds end_time(const Options& options) {
-  if (options.until.empty()) return std::numeric_limits<Picoseconds>::max() - slice;
+/// When a run ends at the latest, and what has set that limit.
+RunResult limit_of(const Options& options) {
+  if (options.until.empty() && !options.run.script.empty())
+    return {RunEnd::default_limit, default_script_limit, 0};
+  if (options.until.empty())
+    return {RunEnd::until, std::numeric_limits<Picoseconds>::max() - slice, 0};
   try {
-    return sim::chip::script::parse_time(options.until, "--until");
+    return {RunEnd::until, sim::chip::script::parse_time(options.until, "--until"), 0};
   } catch (const std::runtime_error& error) {
     refuse(error.what());
   }
 }
 
+/// Runs to the end of the script, to the limit, or until the user or the debugger ends it.
+RunEnd run_to_end(ChipRun& run, Terminals& terminals, const RunResult& limit,
+                  const Interrupt& interrupt) {
+  const auto interrupted = [&interrupt] { return interrupt.count() != 0; };
+  const auto stopped = [&interrupt] {
+    return interrupt.terminated()   ? RunEnd::terminated
+           : interrupt.count() != 0 ? RunEnd::interrupt
+                                    : RunEnd::debugger;
+  };
+  const auto script_done = [&run] { return run.script() != nullptr && run.script()->done(); };
+  Pace pace;
+  while (run.now() < limit.limit && !script_done()) {
+    if (interrupted()) return stopped();
+    // On a grid of slices, however far the one before has gone beyond its end.
+    const Picoseconds next = (run.now() / slice + 1) * slice;
+    if (!run.run_until(std::min(limit.limit, next), interrupted)) return stopped();
+    terminals.exchange(run.ports());
+    if (terminals.any()) pace.wait(run.now());
+  }
+  return script_done() ? RunEnd::script : limit.end;
+}
+
+using sim::chip::script::Failure;
+
+[[noreturn]] void expectation_failed(const std::string& script, const Failure& failure,
+                                     const std::string& remedy) {
+  throw Error(Exit::job_failed, script + ':' + std::to_string(failure.line),
+              "expected " + failure.expected + ", seen: " + failure.seen + ", at " +
+                  sim::chip::script::time_text(failure.at),
+              remedy);
+}
+
+[[noreturn]] void image_failed(const ChipRun& run, const sim::chip::Fault& fault) {
+  throw Error(Exit::job_failed, run.image_name(), fault_text(run, fault),
+              fmt::format("correct the image, or write 'allow {}' in the script if it is intended",
+                          word_of(fault.kind)));
+}
+
+/// A fault comes before an expectation that failed later: it is the likely reason.
+Exit conclude(const ChipRun& run, const std::string& script, const RunResult& result) {
+  if (result.end == RunEnd::terminated) return Exit::terminated;
+  const auto* const runner = run.script();
+  const std::optional<Failure> failure =
+      runner != nullptr ? runner->failure() : std::optional<Failure>();
+  const sim::chip::Fault* const fault = run.fatal_fault();
+  if (fault != nullptr && (!failure || fault->at <= failure->at)) image_failed(run, *fault);
+  if (failure) expectation_failed(script, *failure, "look at the trace (--vcd FILE)");
+  if (runner == nullptr || runner->done()) return Exit::done;
+  if (result.end == RunEnd::interrupt || result.end == RunEnd::debugger) return Exit::interrupted;
+  Failure open = open_step(run, result);
+  open.seen += " (" + end_text(result) + ')';
+  expectation_failed(script, open, "look at the trace (--vcd FILE) or give a later --until");
+}
+
 Exit run_image(const Options& options) {
   Console console(options.json);
-  const Picoseconds until = end_time(options);
+  RunResult result = limit_of(options);
   ChipRun run(options.run);
   if (const std::string door = run.debugger_address(); !door.empty())
     console.say("waiting for a debugger: gdb-multiarch {} -ex 'target remote {}'",
                 options.run.image, door);
+  const Interrupt interrupt;
   Terminals terminals(options, console);
   const auto start = WallClock::now();
-  const bool whole = run_to_end(run, terminals, until);
-  const double wall_seconds = std::chrono::duration<double>(WallClock::now() - start).count();
+  result.end = run_to_end(run, terminals, result, interrupt);
+  result.wall_seconds = std::chrono::duration<double>(WallClock::now() - start).count();
   run.finish();
-  console.text(chip_summary(run, wall_seconds));
+  console.text(chip_summary(run, result));
   if (options.freq) console.text(chip_frequencies(run));
   for (std::size_t core = 0; core < 2; ++core)
     if (const auto* profile = run.profile(core)) console.text(profile->text(profile_lines));
-  console.document(chip_json(run, wall_seconds));
-  return conclude(run, options.run.script, whole);
+  console.document(chip_json(run, result));
+  return conclude(run, options.run.script, result);
 }
 
 }  // namespace
@@ -195,12 +226,17 @@ void add_chip(Command& program) {
   app.footer(
       "Example:\n  lamplock chip blink.uf2 --until 2.5s --vcd blink.vcd --freq\n"
       "  lamplock chip firmware.elf --script test.script      # status 1 if it does not pass\n"
-      "  lamplock chip firmware.elf --pty                     # its serial port on a terminal");
+      "  lamplock chip firmware.elf --pty                     # its serial port on a terminal\n\n"
+      "A HardFault, a lock-up, a bad boot block and a reset by the watchdog are errors: the\n"
+      "summary has cause, pc, lr, symbol and cycle of the first of each. A script permits them by\n"
+      "'allow hardfault', 'allow lockup', 'allow bootblock' and 'allow watchdog'.\n"
+      "Exit status: 0 done, 1 fault of the image or expectation not met, 2 bad input, 3 terminal\n"
+      "or port cannot be opened, 130 interrupted before the end of the script, 143 SIGTERM.");
   const auto options = std::make_shared<Options>();
   app.add_option("IMAGE", &options->run.image, "ELF, UF2 or BIN file").required();
   app.add_option("--until", &options->until,
-                 "End at this simulated time, such as 2.5s or 10ms; without it when the script "
-                 "ends, or at Ctrl-C")
+                 "End at this simulated time, such as 2.5s or 10ms; default: the end of the "
+                 "script, at most 60s, or without a script Ctrl-C")
       .value_name("TIME");
   app.add_option("--script", &options->run.script,
                  "Drive pins and ports, and expect things of them (docs/chip-script.md)")

@@ -37,7 +37,7 @@ Chip::Chip(const ChipOptions& options)
               {[this](int core, std::uint32_t irqs) {
                  cores_[static_cast<std::size_t>(core)].set_nmi_mask(irqs);
                },
-               [this] { ++watchdog_resets_; }},
+               [this] { watchdog_fired(); }},
               reporter()),
       pio_dma_(wheel_, bus_, gpio_, irqs_, timing_, reporter()),
       usb_(wheel_, irqs_, usb_dpram_, reporter(), options.usb_errata),
@@ -47,6 +47,9 @@ Chip::Chip(const ChipOptions& options)
       seed_(options.seed) {
   map();
   sio_.follow_cores([this](std::size_t core) { return cores_[core].cycle(); });
+  rom_.on_bad_boot_block = [this] {
+    note_at_core0(FaultKind::boot_block, FaultCause::boot_checksum);
+  };
   system_.clocks.listen(*this);
   system_.ticks.listen(*this);
   clocks_changed();
@@ -58,6 +61,25 @@ NotModelled Chip::reporter() {
   return [this](const std::string& what) {
     if (known_.insert(what).second) not_modelled_.push_back(what);
   };
+}
+
+void Chip::note(Fault fault) {
+  if (fault.cause == FaultCause::undefined_instruction && fault.pc == BootRom::fault_address)
+    fault.cause = FaultCause::rom_access;
+  for (const Fault& known : faults_)
+    if (known.kind == fault.kind && known.core == fault.core) return;
+  fault.at = wheel_.time_of(fault.cycle);
+  faults_.push_back(fault);
+}
+
+void Chip::note_at_core0(FaultKind kind, FaultCause cause) {
+  note({kind, cause, 0, 0, cores_[0].reg(15), cores_[0].reg(14), wheel_.now()});
+}
+
+void Chip::watchdog_fired() {
+  ++watchdog_resets_;
+  note_at_core0(FaultKind::watchdog, system_.watchdog.was_forced() ? FaultCause::watchdog_forced
+                                                                   : FaultCause::watchdog_timer);
 }
 
 void Chip::map() {
@@ -91,6 +113,7 @@ void Chip::attach_core(int id) {
     if (!held) restart_[i] = true;
     for (Core& each : cores_) each.request_stop();
   });
+  core.on_fault = [this](const Fault& fault) { note(fault); };
   core.on_reset_request = [this, i] {
     restart_[i] = true;
     cores_[i].request_stop();

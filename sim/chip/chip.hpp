@@ -17,6 +17,7 @@
 
 #include "sim/chip/bus.hpp"
 #include "sim/chip/cpu/core.hpp"
+#include "sim/chip/cpu/fault.hpp"
 #include "sim/chip/flash/flash_chip.hpp"
 #include "sim/chip/flash/xip.hpp"
 #include "sim/chip/gpio/gpio.hpp"
@@ -95,11 +96,16 @@ class Chip final : private ClockListener, private TickListener {
 
   /// What was touched and is not modelled, each once, in order.
   const std::vector<std::string>& not_modelled() const { return not_modelled_; }
+  /// What the program has died of, in order: of each kind the first on each core.
+  const std::vector<Fault>& faults() const { return faults_; }
   /// Resets by the watchdog since the chip was made.
   std::uint32_t watchdog_resets() const { return watchdog_resets_; }
 
  private:
   NotModelled reporter();
+  void note(Fault fault);
+  void note_at_core0(FaultKind kind, FaultCause cause);
+  void watchdog_fired();
   void map();
   void attach_core(int id);
   void clocks_changed() override;
@@ -138,6 +144,7 @@ class Chip final : private ClockListener, private TickListener {
   std::array<bool, 2> held_{true, true};       ///< in reset
   std::array<bool, 2> restart_{false, false};  ///< released, has not started yet
   Core* runs_alone_ = nullptr;                 ///< while the other one is idle
+  std::vector<Fault> faults_;
   std::uint32_t watchdog_resets_ = 0;
   std::uint64_t seed_;
   StepWatcher* watcher_ = nullptr;

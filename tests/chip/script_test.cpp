@@ -188,7 +188,8 @@ struct Rig {
   /// "" if it passes; "LINE: seen" if not.
   std::string outcome(Picoseconds limit = 200 * ps_per_ms) {
     run_until(limit);
-    if (!runner.done()) return "not done: line " + std::to_string(runner.standing().line);
+    if (!runner.done())
+      return "not done: line " + std::to_string(runner.standing(chip.time()).line);
     if (!runner.failure()) return "";
     return std::to_string(runner.failure()->line) + ": " + runner.failure()->seen;
   }

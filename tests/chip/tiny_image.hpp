@@ -18,6 +18,18 @@ namespace lamplock::test {
 /// A register and what is stored to it first.
 using Store = std::pair<std::uint32_t, std::uint32_t>;
 
+/// Where the ROM runs it.
+inline constexpr std::uint32_t tiny_base = 0x2004'1f00;
+
+/// The code from offset 0 on, with its checksum.
+inline std::vector<std::uint8_t> boot_image(const std::vector<std::uint16_t>& code) {
+  std::vector<std::uint8_t> image(256, 0);
+  std::memcpy(image.data(), code.data(), 2 * code.size());
+  const std::uint32_t crc = boards::boot2_crc32(std::span(image).first(252));
+  std::memcpy(&image[252], &crc, sizeof crc);
+  return image;
+}
+
 /// Does the stores, then runs `then`: an even number of halfwords, which begin at offset 12.
 inline std::vector<std::uint8_t> tiny_image(const std::vector<std::uint16_t>& then,
                                             const std::vector<Store>& stores) {
@@ -36,11 +48,7 @@ inline std::vector<std::uint8_t> tiny_image(const std::vector<std::uint16_t>& th
       code.push_back(static_cast<std::uint16_t>(word));
       code.push_back(static_cast<std::uint16_t>(word >> 16));
     }
-  std::vector<std::uint8_t> image(256, 0);
-  std::memcpy(image.data(), code.data(), 2 * code.size());
-  const std::uint32_t crc = boards::boot2_crc32(std::span(image).first(252));
-  std::memcpy(&image[252], &crc, sizeof crc);
-  return image;
+  return boot_image(code);
 }
 
 /// Out of reset (2.14.3): IO_BANK0, PADS_BANK0, PWM, UART0, UART1.
@@ -99,6 +107,50 @@ inline std::string uf2_file(const std::vector<std::uint8_t>& image) {
   block[127] = 0x0ab1'6f30;
   std::memcpy(&block[8], image.data(), image.size());
   return {reinterpret_cast<const char*>(block.data()), sizeof block};
+}
+
+/// A function of a tiny image.
+struct TinySymbol {
+  std::string name;
+  std::uint32_t offset = 0, size = 0;
+};
+
+/// The same as an ELF file with symbols (ELF specification, figures 1-3 ff.).
+inline std::string elf_file(const std::vector<std::uint8_t>& image,
+                            const std::vector<TinySymbol>& symbols) {
+  constexpr std::uint32_t flash = 0x1000'0000, image_at = 84;
+  const auto image_size = static_cast<std::uint32_t>(image.size());
+  std::string names(1, '\0');
+  std::vector<std::uint32_t> table(4);
+  for (const TinySymbol& symbol : symbols) {
+    const std::uint32_t function_of_section_1 = 2 | 1u << 16;
+    table.insert(table.end(),
+                 {static_cast<std::uint32_t>(names.size()), (tiny_base + symbol.offset) | 1,
+                  symbol.size, function_of_section_1});
+    names += symbol.name + '\0';
+  }
+  names.resize((names.size() + 3) & ~std::size_t{3});
+  const std::uint32_t table_at = image_at + image_size;
+  const auto table_size = static_cast<std::uint32_t>(4 * table.size());
+  const std::uint32_t names_at = table_at + table_size;
+  const auto names_size = static_cast<std::uint32_t>(names.size());
+  std::vector<std::uint32_t> head{
+      0x464c'457f,    0x0001'0101,   0, 0, 2 | 40u << 16, 1, flash, 52, names_at + names_size, 0,
+      52 | 32u << 16, 1 | 40u << 16, 3};
+  head.insert(head.end(), {1, image_at, flash, flash, image_size, image_size, 5, 4});
+  std::vector<std::uint32_t> sections(10);
+  sections.insert(sections.end(), {0, 2, 0, 0, table_at, table_size, 2, 0, 4, 16});
+  sections.insert(sections.end(), {0, 3, 0, 0, names_at, names_size, 0, 0, 1, 0});
+  std::string file;
+  const auto append = [&file](const std::vector<std::uint32_t>& words) {
+    file.append(reinterpret_cast<const char*>(words.data()), 4 * words.size());
+  };
+  append(head);
+  file.append(image.begin(), image.end());
+  append(table);
+  file += names;
+  append(sections);
+  return file;
 }
 
 }  // namespace lamplock::test

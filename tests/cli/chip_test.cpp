@@ -92,7 +92,52 @@ TEST(Chip, a_script_that_is_not_over_in_time_has_not_passed) {
   const std::string script = folder.write("t.script", "wait gpio9 rise within 1s\n");
   const Finished failed = run({"chip", image, "--script", script, "--until", "25ms"});
   EXPECT_EQ(failed.status, 1);
-  EXPECT_THAT(failed.err, HasSubstr(":1: expected gpio9 rise within 1s, seen: not over yet"));
+  EXPECT_THAT(failed.err,
+              HasSubstr(":1: expected gpio9 rise within 1s, seen: not over yet (--until "
+                        "25 ms reached), at 25 ms; "));
+}
+
+// The first steps of the ROM take longer than 5 ms: what it is in the middle of does not count.
+TEST(Chip, the_limit_is_named_and_is_the_time_of_the_failure) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const std::string script = folder.write("t.script", "wait gpio9 rise within 1s\n");
+  const Finished failed = run({"chip", image, "--script", script, "--until", "5ms", "--json"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.err, HasSubstr("ended     --until 5 ms reached\n"));
+  EXPECT_THAT(failed.err, HasSubstr("(--until 5 ms reached), at 5 ms; "));
+  EXPECT_EQ(summary(failed)["ended"], "until");
+  EXPECT_EQ(summary(failed)["script"]["at_ps"], 5'000'000'000);
+}
+
+TEST(Chip, a_script_without_until_has_a_limit) {
+  const Folder folder;
+  // wfi, again
+  const std::vector<std::uint8_t> asleep = lamplock::test::tiny_image({0xbf30, 0xe7fd}, {});
+  const std::string image = folder.write("asleep.bin", bytes(asleep));
+  const std::string script = folder.write("t.script", "at 100s\nend\n");
+  const Finished failed = run({"chip", image, "--script", script, "--json"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.err, HasSubstr(":1: expected at 100 s, seen: not over yet (default limit of a "
+                                    "script reached, 60 s), at 60 s; "));
+  EXPECT_EQ(summary(failed)["ended"], "default_limit");
+}
+
+TEST(Chip, sigterm_ends_it_with_a_summary_and_status_143) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const std::string script = folder.write("t.script", "wait gpio9 rise within 1000s\n");
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, std::vector<std::string>{"--script", script}}) {
+    std::vector<std::string> all{"chip", image, "--uart", "pty"};
+    all.insert(all.end(), more.begin(), more.end());
+    Running running(all);
+    ASSERT_TRUE(running.wait_for("UART0 is "));
+    running.terminate();
+    const Finished ended = running.finish();
+    EXPECT_EQ(ended.status, 143);
+    EXPECT_THAT(ended.out, HasSubstr("ended     SIGTERM\n"));
+  }
 }
 
 TEST(Chip, wrong_use_is_told_with_status_2) {
@@ -113,8 +158,11 @@ TEST(Chip, wrong_use_is_told_with_status_2) {
   for (const char* const port : {"foo", "foo:bar", "127.0.0.1:99999"})
     refused({image, "--gdb", port}, std::string("--gdb ") + port);
   refused({folder.write("bad.uf2", "UF2\n")}, "bad.uf2");
+  const std::string is_folder = folder.path().string() + ": not a file; give a file";
+  refused({folder.path().string()}, is_folder);
+  refused({image, "--script", folder.path().string()}, is_folder);
   refused({image, "--until", "soon"}, "'soon' is not a time");
-  refused({image, "--until", "1ms", "--script", folder / "none"}, "none: cannot be read");
+  refused({image, "--until", "1ms", "--script", folder / "none"}, "none: no such file");
   refused({image, "--script", folder.write("t.script", "set gpio77 1\n")},
           "t.script:1: 'gpio77' is not a pin; pins are gpio0 to gpio29");
   refused({image, "--until", "1ms", "--vcd", folder / "none/a.vcd"}, "none/a.vcd");

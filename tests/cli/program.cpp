@@ -108,6 +108,8 @@ bool Running::wait_for(const std::string& text) const {
 
 void Running::interrupt() const { ::kill(process_, SIGINT); }
 
+void Running::terminate() const { ::kill(process_, SIGTERM); }
+
 Finished Running::finish() {
   int status = 0;
   ::waitpid(process_, &status, 0);

@@ -54,6 +54,7 @@ class Running {
   std::string out() const { return read(folder_ / "out"); }
   std::string err() const { return read(folder_ / "err"); }
   void interrupt() const;
+  void terminate() const;
   Finished finish();
 
  private:

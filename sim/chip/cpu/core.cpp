@@ -91,7 +91,7 @@ void Core::reset(std::uint32_t vector_table) {
   pc_ = entry.value & ~1u;
   thumb_ = (entry.value & 1) != 0;
   sample(cycle_);
-  if (stack.fault || entry.fault) lock_up();
+  if (stack.fault || entry.fault) lock_up(FaultCause::vector, vector_table, r_[14]);
 }
 
 void Core::set_reg(unsigned number, std::uint32_t value) {
@@ -162,9 +162,10 @@ std::optional<std::uint16_t> Core::fetch_outside(std::uint32_t pc) {
 
 // Past what is at hand.
 std::optional<std::uint16_t> Core::fetch_code(std::uint32_t pc) {
-  if (!executable(pc) || (mpu_.enabled() && !permits(pc, MpuAccess::fetch))) {
+  const bool refused = mpu_.enabled() && !permits(pc, MpuAccess::fetch);
+  if (!executable(pc) || refused) {
     window_.size = 0;
-    hard_fault();
+    hard_fault(refused ? FaultCause::refused_by_mpu : FaultCause::failed_fetch, pc);
     return std::nullopt;
   }
   // Regions of the MPU are larger than a word, which is fetched, and permitted, as one.
@@ -219,7 +220,7 @@ std::optional<std::uint16_t> Core::fetch_word(std::uint32_t pc) {
   const Access access = bus_.fetch(pc & ~3u, master_, cycle_);
   if (access.fault) {
     window_.size = 0;
-    hard_fault();
+    hard_fault(FaultCause::failed_fetch, pc);
     return std::nullopt;
   }
   cycle_ += access.wait;
@@ -285,13 +286,23 @@ bool Core::permits(std::uint32_t address, MpuAccess access) const {
   return mpu_.permits(address, access, privileged(), execution_priority() < 0);
 }
 
+// The cause is looked for after the access has failed, so that no access that succeeds pays for it.
+bool Core::access_fault(std::uint32_t address, Width width, MpuAccess kind) {
+  FaultCause cause = kind == MpuAccess::write ? FaultCause::failed_write : FaultCause::failed_read;
+  if ((address & (static_cast<std::uint32_t>(width) - 1)) != 0)
+    cause = FaultCause::unaligned_access;
+  else if (address < ppb_base && mpu_.enabled() && !permits(address, kind))
+    cause = FaultCause::refused_by_mpu;
+  hard_fault(cause, address);
+  return false;
+}
+
 // A load or store adds here what it costs beyond one cycle: 1, but nothing on the I/O port. False:
 // it faulted.
-inline bool Core::complete(std::uint32_t address, const Access& access) {
-  if (access.fault) [[unlikely]] {
-    hard_fault();
-    return false;
-  }
+inline bool Core::complete(std::uint32_t address, Width width, MpuAccess kind,
+                           const Access& access) {
+  if (access.fault) [[unlikely]]
+    return access_fault(address, width, kind);
   cycle_ += access.wait + ((address >> 28) != sio_nibble ? 1u : 0u);
   return true;
 }
@@ -300,7 +311,7 @@ bool Core::load(std::uint32_t address, Width width, std::uint32_t& value) {
   Access access{0, 0, true};
   if ((address & (static_cast<std::uint32_t>(width) - 1)) == 0) [[likely]]
     access = read_bus(address, width);
-  if (!complete(address, access)) return false;
+  if (!complete(address, width, MpuAccess::read, access)) return false;
   value = access.value;
   return true;
 }
@@ -309,7 +320,7 @@ bool Core::store(std::uint32_t address, Width width, std::uint32_t value) {
   Access access{0, 0, true};
   if ((address & (static_cast<std::uint32_t>(width) - 1)) == 0) [[likely]]
     access = write_bus(address, width, value);
-  return complete(address, access);
+  return complete(address, width, MpuAccess::write, access);
 }
 
 // Between two words of a multiple access, where nearly always nothing is in the way.
@@ -348,22 +359,19 @@ inline unsigned Core::begin_words(std::uint16_t instruction) {
 // The words of a multiple access from `first` on, one after the other. False: it faulted, pauses or
 // was abandoned.
 template <class Transfer>
-inline bool Core::each_word(std::uint32_t address, unsigned first, unsigned count,
+inline bool Core::each_word(std::uint32_t address, unsigned first, unsigned count, MpuAccess kind,
                             const Transfer& transfer) {
   for (unsigned i = first; i < count; ++i) {
     if (i != 0 && !word_may_begin(i)) return false;
     const Access access = (address & 3) == 0 ? transfer(address + 4 * i, i) : Access{0, 0, true};
-    if (access.fault) {
-      hard_fault();
-      return false;
-    }
+    if (access.fault) return access_fault(address + 4 * i, Width::word, kind);
     cycle_ += 1 + access.wait;
   }
   return true;
 }
 
 bool Core::load_block(std::uint32_t address, unsigned first, unsigned count) {
-  return each_word(address, first, count, [&](std::uint32_t at, unsigned i) {
+  return each_word(address, first, count, MpuAccess::read, [&](std::uint32_t at, unsigned i) {
     const Access access = read_bus(at, Width::word);
     multiple_.words[i] = access.value;
     return access;
@@ -371,7 +379,7 @@ bool Core::load_block(std::uint32_t address, unsigned first, unsigned count) {
 }
 
 bool Core::store_block(std::uint32_t address, unsigned first, unsigned count, const Words& words) {
-  return each_word(address, first, count, [&](std::uint32_t at, unsigned i) {
+  return each_word(address, first, count, MpuAccess::write, [&](std::uint32_t at, unsigned i) {
     return write_bus(at, Width::word, words[i]);
   });
 }
@@ -539,15 +547,15 @@ std::uint32_t Core::rotate_right(std::uint32_t value, std::uint32_t amount) {
 
 // --- Faulting and rare instructions --------------------------------------------------------------
 
-bool Core::undefined() {
-  hard_fault();
+bool Core::undefined(FaultCause cause) {
+  hard_fault(cause);
   return false;
 }
 
 bool Core::unpredictable(std::uint16_t instruction) {
   if (not_modelled_)
     not_modelled_("unpredictable instruction " + hex(instruction, 4) + " executed");
-  return undefined();
+  return undefined(FaultCause::unpredictable_instruction);
 }
 
 // BX, BLX.
@@ -592,7 +600,7 @@ void Core::execute_high(std::uint16_t op) {
 }
 
 void Core::execute_hint(std::uint16_t op) {
-  if ((op & 15) != 0) return hard_fault();  // IT of ARMv7-M
+  if ((op & 15) != 0) return hard_fault(FaultCause::undefined_instruction);  // IT of ARMv7-M
   Cycle cycles = 1;
   switch (op >> 4 & 15) {
     case 2:  // WFE
@@ -1064,10 +1072,11 @@ void Core::execute(Cycle until) {
       case Op::bkpt:
         leave();
         if (on_breakpoint && on_breakpoint()) return;
-        return hard_fault();  // no debugger: escalated (ARMv6-M, C1.6.1)
+        // Without a debugger it is escalated (ARMv6-M, C1.6.1).
+        return hard_fault(FaultCause::breakpoint);
       case Op::undefined:
         leave();
-        return hard_fault();
+        return hard_fault(FaultCause::undefined_instruction);
       case Op::svc:
         leave();
         return supervisor_call(next);

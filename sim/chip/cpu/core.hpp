@@ -42,6 +42,7 @@
 #include <vector>
 
 #include "sim/chip/bus.hpp"
+#include "sim/chip/cpu/fault.hpp"
 #include "sim/chip/cpu/mpu.hpp"
 #include "sim/chip/cpu/nvic.hpp"
 #include "sim/chip/cpu/systick.hpp"
@@ -175,6 +176,8 @@ class Core {
   std::function<void(bool asleep)> on_deep_sleep;
   /// BKPT: true if a debugger takes it, and the core stays in front of it; else a HardFault.
   std::function<bool()> on_breakpoint;
+  /// A HardFault is taken, or the core locks up. `at` is not filled in.
+  std::function<void(const Fault&)> on_fault;
   /// AIRCR.SYSRESETREQ was written; see reset().
   std::function<void()> on_reset_request;
   /// The lines that raise NMI (SYSCFG PROC0_NMI_MASK, PROC1_NMI_MASK).
@@ -218,7 +221,8 @@ class Core {
   std::uint8_t* put(unsigned list, std::uint8_t* words) const;
   void take(unsigned list, const std::uint8_t* words);
   template <class Transfer>
-  bool each_word(std::uint32_t address, unsigned first, unsigned count, const Transfer& transfer);
+  bool each_word(std::uint32_t address, unsigned first, unsigned count, MpuAccess kind,
+                 const Transfer& transfer);
   bool load_block(std::uint32_t address, unsigned first, unsigned count);
   bool store_block(std::uint32_t address, unsigned first, unsigned count, const Words& words);
   bool word_may_begin(unsigned word);
@@ -232,7 +236,9 @@ class Core {
   bool waits() const {
     return other_ != nullptr && (id_ == 0 ? other_->cycle_ < cycle_ : other_->cycle_ <= cycle_);
   }
-  bool complete(std::uint32_t address, const Access& access);
+  bool complete(std::uint32_t address, Width width, MpuAccess kind, const Access& access);
+  [[gnu::noinline, gnu::cold]] bool access_fault(std::uint32_t address, Width width,
+                                                 MpuAccess kind);
   [[gnu::noinline]] bool load(std::uint32_t address, Width width, std::uint32_t& value);
   [[gnu::noinline]] bool store(std::uint32_t address, Width width, std::uint32_t value);
   Access read_bus(std::uint32_t address, Width width);
@@ -241,7 +247,7 @@ class Core {
   bool permits(std::uint32_t address, MpuAccess access) const;
   Access write_bus(std::uint32_t address, Width width, std::uint32_t value);
   void branch_exchange(std::uint32_t target);
-  bool undefined();
+  bool undefined(FaultCause cause = FaultCause::undefined_instruction);
   [[gnu::noinline]] bool unpredictable(std::uint16_t instruction);
   bool condition(unsigned code) const;
 
@@ -276,8 +282,9 @@ class Core {
   int execution_priority() const;
   bool can_wake() const;
   void sleep(Sleep kind);
-  void hard_fault();
-  void lock_up();
+  void hard_fault(FaultCause cause, std::uint32_t address = 0);
+  void lock_up(FaultCause cause, std::uint32_t address, std::uint32_t lr);
+  void note_fault(FaultKind kind, FaultCause cause, std::uint32_t address, std::uint32_t lr) const;
   void supervisor_call(std::uint32_t next);
   void enter(unsigned number, std::uint32_t return_address);
   bool push_frame(std::uint32_t return_address, std::uint32_t& waits);

@@ -129,7 +129,7 @@ bool Core::attend() {
   }
   if (locked_up_) return true;
   if (!thumb_) {
-    hard_fault();
+    hard_fault(FaultCause::even_address);
     return true;
   }
   return false;
@@ -157,14 +157,19 @@ void Core::request_stop() {
 }
 
 // A fault of the current instruction (or of its fetch); it runs again after a return.
-void Core::hard_fault() {
-  if (execution_priority() <= -1)
-    lock_up();
-  else
-    enter(hard_fault_number, pc_);
+void Core::hard_fault(FaultCause cause, std::uint32_t address) {
+  if (execution_priority() <= -1) return lock_up(cause, address, r_[14]);
+  note_fault(FaultKind::hard_fault, cause, address, r_[14]);
+  enter(hard_fault_number, pc_);
 }
 
-void Core::lock_up() {
+void Core::note_fault(FaultKind kind, FaultCause cause, std::uint32_t address,
+                      std::uint32_t lr) const {
+  if (on_fault) on_fault({kind, cause, address, id_, pc_, lr, cycle_});
+}
+
+void Core::lock_up(FaultCause cause, std::uint32_t address, std::uint32_t lr) {
+  note_fault(FaultKind::lock_up, cause, address, lr);
   locked_up_ = true;
   pc_ = lock_up_address;
   refresh(cycle_);
@@ -175,19 +180,21 @@ void Core::supervisor_call(std::uint32_t next) {
   if (nvic_.priority(number) < execution_priority())
     enter(number, next);
   else
-    hard_fault();
+    hard_fault(FaultCause::supervisor_call);
 }
 
 void Core::enter(unsigned number, std::uint32_t return_address) {
   const Cycle since = cycle_;
   const Cycle overlap = takeable_ && since_ < cycle_ ? std::min(cycle_ - since_, entry_overlap) : 0;
   std::uint32_t waits = 0;
+  const std::uint32_t stack = r_[13], lr = r_[14];  // before they are those of the handler
   locked_up_ = false;
   if (!push_frame(return_address, waits)) {
     if (number == hard_fault_number || execution_priority() <= -1) {
       cycle_ += entry_cycles;
-      return lock_up();
+      return lock_up(FaultCause::stacking, stack - frame_size, lr);
     }
+    note_fault(FaultKind::hard_fault, FaultCause::stacking, stack - frame_size, lr);
     number = hard_fault_number;
   }
   start_handler(number, since - overlap, since - overlap + entry_cycles + waits);
@@ -269,6 +276,7 @@ void Core::finish_entry() {
   // Vectors are read past the MPU (ARMv6-M ARM, B3.5.1).
   Access access = bus_.read(vtor_ + 4 * number, Width::word, master_, cycle_);
   if (access.fault && number != hard_fault_number && execution_priority() > -1) {
+    note_fault(FaultKind::hard_fault, FaultCause::vector, vtor_ + 4 * number, r_[14]);
     number = hard_fault_number;
     access = bus_.read(vtor_ + 4 * number, Width::word, master_, cycle_);
   }
@@ -278,8 +286,8 @@ void Core::finish_entry() {
   ipsr_ = number;
   event_ = true;
   thumb_ = (vector & 1) != 0;
+  if (access.fault) return lock_up(FaultCause::vector, vtor_ + 4 * number, r_[14]);
   pc_ = vector & ~1u;
-  if (access.fault) return lock_up();
   refresh(cycle_);
   if (listener_ != nullptr) listener_->exception_entered(id_, number, exchange_.since, cycle_);
 }
@@ -289,7 +297,7 @@ void Core::exception_return(std::uint32_t value) {
   const bool to_thread = value == return_to_thread_msp || value == return_to_thread_psp;
   const bool nested = nvic_.active_count() > 1;
   if (!nvic_.active(returning) || !(to_thread ? !nested : nested && value == return_to_handler))
-    return hard_fault();
+    return hard_fault(FaultCause::exception_return, value);
   if (listener_ != nullptr) listener_->exception_left(id_, returning, cycle_);
   nvic_.deactivate(returning);
   refresh(cycle_);
@@ -308,7 +316,9 @@ void Core::finish_return() {
   const Cycle end = exchange_.end;
   std::uint32_t waits = 0;
   if (!pop_frame(value, waits)) {
-    if (execution_priority() <= -1) return lock_up();
+    const std::uint32_t frame = value == return_to_thread_psp ? other_sp_ : r_[13];
+    if (execution_priority() <= -1) return lock_up(FaultCause::unstacking, frame, r_[14]);
+    note_fault(FaultKind::hard_fault, FaultCause::unstacking, frame, r_[14]);
     return chain(hard_fault_number, value, end);
   }
   cycle_ = end + waits;

@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -99,6 +100,10 @@ class BootRom {
   bool is_trap(std::uint32_t address) const;
   /// Executes the trap at r15 in the cycle `now`; leaves the next address in r15.
   Step step(RomCore& core, Cycle now);
+
+  /// The ROM has read a boot block whose checksum is wrong; it tries again, and then waits in its
+  /// USB boot loader. Called for the first attempt of a start: the flash does not change meanwhile.
+  std::function<void()> on_bad_boot_block;
 
   RomState state() const { return state_; }
   /// The chip has been reset.

@@ -129,6 +129,7 @@ void BootRom::boot_check(Context& c) {
     return;
   }
   const std::uint32_t attempt = c.reg(8) + 1;
+  if (attempt == 1 && on_bad_boot_block) on_bad_boot_block();
   c.set(8, attempt);
   if (attempt < flash_attempts)
     c.set(pc, attempt_);

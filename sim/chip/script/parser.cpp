@@ -260,8 +260,7 @@ class Line {
 
 constexpr const char* statements =
     "statements are at, after, set, release, join, pulse, usb, uart0, uart1, expect, wait, "
-    "meanwhile and "
-    "end";
+    "meanwhile, allow and end";
 
 std::optional<Port> port(std::string_view word) {
   if (word == "usb") return Port::usb;
@@ -381,6 +380,14 @@ Action waiting(Line& line) {
   return ExpectEdge{edge, line.length()};
 }
 
+Allow allowance(Line& line) {
+  static const std::string possible = "give hardfault, lockup, bootblock or watchdog";
+  const std::string_view text = line.word(possible);
+  const std::optional<FaultKind> kind = fault_kind(text);
+  if (!kind) line.refuse(quoted(text) + " is not a fault", possible);
+  return {*kind};
+}
+
 Action sending(Line& line, Port to) {
   line.keyword("send");
   return Send{to, line.string()};
@@ -412,6 +419,7 @@ Action statement(Line& line, std::string_view word) {
   if (word == "pulse") return pulse(line);
   if (word == "expect") return expectation(line);
   if (word == "wait") return waiting(line);
+  if (word == "allow") return allowance(line);
   if (word == "end") return End{};
   if (const std::optional<Port> to = port(word)) return sending(line, *to);
   line.refuse(quoted(word) + " is not a statement", statements);

@@ -1,5 +1,6 @@
 #include "sim/chip/script/runner.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace lamplock::sim::chip::script {
@@ -130,6 +131,7 @@ struct Runner::Actor {
     runner.ports_.send(what.port, what.text);
     runner.sending_ = what.port;
   }
+  void operator()(const Allow& /*what*/) const {}  // holds for the whole run
   template <class Expectation>
   void operator()(const Expectation& /*what*/) const {
     const Step& here = runner.script_[step];
@@ -190,12 +192,19 @@ void Runner::fail(std::size_t step, std::string seen, Picoseconds at) {
   failure_ = Failure{script_[step].line, script_[step].text, std::move(seen), at};
 }
 
-Failure Runner::standing() const {
+bool Runner::allows(FaultKind kind) const {
+  return std::any_of(script_.begin(), script_.end(), [kind](const Step& step) {
+    const Allow* const allow = std::get_if<Allow>(&step.action);
+    return allow != nullptr && allow->kind == kind;
+  });
+}
+
+Failure Runner::standing(Picoseconds now) const {
   const std::size_t step = !beside_.empty() && next_ >= script_.size() ? beside_.front().step
                            : next_ > 0                                 ? next_ - 1
                                                                        : 0;
   if (script_.empty()) return {};
-  return {script_[step].line, script_[step].text, "not over yet", wheel_.time()};
+  return {script_[step].line, script_[step].text, "not over yet", now};
 }
 
 /// Edges that nobody will ask for: those before the script's time, before the last cause that a

@@ -36,8 +36,10 @@ class Runner final : private Timed {
   /// Passed or failed; nothing happens any more.
   bool done() const { return done_; }
   const std::optional<Failure>& failure() const { return failure_; }
-  /// The step that a script that is not done stands at, as a failure.
-  Failure standing() const;
+  /// The step that a script that is not done is at, as a failure at the time `now`.
+  Failure standing(Picoseconds now) const;
+  /// The script allows faults of this kind.
+  bool allows(FaultKind kind) const;
 
  private:
   /// A check and the step it belongs to.

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "sim/chip/cpu/fault.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/time.hpp"
 
@@ -108,11 +109,15 @@ struct ExpectFrequency {
   double tolerance = 0;  ///< share of hz
   Span window;
 };
+/// Such faults do not fail the run, whenever they happen.
+struct Allow {
+  FaultKind kind = FaultKind::hard_fault;
+};
 struct End {};
 
 using Action = std::variant<At, After, SetPin, Join, SetVoltage, SetTemperature, Pulse, Send,
                             ExpectPort, ExpectText, ExpectEdge, ExpectReaction, ExpectCount,
-                            ExpectNever, ExpectLevel, ExpectFrequency, End>;
+                            ExpectNever, ExpectLevel, ExpectFrequency, Allow, End>;
 
 /// One step.
 struct Step {

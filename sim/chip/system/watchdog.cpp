@@ -88,6 +88,8 @@ void Watchdog::fire(std::uint32_t reason) {
   if (fired_) fired_();
 }
 
+bool Watchdog::was_forced() const { return reason_ == reason_force; }
+
 std::uint32_t Watchdog::read(std::uint32_t offset) {
   if (offset > offset_tick) not_modelled_("WATCHDOG: no register at this offset");
   return peek(offset);

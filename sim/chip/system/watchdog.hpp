@@ -28,6 +28,8 @@ class Watchdog final : public Peripheral, private Timed, private TickListener {
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
+  /// Whether the last reset was one that software forced (TRIGGER).
+  bool was_forced() const;
   /// Power-up or RUN.
   void reset() override;
   /// Its clock stops or goes on: the count stands still, ticks and registers do not (assumed).
