@@ -246,7 +246,7 @@ constexpr std::array<std::pair<const char*, const char*>, 6> exits{
      {"2", "Bad input or usage: nothing was done."},
      {"3", "No device, or no link to it."},
      {"130", "Interrupted by the user."},
-     {"143", "Ended by SIGTERM, where that is told from an interrupt: lamplock chip."}}};
+     {"143", "Ended by SIGTERM: lamplock chip."}}};
 
 Page program_page(const cli::Command& program, const Edition& edition) {
   Writer page;
