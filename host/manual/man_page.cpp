@@ -153,7 +153,7 @@ void write_option(Writer& page, const cli::Option& option) {
   page.request(option_head(option));
   std::string what = option.help();
   if (!what.empty() && what.back() != '.') what += '.';
-  const std::string variable = option.environment();
+  const std::string& variable = option.environment();
   if (option.is_required())
     what +=
         variable.empty()
