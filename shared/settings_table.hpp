@@ -89,6 +89,8 @@ enum class Id : std::uint8_t {
   laser_lead,
   pulses_per_mm,
   pulse_length,
+  max_lamp_frequency,
+  max_lamp_energy,
   min_corner_x,
   min_corner_y,
   min_corner_z,
@@ -102,6 +104,9 @@ enum class Id : std::uint8_t {
   ganged_axis,
   dead_man,
   stop_at_error,
+  program_dead_man,
+  jog_lease,
+  run_on,
   pin_map,
   pulse_mode_x,
   pulse_mode_y,
@@ -250,7 +255,8 @@ inline constexpr std::array<Row, setting_count> table{{
     {920, "lamp_warm_up", "count", 0, 100'000'000, 0, true, "flashes before the first shot"},
     {921, "max_shot_rate", "Hz", 1'000, 10'000'000, 5'000'000, false, "highest rate of shots"},
     {922, "lamp_energy", "J", 0, 100'000, 0, false, "energy of a flash; 0 = not known"},
-    {923, "lamp_power", "W", 1'000, 100'000'000, 1'000'000, false,
+    // GLASS: Ep f < 1000 W.
+    {923, "lamp_power", "W", 1'000, 1'000'000, 1'000'000, false,
      "highest product of lamp_energy and frequency"},
     {924, "channels", "1..15", 1'000, 15'000, 15'000, true,
      "beam channels that may fire, added up: 1 first, 2 second, 4 third, 8 fourth"},
@@ -270,6 +276,11 @@ inline constexpr std::array<Row, setting_count> table{{
      "pulses of a continuous laser per millimetre of its way; 0 = it shines all the time (M127)"},
     {933, "pulse_length", "us", 1'000, 1'000'000'000, 1'500'000, false,
      "how long each of these pulses is (M128)"},
+    // GLASS: lamps of 1 to 200 Hz, Ep <= 20 J.
+    {934, "max_lamp_frequency", "Hz", 1'000, 5'000'000, 200'000, false,
+     "highest frequency that we may trigger the lamp with; jobs cannot change it"},
+    {935, "max_lamp_energy", "J", 0, 100'000, 20'000, false,
+     "largest lamp_energy; jobs cannot change it"},
     {940, "min_corner_x", "mm", -1'000'000, 1'000'000, -50'000, false,
      "lowest X of the work space"},
     {941, "min_corner_y", "mm", -1'000'000, 1'000'000, -50'000, false,
@@ -295,6 +306,13 @@ inline constexpr std::array<Row, setting_count> table{{
      "silence of the host in a job before a controlled stop; 0 = never"},
     {981, "stop_at_error", "on/off", 0, 1'000, 0, true,
      "after an error in a line of a program take no further ones until $X or a reset"},
+    {982, "program_dead_man", "ms", 0, 60'000'000, 0, false,
+     "silence of the host in a program before it is held; 0 = never. For senders that ask for the "
+     "status"},
+    {983, "jog_lease", "ms", 0, 60'000'000, 0, false,
+     "time after the last $J or frame at which a jog ends; 0 = it goes to its target"},
+    {984, "run_on", "on/off", 0, 1'000, 0, true,
+     "a program that was received up to its M2 or M30 goes on without its host"},
     {990, "pin_map", "0..2", 0, 2'000, 0, true,
      "what the pins of the board are for, from its next start on: 0 glass, 1 cut (fourth axis, "
      "UART, a limit switch for each axis), 2 cut with outputs and an input of programs instead of "
@@ -364,6 +382,11 @@ constexpr bool of_jobs(Id id) {
     case Id::highest_speed:
     case Id::laser_mode:
     case Id::stop_at_error:
+    case Id::program_dead_man:
+    case Id::jog_lease:
+    case Id::run_on:
+    case Id::max_lamp_frequency:
+    case Id::max_lamp_energy:
     case Id::idle_delay:
     case Id::idle_release:
     case Id::pulses_per_mm:

@@ -44,6 +44,9 @@ class Board {
   /// a new connection.
   virtual void reconnect() = 0;
 
+  /// A program of the host has the port open, as from the start; on USB the board sees DTR.
+  virtual void set_host_present(bool present) = 0;
+
   virtual void run_until(Picoseconds until) = 0;
   virtual Picoseconds now() const = 0;
 

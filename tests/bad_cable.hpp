@@ -22,6 +22,7 @@ struct Faults {
   double duplicate = 0;
   double replay = 0;          ///< per piece written: the whole piece arrives twice
   double stray_realtime = 0;  ///< towards the machine only
+  bool resets = true;         ///< 0x18 may come of them, which ends a job of rows
   int cuts = 0;               ///< over the first `cut_span`
   std::chrono::microseconds cut_span{1'000'000};
   std::chrono::microseconds delay{300};
@@ -90,6 +91,8 @@ class BadCable : public link::Transport {
     Time at;
   };
 
+  static constexpr std::uint8_t reset = 0x18;
+
   bool chance(double p) {
     const bool happens = p > 0 && std::uniform_real_distribution<>(0, 1)(random_) < p;
     faults_made_ += happens ? 1 : 0;
@@ -102,12 +105,14 @@ class BadCable : public link::Transport {
     if (chance(faults_.flip)) {
       const int bit = std::uniform_int_distribution<>(0, 7)(random_);
       byte = static_cast<std::uint8_t>(byte ^ (1u << bit));
+      if (towards_machine && byte == reset && !faults_.resets) return;
     }
     line.push_back({byte, at});
     if (chance(faults_.duplicate)) line.push_back({byte, at});
     if (towards_machine && chance(faults_.stray_realtime)) {
-      constexpr std::array<std::uint8_t, 5> strays{'!', '?', '~', 0x18, 0x90};
-      line.push_back({strays[std::uniform_int_distribution<std::size_t>(0, 4)(random_)], at});
+      constexpr std::array<std::uint8_t, 5> strays{'!', '?', '~', 0x90, reset};
+      const std::size_t last = faults_.resets ? 4 : 3;
+      line.push_back({strays[std::uniform_int_distribution<std::size_t>(0, last)(random_)], at});
     }
   }
 

@@ -134,6 +134,7 @@ void BeatClock::configure(const settings::Values& values) {
   origin_tick_ = tick_;
   tick_in_beat_ = 0;
   locked_ = mode_ != LampMode::slave;
+  silent_beats_ = 0;
   good_edges_ = line_edges_ = 0;
 }
 
@@ -195,7 +196,11 @@ void BeatClock::set_gates(const settings::Values& values) {
 EdgeInfo BeatClock::edge(std::uint64_t clock) {
   ++edges_;
   const ClockQ16 clock_q16 = clock << 16;
-  if (mode_ != LampMode::slave) return nearest_beat(clock_q16);
+  if (mode_ != LampMode::slave) {
+    silent_beats_ = 0;
+    locked_ = true;
+    return nearest_beat(clock_q16);
+  }
   return locked_ ? track(clock_q16) : acquire(clock_q16);
 }
 
@@ -518,6 +523,7 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
   if (tick_in_beat_ == beat_ticks_) {
     tick_in_beat_ = 0;
     ++beat_;
+    if (mode_ == LampMode::master && locked_ && ++silent_beats_ > missed_to_loss) lose();
     beat_aim_q16_ += static_cast<ClockQ16>(period_q16_);
     aim_q16_ = beat_aim_q16_;
   }

@@ -32,7 +32,8 @@
 // that they are planned for, by the lag of their drive (stepper/tick_generator.hpp); lattice and
 // lamp know nothing of it, but no tick may be too short for motion that has begun so much earlier.
 //
-// On a free beat a tick is exactly nominal. As master too, unless the planner asks for another
+// As master the lock is lost after 32 triggers without an edge, and is there again with the next
+// edge. On a free beat a tick is exactly nominal; as master too, unless the planner asks for another
 // length (set_tick_length()): segments are whole beats in ticks, so a way that takes 1.02 beats is
 // made in one beat of ticks that are 2 % longer. Limits in ticks rise with the length of the tick
 // (make_limits()), so they hold in real time. The length may change only where every axis stands:
@@ -205,6 +206,7 @@ class BeatClock {
   bool crowded_ = false;         ///< an edge in the middle of this beat
   std::uint32_t odd_beats_ = 0;  ///< beats in a row with none or several edges
   std::int32_t far_off_ = 0;     ///< edges in a row too early (negative) or too late
+  std::uint32_t silent_beats_ = 0;  ///< as master: triggers in a row that no edge has answered
   std::uint32_t edges_ = 0;
   std::uint32_t spurious_ = 0;
   std::uint32_t losses_ = 0;

@@ -36,16 +36,47 @@ constexpr std::int32_t beat_range_milli(const settings::Values& values) {
   }
 }
 
+/// We trigger the lamp.
+constexpr bool is_master(const settings::Values& values) {
+  return values.whole(settings::Id::lamp_mode) == static_cast<int>(settings::LampMode::master);
+}
+
+/// By how many thousandths of a per cent our triggers may come faster than nominal.
+constexpr std::int64_t faster_milli_percent(const settings::Values& values) {
+  return is_master(values) ? values.milli(settings::Id::period_tolerance) : 0;
+}
+
+/// A lamp that we trigger flashes no faster than it may ($934).
+constexpr bool lamp_frequency_holds(const settings::Values& values) {
+  using settings::Id;
+  if (!is_master(values)) return true;
+  constexpr std::int64_t whole = 100'000;  // per cent, in thousandths
+  return values.milli(Id::lamp_frequency) * (whole + faster_milli_percent(values)) <=
+         values.milli(Id::max_lamp_frequency) * whole;
+}
+
+/// The energy of a flash is within its limit ($935), and known where we trigger the lamp: its mean
+/// power could not be limited else.
+constexpr bool lamp_energy_holds(const settings::Values& values) {
+  using settings::Id;
+  const std::int32_t energy = values.milli(Id::lamp_energy);
+  return energy <= values.milli(Id::max_lamp_energy) && (energy != 0 || !is_master(values));
+}
+
 /// Mean power of the lamp is within its limit: Ep * f ("Mechatroniczne pozycjonowanie wiazki lasera
 /// impulsowego...": Ep * f < 1000 W), at the highest frequency that we may trigger it with.
 constexpr bool lamp_power_holds(const settings::Values& values) {
   using settings::Id;
   constexpr std::int64_t whole = 100'000;  // per cent, in thousandths
-  const bool master = values.whole(Id::lamp_mode) == static_cast<int>(settings::LampMode::master);
-  const std::int64_t faster = whole + (master ? values.milli(Id::period_tolerance) : 0);
+  const std::int64_t faster = whole + faster_milli_percent(values);
   const std::int64_t micro_w =
       std::int64_t{values.milli(Id::lamp_energy)} * values.milli(Id::lamp_frequency);
   return micro_w * faster <= std::int64_t{values.milli(Id::lamp_power)} * 1000 * whole;
+}
+
+/// The lamp bears what we trigger it with.
+[[gnu::cold]] constexpr bool lamp_bears(const settings::Values& values) {
+  return lamp_frequency_holds(values) && lamp_energy_holds(values) && lamp_power_holds(values);
 }
 
 /// The photosensor has answered in time for what its answer is to decide.
@@ -63,6 +94,8 @@ constexpr bool sensor_time_holds(const settings::Values& values) {
 /// Number of a setting that breaks a protection; 0 if there is none.
 constexpr std::uint16_t broken_protection(const settings::Values& values) {
   using settings::Id;
+  if (!lamp_frequency_holds(values)) return settings::number(Id::lamp_frequency);
+  if (!lamp_energy_holds(values)) return settings::number(Id::lamp_energy);
   if (!lamp_power_holds(values)) return settings::number(Id::lamp_energy);
   if (!sensor_time_holds(values)) return settings::number(Id::sensor_time);
   return 0;

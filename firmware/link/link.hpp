@@ -84,8 +84,8 @@ class Link {
     parser_.reset();
     frames_spoken_ = false;
   }
-  /// Drops a line that has not ended, as the reset byte of grbl does. From within on_realtime().
-  void drop_line() { parser_.drop_line(); }
+  /// Drops a line or frame that has not ended: a reset has discarded the rest of it.
+  void drop_input() { parser_.reset(); }
 
   /// Takes bytes to send; returns how many were written to `out`.
   std::size_t transmit(std::span<std::uint8_t> out) { return ring_.pop(out); }
@@ -111,6 +111,12 @@ class Link {
     refuse({wire::FrameType::data, session_, 0}, result, point);
   }
 
+  /// True if a frame of any kind has come since the last call: the host of a job lives.
+  bool take_frame_seen() {
+    const bool seen = frame_seen_;
+    frame_seen_ = false;
+    return seen;
+  }
   /// Session of the last job begun; 0 = none.
   std::uint32_t session() const { return session_; }
   /// Forgets the job: its frames are refused from now on, and the host learns that it is lost.
@@ -144,7 +150,7 @@ class Link {
       ++counters_.bad_frames;
       return;
     }
-    frames_spoken_ = true;
+    frames_spoken_ = frame_seen_ = true;
     status_due_ = true;
     switch (header.type) {
       case wire::FrameType::query:
@@ -280,6 +286,7 @@ class Link {
   std::uint32_t echo_ = 0;
   std::uint32_t status_number_ = 0;
   bool frames_spoken_ = false;  ///< the last thing the host said was a frame
+  bool frame_seen_ = false;
   bool status_due_ = false;
   bool line_open_ = false;  ///< the text sent last has not ended its line
 };

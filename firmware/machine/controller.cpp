@@ -91,7 +91,8 @@ void Controller::set_trigger() {
   const std::uint32_t lead = timing.delay_clocks - fire_decision_clocks;
   runner_.generator().set_arm_lead((lead + clocks_per_tick / 2) / clocks_per_tick);
   stepper::TriggerPattern trigger;
-  if (clock_.mode() != settings::LampMode::slave) {
+  // Settings that were stored before there was a limit may break it.
+  if (clock_.mode() != settings::LampMode::slave && lamp::lamp_bears(values_)) {
     trigger.period_ticks = clock_.beat_ticks();
     const std::uint32_t trigger_lead =
         (timing.delay_clocks + clocks_per_tick / 2) / clocks_per_tick;
@@ -144,19 +145,18 @@ void Controller::follow_new_beat() {
   runner_.change_beat(values, static_cast<std::int32_t>(rules.least_beats));
 }
 
-void Controller::receive(std::span<const std::uint8_t> bytes) {
-  byte_seen_ = byte_seen_ || !bytes.empty();
+void Controller::receive(std::span<const std::uint8_t> bytes, bool before_jog_cancel) {
+  before_jog_cancel_ = before_jog_cancel;
+  if (!bytes.empty()) last_byte_ = now_;
   link_.receive(bytes, *this);
 }
 
 bool Controller::prepare(std::uint64_t clock) {
   now_ = clock;
-  if (byte_seen_) {
-    byte_seen_ = false;
-    last_byte_ = clock;
-  }
+  if (link_.take_frame_seen()) last_frame_ = clock;
   drives_.update(values_, clock, drives_may_rest(), !drives_may_be_on());
   check_dead_man();
+  check_lamp();
   follow_new_beat();
   if (runner_.underrun()) raise_alarm(alarm_position_lost);
   hold_after_failed_shots();
@@ -234,10 +234,65 @@ BeatReason Controller::idle_reason() const {
 }
 
 void Controller::check_dead_man() {
-  const std::int32_t milli_ms = values_.milli(Id::dead_man);
-  if (milli_ms == 0 || state_ != MachineState::run || !framed_job()) return;
-  const std::uint64_t limit = static_cast<std::uint64_t>(milli_ms) * clocks_per_us;
-  if (now_ - last_byte_ > limit) hold(HoldReason::dead_man);
+  if (state_ != MachineState::run) return;
+  const bool framed = framed_job();
+  const std::int32_t limit_us = values_.milli(framed     ? Id::dead_man
+                                              : jogging_ ? Id::jog_lease
+                                                         : Id::program_dead_man);
+  if (limit_us == 0) return;
+  const std::uint64_t renewed = last_jog_ > last_frame_ ? last_jog_ : last_frame_;
+  const std::uint64_t since = framed ? last_frame_ : jogging_ ? renewed : last_byte_;
+  if (now_ - since > static_cast<std::uint64_t>(limit_us) * clocks_per_us) hold_without_host();
+}
+
+// Constants, for the compiler would count their characters at run time.
+constexpr std::string_view held_without_host = "Host lost: program held";
+constexpr std::string_view no_lamp = "No lamp: LAMP SYNC is missing or not at $901";
+/// Beats without a lock until the host hears of it, as many as the lock bears without an edge.
+constexpr std::uint32_t beats_without_lamp = 32;
+
+void Controller::lose_host() {
+  const Masked masked(mask_);
+  if (state_ == MachineState::run) hold_without_host();
+}
+
+/// Something moves or shines that the host could not stop.
+void Controller::hold_without_host() {
+  if (!jogging_ && !framed_job()) {
+    if (values_.whole(Id::run_on) != 0 && reader_.ends_itself()) return;
+    say(held_without_host);
+  }
+  hold(HoldReason::dead_man);
+}
+
+void Controller::check_lamp() {
+  const bool locked = clock_.locked();
+  const bool lost = lamp_was_locked_ && !locked;
+  lamp_was_locked_ = locked;
+  if (locked || !job_ || state_ != MachineState::run) {
+    no_lamp_since_ = now_;
+    no_lamp_said_ = false;
+    return;
+  }
+  const std::uint64_t limit =
+      std::uint64_t{beats_without_lamp} * clock_.beat_ticks() * clocks_per_tick;
+  if (!no_lamp_said_ && (lost || now_ - no_lamp_since_ >= limit)) miss_lamp();
+}
+
+/// Without the lamp a job waits, dark. As slave it goes on when the lamp is back; a lamp that does
+/// not answer our triggers wants somebody to look.
+void Controller::miss_lamp() {
+  no_lamp_said_ = true;
+  say(no_lamp);
+  if (clock_.mode() == settings::LampMode::master) hold(HoldReason::lamp);
+}
+
+bool Controller::host_lives() const {
+  // Where the dead man is off, a host still asks for a status several times a second.
+  constexpr std::int32_t without_dead_man_us = 2'000'000;
+  const std::int32_t set_us = values_.milli(Id::dead_man);
+  const auto limit_us = static_cast<std::uint64_t>(set_us != 0 ? set_us : without_dead_man_us);
+  return now_ - last_frame_ <= limit_us * clocks_per_us;
 }
 
 void Controller::input_changed(Input input, bool active, const StepPosition& at) {
@@ -246,7 +301,7 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
   const InputSet bit = set_of(input);
   inputs_ = static_cast<InputSet>(active ? inputs_ | bit : inputs_ & ~unsigned{bit});
   if (!parking_.holds_machine() && guard_.see(input, active, kinematics.loads_of(at)))
-    program_.break_off();
+    program_.break_off(true);
   input_wait_.see(input, active);
   switch (input) {
     case Input::estop:
@@ -301,6 +356,7 @@ void Controller::raise_alarm(std::uint8_t number) {
   outputs_off();
   next_beat_milli_hz_ = 0;
   // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.
+  stopping_ = false;
   state_ = estop_ ? MachineState::estop : MachineState::alarm;
   alarm_ = estop_ ? alarm_estop : number;
   hold_reason_ = HoldReason::none;
@@ -324,11 +380,17 @@ void Controller::unlock() {
 }
 
 void Controller::hold(HoldReason reason) {
-  // The host's own hold outranks one that a stray byte or its silence has caused.
-  if (state_ == MachineState::hold && reason == HoldReason::host) hold_reason_ = reason;
+  // The host's own hold outranks others, and one that was typed its silence.
+  const bool typed = reason == HoldReason::realtime && hold_reason_ == HoldReason::dead_man;
+  if (state_ == MachineState::hold && (reason == HoldReason::host || typed)) hold_reason_ = reason;
   // At rest as well: what comes then is held.
   const bool rests = state_ == MachineState::idle && program_.begun() && !check_ && !asleep_;
-  if (state_ != MachineState::run && !rests) return;
+  if (state_ == MachineState::home) return break_off_homing(alarm_homing_reset);
+  if (parking_.holds_machine()) {
+    parking_.stay_here();
+    return program_.break_off_aside();
+  }
+  if ((state_ != MachineState::run && !rests) || stopping_) return;
   if (jogging_) return cancel_jog();
   program_.hold();
   shots_.permit(false, BeatReason::hold);
@@ -355,7 +417,6 @@ void Controller::resume() {
   hold_reason_ = HoldReason::none;
   program_.resume();
   reader_.go_on();
-  last_byte_ = now_;
 }
 
 void Controller::stop() {
@@ -368,6 +429,44 @@ void Controller::stop() {
   if (rows_.runs()) stop_rows();
   next_beat_milli_hz_ = 0;
   hold_reason_ = HoldReason::none;
+}
+
+/// COMMAND stop: whatever moves the machine ends.
+void Controller::stop_activity() {
+  if (homing_.active()) return break_off_homing(alarm_homing_reset);
+  if (jogging_) return cancel_jog();
+  if (framed_job() || (!program_.begun() && !beat_locked())) return stop();
+  stop_program();
+}
+
+// A constant, for the compiler would count its characters at run time.
+constexpr std::string_view stopped_by_host = "Stopped by the host: '$X' or reset to go on";
+
+/// Comes to rest on its path, dark. Lines that wait are answered by an error and not run.
+void Controller::stop_program() {
+  refuse_lines(Refusal::until_unlocked, stopped_by_host);
+  guard_.drop();
+  if (parking_.holds_machine()) program_.break_off_aside();
+  parking_.end();
+  drop_open_line();
+  shots_.permit(false, BeatReason::no_point_due);
+  outputs_off();
+  if (beat_locked() && moving_) runner_.brake();
+  moving_ = false;
+  program_.resume();
+  program_.cancel();
+  stopping_ = true;
+  if (!asleep_ && !check_) state_ = MachineState::run;
+  hold_reason_ = HoldReason::none;
+}
+
+/// The machine is at rest.
+void Controller::finish_stop() {
+  stopping_ = false;
+  end_program();
+  reader_.lose_position();
+  use_overrides();
+  state_ = MachineState::idle;
 }
 
 Result Controller::on_data(std::span<const std::uint8_t> records) {
@@ -398,7 +497,7 @@ Result Controller::on_command(const wire::CommandRequest& request) {
       resume();
       break;
     case wire::Command::stop:
-      stop();
+      stop_activity();
       break;
     case wire::Command::lamp_frequency:
       break;

@@ -4,8 +4,12 @@
 // live in one process. What each function needs of the board:
 //
 //   function            called from           at least every    what for
+//   receive_realtime    main loop             before receive    commands of one byte, which do not
+//                                                               wait for the lines before them
 //   receive, transmit   main loop             1 ms              bytes of the host
 //   receive_room        main loop             before receive    how many may be handed over
+//   lose_lines          main loop             on a loss         bytes of the host are missing
+//   see_host            main loop             1 ms              the host is there, or has gone
 //   new_connection      main loop             on change         before the first bytes of another
 //                                                               host, or of one that was away
 //   look_ahead          main loop             before prepare    what prepare need not do masked
@@ -110,6 +114,13 @@ struct SwitchedOutputs {
   std::uint16_t aux = 0;  ///< 65535 = on
 };
 
+/// How long lines of programs are refused.
+enum class Refusal : std::uint8_t {
+  none,
+  until_unlocked,  ///< after an error ($981): to the next `$X` or reset
+  until_reset      ///< lines were lost
+};
+
 /// How the board's fire stage has to work, from the settings.
 struct FireTiming {
   std::uint32_t delay_clocks = 0;  ///< LAMP SYNC to Q-switch
@@ -145,10 +156,31 @@ class Controller {
   /// Bytes that can be taken now: of lines no more than may wait. At least this much is there for
   /// frames in a job.
   std::size_t receive_room() const;
-  void receive(std::span<const std::uint8_t> bytes);
+  /// `before_jog_cancel`: they were sent before an end of jogs (0x85) that has been received, and
+  /// jogs among them are void.
+  void receive(std::span<const std::uint8_t> bytes, bool before_jog_cancel = false);
+  /// A command of one byte, taken out of the stream where it arrived. Unknown ones are ignored.
+  void receive_realtime(std::uint8_t byte) {
+    last_byte_ = now_;
+    on_realtime(byte);
+  }
+  /// Bytes of the host are missing: a line may have vanished without a trace. What was received
+  /// goes to its end; no line of a program is begun before a reset.
+  [[gnu::cold]] void lose_lines();
+  /// Whether the host can stop the machine: not when its cable is out, its computer sleeps, or its
+  /// program has closed the port. What it moves is held then.
+  void see_host(bool present) {
+    if (present == host_present_) return;
+    host_present_ = present;
+    if (!present) lose_host();
+  }
   /// What comes from here on has nothing to do with what came before: half a line or frame is
   /// dropped, a job goes on. Touches nothing that is shared with interrupts.
-  void new_connection() { link_.new_connection(); }
+  [[gnu::cold]] void new_connection() {
+    link_.new_connection();
+    status_line_due_ = false;
+    if (refusal_ == Refusal::until_reset && !job_unfinished()) refusal_ = Refusal::none;
+  }
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
   /// Not masked, directly before prepare(): makes that short.
   void look_ahead() {
@@ -170,6 +202,7 @@ class Controller {
   void tell() {
     if (parking_.stage() != Parking::Stage::off) work_parking();
     if (lines_due()) work_lines();
+    if (status_line_due_) send_status_line();
     link_.poll(*this);
   }
   /// `at`: where the motors were, as far as steps had been put out, when the pin changed; needed
@@ -322,8 +355,10 @@ class Controller {
   static constexpr std::uint8_t alarm_estop = 10;
   static constexpr std::uint8_t alarm_homing_wanted = 11;
   static constexpr std::uint8_t alarm_homing_not_squared = 15;  ///< as grblHAL has it
-  /// Room that is left for answers: without it lines wait, and reports are left out.
+  /// Room that is left for answers: without it lines wait.
   static constexpr std::size_t answer_room = 128;
+  /// Lines leave so much besides, so that a host that reads no answers still gets one status.
+  static constexpr std::size_t status_room = TextLine::capacity;
 
   lamp::ShotRules shot_rules(const settings::Values& values) const;
   void hold_after_failed_shots();
@@ -342,15 +377,25 @@ class Controller {
   [[gnu::cold]] void hold(wire::HoldReason reason);
   [[gnu::cold]] void resume();
   [[gnu::cold]] void stop();
+  [[gnu::cold]] void stop_activity();
+  [[gnu::cold]] void stop_program();
+  [[gnu::cold]] void finish_stop();
   [[gnu::cold]] void raise_alarm(std::uint8_t number);
   [[gnu::cold]] void unlock();
   bool ready_to_move() const;
   BeatReason idle_reason() const;
   void check_dead_man();
+  [[gnu::cold]] void lose_host();
+  [[gnu::cold]] void hold_without_host();
+  void check_lamp();
+  [[gnu::cold]] void miss_lamp();
+  /// The host of a job has sent a frame within the time of the dead man.
+  bool host_lives() const;
   // Lines and programs (controller_program.cpp).
   /// The laser of a program, on its way and while it comes to rest there; a door ends it at once.
   bool laser_may_shine() const {
-    return program_.begun() && !reset_due_ && !jogging_ && !door_open_ && rows_.may_shine() &&
+    return program_.begun() && !reset_due_ && !stopping_ && !jogging_ && !door_open_ &&
+           rows_.may_shine() &&
            (state_ == wire::MachineState::run || state_ == wire::MachineState::hold);
   }
   bool program_unfinished() const {
@@ -376,6 +421,10 @@ class Controller {
   void begin_line(std::string_view line);
   GcodeError begin_program_line(std::string_view line);
   void stop_after(GcodeError error);
+  [[gnu::cold]] void refuse_lines(Refusal until, std::string_view reason);
+  void end_refusal() {
+    if (refusal_ == Refusal::until_unlocked) refusal_ = Refusal::none;
+  }
   GcodeError begin_jog(std::string_view line);
   GcodeError keep_start_up_line(std::string_view line);
   void keep_new_start_up_line();
@@ -391,6 +440,7 @@ class Controller {
   void settle_program();
   void settle_points();
   void reset();
+  void reset_job();
   void finish_reset();
   void cancel_jog();
   void override_byte(std::uint8_t byte);
@@ -426,6 +476,7 @@ class Controller {
   void begin_probe();
   bool end_probe();
 
+  GcodeError end_orphan();
   GcodeError request_loader();
   bool nothing_is_under_way() const;
   bool may_be_changed() const;
@@ -482,7 +533,10 @@ class Controller {
   bool job_ = false;  ///< one of points, or a row of them of a program, begun and not ended
   bool dry_ = false;
   bool jogging_ = false;
-  bool stopped_ = false;               ///< by an error: lines of programs are refused ($981)
+  Refusal refusal_ = Refusal::none;    ///< of lines of programs
+  bool host_present_ = true;           ///< as the board sees it
+  bool status_line_due_ = false;       ///< a host has asked with `?`
+  bool before_jog_cancel_ = false;     ///< of the bytes that are being received
   std::uint32_t lines_at_cancel_ = 0;  ///< waited when a jog was cancelled: no jogs any more
   bool check_ = false;                 ///< programs are read and not run
   bool kept_due_ = false;              ///< texts or places have changed
@@ -493,6 +547,7 @@ class Controller {
   bool asleep_ = false;          ///< drives off until a reset
   bool reset_due_ = false;       ///< when the machine has come to rest
   bool moved_at_reset_ = false;  ///< which it had not when that was asked for
+  bool stopping_ = false;        ///< a program comes to rest for good, dark
   Overrides overrides_;
   bool moving_ = false;                  ///< motion was permitted at the last prepare()
   std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be taken at rest; 0 = none
@@ -502,9 +557,13 @@ class Controller {
   bool estop_ = false;
   std::uint32_t points_total_ = 0;
   std::uint32_t refused_value_ = 0;
-  std::uint64_t now_ = 0;        ///< clock of the last prepare()
-  std::uint64_t last_byte_ = 0;  ///< clock of the last prepare() that saw a byte
-  bool byte_seen_ = false;
+  std::uint64_t now_ = 0;            ///< clock of the last prepare()
+  std::uint64_t last_frame_ = 0;     ///< clock of the last prepare() after a frame
+  std::uint64_t last_byte_ = 0;      ///< the same of bytes of any kind,
+  std::uint64_t last_jog_ = 0;       ///< and of a line $J
+  std::uint64_t no_lamp_since_ = 0;  ///< clock; of a job that waits for the lamp,
+  bool no_lamp_said_ = false;        ///< which the host knows
+  bool lamp_was_locked_ = false;     ///< at the last prepare()
 };
 
 /// The whole core fits the RP2040 with room to spare.

@@ -46,7 +46,7 @@ GcodeError Controller::begin_homing(std::string_view axes) {
   const Masked masked(mask_);
   if (state_ == MachineState::alarm) unlock();
   state_ = MachineState::home;
-  stopped_ = false;
+  end_refusal();
   use_overrides();
   return GcodeError::none;
 }
@@ -97,7 +97,7 @@ void Controller::go_homing() {
 void Controller::break_off_homing(std::uint8_t alarm) {
   guard_.drop();
   homing_.give_up(alarm);
-  program_.break_off();
+  program_.break_off(true);
 }
 
 void Controller::end_homing() {

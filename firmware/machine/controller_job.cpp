@@ -69,6 +69,25 @@ bool inside_work_space(const settings::Values& job, const settings::Values& own,
   return low(job) >= low(own) && high(job) <= high(own);
 }
 
+/// Number of the setting by which a job would use the lamp in a way that the machine does not; 0 =
+/// none. Free beats pulse LAMP TRIGGER too: on a machine with a lamp a job may have them to move
+/// only, no faster than the lamp may flash.
+std::uint16_t misused_lamp(const wire::JobHeader& header, const settings::Values& job,
+                           const settings::Values& own) {
+  using settings::LampMode;
+  const auto mode = [](const settings::Values& v) {
+    return static_cast<LampMode>(v.whole(Id::lamp_mode));
+  };
+  if (mode(job) == LampMode::slave || mode(own) == LampMode::free_beat) {
+    const bool allowed = mode(job) == LampMode::slave || mode(job) == mode(own);
+    return allowed ? 0 : settings::number(Id::lamp_mode);
+  }
+  const bool moves_only = mode(job) == LampMode::free_beat && header.dry;
+  if (mode(job) != mode(own) && !moves_only) return settings::number(Id::lamp_mode);
+  const bool too_fast = job.milli(Id::lamp_frequency) > own.milli(Id::max_lamp_frequency);
+  return too_fast ? settings::number(Id::lamp_frequency) : 0;
+}
+
 /// What two axes that share motors may go together, in hundredths of a step a tick: half of it
 /// each. A tick that follows the lamp ($905, $910, $906) is up to a sixth longer than it should be,
 /// and a motor cannot have more than a step in it.
@@ -100,7 +119,8 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
     refused_value_ = settings::number(settings::for_axis(Id::min_corner_x, axis));
     if (!inside_work_space(values, stored_, axis)) return Result::bad_value;
   }
-  refused_value_ = 0;
+  refused_value_ = misused_lamp(header, values, stored_);
+  if (refused_value_ != 0) return Result::bad_value;
   if (header.settings_hash != 0 && header.settings_hash != values.hash())
     return Result::settings_mismatch;
   if (header.axes != values.whole(Id::axes) || header.axes > board_.axes) {
@@ -142,7 +162,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
   if (loader_requested_) return Result::busy;
   if (door_open_) return Result::door_open;
-  if (!runner_.at_rest() || state_ == MachineState::run || check_ || asleep_) return Result::busy;
+  if (!runner_.at_rest() || job_unfinished() || check_ || asleep_) return Result::busy;
   if (program_unfinished() || reader_.lines_wait() || start_up_waits()) return Result::busy;
   if (homing_.active()) return Result::busy;  // between two of its moves nothing else is under way
   if (shots_.undecided()) return Result::busy;  // a shot of the last job may still come
@@ -182,7 +202,6 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   }
   state_ = MachineState::run;
   hold_reason_ = HoldReason::none;
-  last_byte_ = now_;
   return Result::ok;
 }
 

@@ -39,7 +39,7 @@ void Controller::work_parking() {
   if (parking_.stage() != Parking::Stage::off) return;
   // Moves of the tool while it was away are none of a probe's; its contact may be another one now.
   if (guard_.see(Input::probe, (inputs_ & set_of(Input::probe)) != 0, steps_at_rest()))
-    program_.break_off();
+    program_.break_off(true);
   resume();
 }
 

@@ -15,6 +15,10 @@ constexpr std::size_t list_room = 2048;
 /// In the queue, instead of a line that was too long or spoilt.
 constexpr std::string_view lost_line = "\x01";
 
+// Constants, for the compiler would count their characters at run time.
+constexpr std::string_view stopped_at_error = "Stopped at an error: '$X' or reset to go on";
+constexpr std::string_view bytes_lost = "Bytes were lost: reset to go on";
+
 }  // namespace
 
 [[gnu::hot]] std::size_t Controller::receive_room() const {
@@ -24,6 +28,8 @@ constexpr std::string_view lost_line = "\x01";
 
 [[gnu::hot]] void Controller::on_line(std::string_view line) {
   if (!reader_.push(line)) return answer(GcodeError::line_too_long);
+  if (line.starts_with("$J=")) last_jog_ = now_;
+  if (before_jog_cancel_) lines_at_cancel_ = reader_.lines();
   work_lines();
 }
 
@@ -33,13 +39,14 @@ void Controller::on_line_too_long() { on_line(lost_line); }
   if (homing_.active()) return work_homing();
   for (int i = 0; i < max_lines_at_once && !homing_.active(); ++i) {
     if (reader_.line_open() && !finish_line()) break;
-    if (reset_due_ || program_.cancelling() || program_.batch_waits()) break;
+    if (reset_due_ || stopping_ || program_.cancelling() || program_.batch_waits()) break;
     // Behind a cancelled jog, until the machine stands where the next line begins.
     if (reader_.astray() && !program_.idle() && !rows_.active()) break;
     if (run_start_up_line()) continue;
     if (start_up_next_ < start_up_lines && start_up_waits()) break;
     if (!reader_.lines_wait()) break;
-    if (link_.room() < (reader_.front() == '$' ? list_room : answer_room)) break;
+    const std::size_t answer_size = reader_.front() == '$' ? list_room : answer_room;
+    if (link_.room() < answer_size + status_room) break;
     std::array<char, wire::max_line> room;
     begin_line(reader_.take_line(room));
     if (lines_at_cancel_ != 0) --lines_at_cancel_;
@@ -157,11 +164,23 @@ void Controller::drop_open_line() {
 void Controller::stop_after(GcodeError error) {
   const bool of_line = error != GcodeError::none && error != GcodeError::locked &&
                        error != GcodeError::not_idle && error != GcodeError::door_open;
-  if (!of_line || stopped_ || check_ || values_.whole(settings::Id::stop_at_error) == 0) return;
-  stopped_ = true;
+  if (!of_line || check_ || values_.whole(settings::Id::stop_at_error) == 0) return;
+  refuse_lines(Refusal::until_unlocked, stopped_at_error);
+}
+
+/// Frames that are lost come again.
+void Controller::lose_lines() {
+  if (framed_job() && job_unfinished()) return;
+  refuse_lines(Refusal::until_reset, bytes_lost);
+}
+
+/// No further line of a program is begun; what was taken goes to its end.
+void Controller::refuse_lines(Refusal until, std::string_view reason) {
+  if (refusal_ >= until) return;
+  refusal_ = until;
   program_outputs_.drop_next();
   if (beat_locked()) runner_.close();
-  say("Stopped at an error: '$X' or reset to go on");
+  say(reason);
 }
 
 /// A program may run, but for the planner: in a job, an alarm or asleep it may not.
@@ -244,14 +263,15 @@ void Controller::configure_reader() {
 
 [[gnu::hot]] GcodeError Controller::begin_program_line(std::string_view line) {
   if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_ || jogging_ ||
-      stopped_)
+      refusal_ != Refusal::none)
     return GcodeError::locked;
   if (!start_program()) return GcodeError::not_idle;
   return reader_.begin(line).error;
 }
 
 GcodeError Controller::begin_jog(std::string_view line) {
-  if (lines_at_cancel_ != 0) return GcodeError::none;
+  // Sent before they were cancelled, or before their host went.
+  if (lines_at_cancel_ != 0 || !host_present_) return GcodeError::none;
   if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_)
     return GcodeError::locked;
   if (door_open_) return GcodeError::door_open;
@@ -286,6 +306,7 @@ void Controller::end_program() {
   }
   if (rows_.active()) return settle_rows();
   if (!program_.begun() || !program_.idle()) return;
+  if (stopping_) return finish_stop();
   if (reader_.line_open() || state_ != MachineState::run || job_) return;
   state_ = MachineState::idle;
   if (!jogging_) return;
@@ -296,6 +317,7 @@ void Controller::end_program() {
 void Controller::settle_points() {
   if (!motion_.at_rest() || shots_.undecided()) return;
   if (reset_due_) return finish_reset();
+  if (stopping_) return finish_stop();
   if (reader_.line_open() || state_ != MachineState::run) return;
   // The edge may have come since prepare(): who sees idle shall see every shot.
   runner_.read_outcomes();

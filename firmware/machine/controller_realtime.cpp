@@ -1,5 +1,6 @@
 // Real-time bytes: overrides, coolant, the end of a jog, resets.
 #include "firmware/machine/controller.hpp"
+#include "shared/wire/realtime_inbox.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -7,10 +8,7 @@ namespace {
 using wire::HoldReason;
 using wire::MachineState;
 
-// Real-time bytes of grbl 1.1.
-constexpr std::uint8_t byte_reset = 0x18;
-constexpr std::uint8_t byte_door = 0x84;
-constexpr std::uint8_t byte_jog_cancel = 0x85;
+// Real-time bytes of grbl 1.1, besides those of shared/wire/realtime_inbox.hpp.
 constexpr std::uint8_t byte_feed_full = 0x90;     // then +10, -10, +1, -1
 constexpr std::uint8_t byte_rapid_full = 0x95;    // then 50 %, 25 %
 constexpr std::uint8_t byte_spindle_full = 0x99;  // then as for the feed
@@ -46,12 +44,11 @@ void Controller::cancel_jog() {
   reader_.lose_position();
 }
 
-/// 0x18. In a job it may be one flipped bit: nothing is lost but time. Else it throws away what was
-/// typed and what is left of the program, and what still moves comes to rest on its path first.
+/// 0x18. Throws away what was typed and what is left of a program; what still moves comes to rest
+/// on its path first.
 void Controller::reset() {
-  if (framed_job() && state_ == MachineState::run) return hold(HoldReason::reset);
-  if (framed_job() && (state_ == MachineState::hold || state_ == MachineState::door)) return;
-  link_.drop_line();
+  link_.drop_input();
+  if (framed_job() && job_unfinished()) return reset_job();
   guard_.drop();
   if (parking_.holds_machine()) program_.break_off_aside();
   parking_.end();
@@ -67,6 +64,8 @@ void Controller::reset() {
   if (beat_locked()) {
     if (moving_) runner_.brake();
     moving_ = false;
+  } else if (jogging_) {
+    program_.break_off();
   } else {
     program_.resume();
     program_.cancel();
@@ -75,10 +74,27 @@ void Controller::reset() {
   moved_at_reset_ = true;
 }
 
+/// A job is dark at once. One of points is held, and its host stops it, or goes on where noise may
+/// have been the byte. One of rows ends, and so does one without a host; where it can go on stays
+/// known.
+void Controller::reset_job() {
+  refusal_ = Refusal::none;
+  const bool held = state_ == MachineState::hold;
+  if (wire_job() && host_lives() && (held || state_ == MachineState::run)) {
+    hold(HoldReason::reset);
+    hold_reason_ = HoldReason::reset;
+    return;
+  }
+  stop();
+  hold_reason_ = HoldReason::reset;
+  say("Job ended by a reset");
+}
+
 /// The machine is at rest.
 void Controller::finish_reset() {
   const bool lost = moved_at_reset_ || asleep_;
-  reset_due_ = moved_at_reset_ = asleep_ = jogging_ = check_ = stopped_ = false;
+  reset_due_ = moved_at_reset_ = asleep_ = jogging_ = check_ = stopping_ = false;
+  refusal_ = Refusal::none;
   reader_.reset();
   outputs_off();
   reporter_.reset();
@@ -129,29 +145,37 @@ bool Controller::toggle_coolant(std::uint8_t byte) {
 }
 
 void Controller::on_realtime(std::uint8_t byte) {
-  if (byte == '?') return send_status_line();
+  if (byte == wire::byte_status) {
+    status_line_due_ = true;
+    return;
+  }
   const Masked masked(mask_);
   switch (byte) {
-    case byte_door:
+    case wire::byte_door:
       // In a job it may be one flipped bit.
       if (!framed_job() && state_ != MachineState::idle) {
         open_door();
         break;
       }
       [[fallthrough]];
-    case '!':
+    case wire::byte_hold:
       hold(HoldReason::realtime);
       break;
-    case '~':
-      // One flipped bit must not end a hold that the host has asked for by a frame.
-      if (hold_reason_ != HoldReason::host || !framed_job()) resume();
+    case wire::byte_resume:
+      // A job goes on under the eyes of its host, which ends holds of its own by a frame.
+      if (!framed_job() || (hold_reason_ != HoldReason::host && host_lives()))
+        resume();
+      else if (!host_lives() && state_ != MachineState::run)
+        say("No host: 0x18 ends the job");
       break;
-    case byte_reset:
+    case wire::byte_reset:
       reset();
       break;
-    case byte_jog_cancel:
+    case wire::byte_jog_cancel:
       if (jogging_)
         cancel_jog();
+      else if (state_ == MachineState::home || parking_.holds_machine())
+        hold(HoldReason::realtime);
       else
         lines_at_cancel_ = reader_.lines();  // jogs that wait are dropped
       break;

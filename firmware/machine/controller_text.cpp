@@ -81,8 +81,8 @@ GcodeError Controller::system_command(std::string_view line) {
   if (tell(line)) return GcodeError::none;
   if (line == "$X") {
     if (state_ == MachineState::estop) return GcodeError::emergency_stop;
-    stopped_ = false;
-    if (state_ != MachineState::alarm) return GcodeError::none;
+    end_refusal();
+    if (state_ != MachineState::alarm) return end_orphan();
     if (door_open_) return GcodeError::door_open;
     reader_.end_lock();  // no shot before it is asked for again
     say("Caution: Unlocked");
@@ -94,6 +94,14 @@ GcodeError Controller::system_command(std::string_view line) {
       line == "$SLP")
     return command_at_rest(line);
   return change_setting(line);
+}
+
+/// `$X` without an alarm: a job that is held and has no host ends.
+GcodeError Controller::end_orphan() {
+  const Masked masked(mask_);
+  const bool held = state_ == MachineState::hold || state_ == MachineState::door;
+  if (framed_job() && held && !host_lives()) stop();
+  return GcodeError::none;
 }
 
 /// Commands that only ask for something.
@@ -301,15 +309,16 @@ ReportedStatus Controller::reported_status() const {
   return status;
 }
 
+/// A host that reads no answers has its last status later.
 void Controller::send_status_line() {
+  if (link_.room() < status_room) return;
   TextLine line;
   reporter_.begin(line, reported_status(),
                   static_cast<std::uint32_t>(values_.whole(Id::report_mask)),
                   values_.whole(Id::report_inches) != 0);
   add_beats(line);
   line.add(">\r\n");
-  // A host that does not read loses this one rather than an answer.
-  if (link_.room() >= line.view().size() + answer_room) link_.send_text(line.view());
+  if (link_.send_text(line.view())) status_line_due_ = false;
 }
 
 void Controller::add_beats(TextLine& line) const {

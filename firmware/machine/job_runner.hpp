@@ -188,12 +188,12 @@ class JobRunner {
   std::uint32_t part() const;
   void begin_plan();
   bool may_plan();
-  bool beam_ready();
-  bool prepare_start();
+  [[gnu::cold]] bool beam_ready();
+  [[gnu::cold]] bool prepare_start();
   std::uint64_t start_beat(std::uint64_t later_ticks) const;
   /// The start waits until the next plan will be there too.
-  bool starts_late() const;
-  void start_later();
+  [[gnu::cold]] bool starts_late() const;
+  [[gnu::cold]] void start_later();
   void commit_plan();
   void write_segment(std::uint32_t i, std::uint64_t late_ticks, stepper::Segment& segment) const;
   void push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat);

@@ -2,9 +2,8 @@
 //
 // In:  whole lines, in order, from the link. Out: the same, one at a time.
 // Who: the controller, main loop. What the host is told of its room is the truth: a line takes its
-//      characters and one for its end, as on the wire, until it is taken out. There is more than is
-//      told: a host that has filled its window still has to be heard, for what it sends then are
-//      real-time bytes.
+//      characters and one for its end, as on the wire, until it is taken out. There is room for a
+//      longest line more than is told: one that is being received has no place here yet.
 #pragma once
 
 #include <array>
@@ -28,12 +27,12 @@ class LineQueue {
   /// How many lines there are.
   std::uint32_t lines() const {
     std::uint32_t count = 0;
-    for (std::uint32_t i = 0; i < size_; ++i) {
-      const std::uint32_t at = begin_ + i;
-      if (bytes_[at < capacity ? at : at - capacity] == end_of_line) ++count;
-    }
+    for (std::uint32_t i = 0; i < size_; ++i)
+      if (at(i) == end_of_line) ++count;
     return count;
   }
+  /// A line that waits ends its program: it has an M2 or M30 outside of comments.
+  [[gnu::cold]] bool ends_program() const;
   /// The first character of the oldest line; there is one. A blank line begins with its end.
   char front() const { return bytes_[begin_]; }
   /// False if it does not fit.
@@ -70,6 +69,11 @@ class LineQueue {
 
  private:
   static constexpr char end_of_line = '\n';
+
+  char at(std::uint32_t i) const {
+    const std::uint32_t place = begin_ + i;
+    return bytes_[place < capacity ? place : place - capacity];
+  }
 
   std::array<char, capacity> bytes_{};
   std::uint32_t begin_ = 0, size_ = 0;

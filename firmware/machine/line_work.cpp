@@ -1,6 +1,6 @@
 #include "firmware/machine/line_work.hpp"
 
-#include "firmware/motion/line_slice.hpp"
+#include "firmware/machine/program_horizon.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -83,8 +83,10 @@ bool LineWork::advance() {
   if (!orders_.cancel) take_lines();
   mark_ = planner_.mark();
   marked_ = true;
-  std::uint32_t ticks = 0;
-  while (count_ < most_segments && ticks < motion::line_slice_ticks) {
+  // From rest there is nothing ahead yet, and too little ahead slows the machine down.
+  const std::uint64_t wanted_ticks = planner_.at_rest() ? horizon_ticks : batch_ticks;
+  std::uint64_t ticks = 0;
+  while (count_ < most_segments && ticks < wanted_ticks) {
     motion::LineSegment& made = made_[count_];
     if (!planner_.next(made)) break;
     ticks += made.segment.ticks;

@@ -6,8 +6,7 @@
 // the core that plans: a batch of at most `most_segments` segments and `batch_ticks`, two to five
 // milliseconds on the board. The inbox alone may be filled meanwhile.
 //
-// A batch covers little time, for what is planned does not follow an override any more: with what
-// the program runner keeps ahead it is in force after 50 ms at most.
+// A batch covers little time, for what is planned does not follow a hold or an override any more.
 #pragma once
 
 #include <array>
@@ -35,6 +34,9 @@ struct LineOrders {
 class LineWork {
  public:
   static constexpr std::uint32_t most_segments = 16;
+  /// A batch is complete when it lasts so long, one that begins at rest when it lasts
+  /// `horizon_ticks`: a slice of a line more at most.
+  static constexpr std::uint32_t batch_ticks = 4 * (ticks_per_second / 1000);
 
   // The main loop's; at home, but for the inbox.
   /// A program begins: forgets everything. `at`: where the machine stands. Errors as make_limits().

@@ -45,6 +45,11 @@ class Parking {
     called_back_ = false;
     return comes_back();
   }
+  /// The tool stays where it comes to rest, until somebody says go on.
+  void stay_here() {
+    stage_ = Stage::parked;
+    called_back_ = false;
+  }
   Stage stage() const { return stage_; }
   /// It has the machine: the program is at rest.
   bool holds_machine() const { return stage_ != Stage::off && stage_ != Stage::stopping; }

@@ -77,6 +77,11 @@ class ProgramReader {
   std::uint32_t free() const { return queue_.free(); }
   char front() const { return queue_.front(); }
   std::uint32_t lines() const { return queue_.lines(); }
+  /// The program's end was received: its M2 or M30 is under way or waits.
+  bool ends_itself() const {
+    const bool ends = pending_ && action_.kind == program::ActionKind::program_end;
+    return ends || queue_.ends_program();
+  }
   std::string_view take_line(std::span<char> room) { return queue_.pop(room); }
 
   // The line under way.

@@ -99,19 +99,19 @@ void ProgramRunner::cancel() {
   if (begun_ && !idle() && !broken_off_) orders_.cancel = true;
 }
 
-void ProgramRunner::break_off() {
+void ProgramRunner::break_off(bool at_contact) {
   if (!begun_ || broken_off_) return;
   planning_.hand_over().recall();
   brakes_ = 0;
   staged_ = lost_ = stands_ = false;
   resting_ = drained_ = broken_off_ = true;
   orders_.cancel = false;
-  brake_at_once(rest_.tick);
+  brake_at_once(rest_.tick, at_contact);
 }
 
 /// Every axis at its limit, instead of what is handed out; but not where that comes to rest sooner,
 /// at `rest_tick`: with little jerk a brake that is begun anew takes longer than one under way.
-void ProgramRunner::brake_at_once(std::uint64_t rest_tick) {
+void ProgramRunner::brake_at_once(std::uint64_t rest_tick, bool anywhere) {
   const stepper::MotionState head = generator_.state();
   if (!generator_.running()) {
     segments_.clear();
@@ -124,8 +124,26 @@ void ProgramRunner::brake_at_once(std::uint64_t rest_tick) {
   end_tick_ = rests_sooner ? rest_tick : brake.end.tick;
   if (rests_sooner) return;
   segments_.clear();
+  const bool inside = anywhere || motion::stays_inside(brake, head, brake_limits_);
+  if (!inside && brake_after_segment()) return;
   generator_.replace(brake);
   clock_.set_motion_end(end_tick_);
+}
+
+/// Where jerk is limited a brake that begins while an axis speeds up takes it further than it was
+/// planned to go. Runs the segment under way to its end, and brakes from there; false if that would
+/// leave the work space too.
+bool ProgramRunner::brake_after_segment() {
+  const stepper::MotionState& end = generator_.segment().end;
+  stepper::Segment brake = motion::make_brake(end, brake_limits_);
+  if (!end.at_rest() && !motion::stays_inside(brake, end, brake_limits_)) return false;
+  end_tick_ = end.tick;
+  if (!end.at_rest()) {
+    end_tick_ = brake.end.tick;
+    segments_.push(brake);
+  }
+  clock_.set_motion_end(end_tick_);
+  return true;
 }
 
 void ProgramRunner::run_aside(const stepper::Segment& motion) {
@@ -139,7 +157,7 @@ void ProgramRunner::run_aside(const stepper::Segment& motion) {
   clock_.set_motion_end(end_tick_);
 }
 
-void ProgramRunner::break_off_aside() { brake_at_once(end_tick_); }
+void ProgramRunner::break_off_aside() { brake_at_once(end_tick_, false); }
 
 bool ProgramRunner::stands_aside() const {
   const bool knows = drained_ || given_.held;

@@ -18,9 +18,9 @@
 //
 //   time:  past | filled (2 ms ahead) | committed, at most `horizon_ticks` | end_ | brake
 //
-// So an order is in force after horizon_ticks and a batch, and the filled ticks: 40 ms at most.
-// What is broken off (a jog, a move whose guard has seen something) brakes behind the filled ticks
-// alone.
+// So an order is in force after horizon_ticks, the longest batch (12 ms) and the filled ticks: 28
+// ms at most. What is broken off (a jog, a move whose guard has seen something) brakes after the
+// filled ticks alone.
 //
 // The planner counts ticks from the begin of the program; what it plans from rest is moved to where
 // the lattice is by then. Segments know nothing of beats. Where the lattice follows a lamp (slave)
@@ -86,7 +86,8 @@ class ProgramRunner {
   /// Comes to rest at once, each axis as it can, beside the path if need be, or where it is braked
   /// to already if that is sooner: what was taken is gone, and nothing is taken until the next
   /// begin(), which is due when idle(). A hold stays. Masked.
-  [[gnu::cold]] void break_off();
+  /// `at_contact`: of a switch or a probe. Elsewhere a brake does not leave the work space.
+  [[gnu::cold]] void break_off(bool at_contact = false);
   bool broken_off() const { return broken_off_; }
 
   /// A motion beside the program, held and at rest: begins as soon as can be. Before resume()
@@ -143,7 +144,8 @@ class ProgramRunner {
   void write(std::uint32_t i, stepper::Segment& segment) const;
   void miss();
   void finish_batch();
-  void brake_at_once(std::uint64_t rest_tick);
+  [[gnu::cold]] void brake_at_once(std::uint64_t rest_tick, bool anywhere);
+  [[gnu::cold]] bool brake_after_segment();
 
   lamp::BeatClock& clock_;
   stepper::SegmentQueue& segments_;

@@ -192,7 +192,7 @@ LineTask LinePlanner::task() {
   task.start = speed_;
   task.rise = &limits_.rise;
   task.stop = held_;
-  task.slice_ticks = line_slice_ticks;
+  task.slice_ticks = limits_.rise.none() ? steady_slice_ticks : line_slice_ticks;
   if (returns_) {
     const LineBounds bounds = make_bounds(make_shape(way_.way, limits_), limits_);
     task.accel = bounds.accel;

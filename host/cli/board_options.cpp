@@ -165,6 +165,13 @@ void BoardOptions::add_job(Command& app) {
   add_part(app);
   add_job_speed(app);
   app.add_option("--dry", &dry, "Move, never fire").group(board_group);
+  app.add_option("--discard", &discard,
+                 "Give up an unfinished job that the machine holds for another program")
+      .group(board_group);
+  app.add_option("--auto-resume", &auto_resume,
+                 "Go on after a hold or reset byte that this program did not send: for serial "
+                 "lines whose noise may be one; USB has check sums and needs it not")
+      .group(board_group);
   app.add_option("--hold-at", &hold_at,
                  "Hold for a second once so many points or lines are fired, counted from the "
                  "beginning of the job: to see the machine brake")

@@ -48,7 +48,7 @@ struct BoardOptions {
   std::string profile{};  ///< of the machine, which may name lines too; the command fills it in
   std::size_t from = 0;
   std::uint32_t fired = 0, job_speed = 100;
-  bool yes = false, dry = false, json = false;
+  bool yes = false, dry = false, json = false, auto_resume = false, discard = false;
   std::string report{}, statistics{}, vcd{}, shots{}, timing{};
   std::size_t hold_at = 0;  ///< points; 0 = no hold
   PlotOptions plot{};

@@ -41,9 +41,10 @@ Exit in_order(GuardedBoard& board, Console& console) {
   link::LineConsole talk(board.link.port(), true,
                          [&console](const std::string& text) { console.line(text); });
   Keyboard keyboard;
-  while (!talk.failure() && !(keyboard.ended() && talk.done())) {
+  while (!talk.failure() && !(keyboard.ended() && talk.done() && talk.at_rest())) {
     if (!keyboard.ended())
       for (const std::string& line : keyboard.lines(std::chrono::milliseconds(0))) talk.type(line);
+    if (keyboard.ended()) talk.end_input();
     talk.step();
     board.guarding.look(board.link.port());
   }
@@ -67,12 +68,11 @@ void add_console(Command& program) {
       "Words for bytes that act at once: ? ! ~ or :status :hold :resume :reset :jogcancel,\n"
       ":feed 100 (+10 -10 +1 -1), :rapid 100 (50 25), :power 100 (+10 -10). Ctrl-D or Ctrl-C "
       "leaves;\n"
-      "the machine goes on with what it does. Comments are not sent, and a line with such a byte "
-      "in\n"
-      "its middle is refused. Lines that come from a file or a pipe are sent one\n"
-      "after the other, each when the one before has been answered, until the first error or "
-      "alarm,\n"
-      "which is an error of the command. A simulated board starts with the settings of --machine.\n"
+      "a board that sees its port closed then holds a program that is not finished. Comments are\n"
+      "not sent, and a line with such a byte in its middle is refused. Lines that come from a file\n"
+      "or a pipe are sent one after the other, each when the one before has been answered, until\n"
+      "the first error or alarm, which is an error of the command; then the console waits until\n"
+      "the machine is at rest. A simulated board starts with the settings of --machine.\n"
       "Example:\n  lamplock console --board /dev/ttyACM0\n"
       "  echo '$$' | lamplock console --board virtual");
   const auto choice = std::make_shared<BoardChoice>();

@@ -57,7 +57,8 @@ class Ports {
   void exchange(sim::Board& board) {
     std::array<std::uint8_t, 1024> bytes{};
     for (const auto& port : ports_) {
-      if (to_board_.size() >= most_unsent) break;  // the host waits, nothing is lost
+      drop_front(to_board_, board.write(to_board_));
+      if (!to_board_.empty()) break;  // the host waits, nothing is lost
       const std::size_t count = port->read(bytes);
       if (count == 0) continue;
       if (speaker_ != port.get()) to_host_.clear();
@@ -65,8 +66,12 @@ class Ports {
       append(to_board_, std::span(bytes).first(count));
     }
     drop_front(to_board_, board.write(to_board_));
-    for (std::size_t count = board.read(bytes); count > 0; count = board.read(bytes))
-      if (to_host_.size() < most_unsent) append(to_host_, std::span(bytes).first(count));
+    while (to_host_.empty()) {
+      const std::size_t count = board.read(bytes);
+      if (count == 0) break;
+      append(to_host_, std::span(bytes).first(count));
+      drop_front(to_host_, speaker_->write(to_host_));
+    }
     drop_front(to_host_, speaker_->write(to_host_));
   }
 
@@ -84,14 +89,30 @@ class Ports {
   Bytes to_board_, to_host_;
 };
 
+/// Tells the board when the last host closes its port, and when one comes.
+class HostWatch {
+ public:
+  void look(sim::Board& board, const Ports& ports) {
+    bool present = false;
+    for (const auto& port : ports.all()) present = port->host_present() || present;
+    if (present != present_) board.set_host_present(present);
+    present_ = present;
+  }
+
+ private:
+  bool present_ = false;
+};
+
 /// Runs until the user or --seconds ends it.
 void run_at_wall_pace(sim::Board& board, Ports& ports, const SimOptions& options,
                       Console& console) {
   const Interrupt interrupt;
+  HostWatch hosts;
   auto start = SimulationClock::now();
   const double limit_s = options.seconds.value_or(std::numeric_limits<double>::infinity());
   while (interrupt.count() == 0 && sim::seconds(board.now()) < limit_s) {
     ports.exchange(board);
+    hosts.look(board, ports);
     const auto wall =
         std::chrono::duration_cast<std::chrono::nanoseconds>(SimulationClock::now() - start);
     const Picoseconds due = wall.count() * sim::ps_per_ns;

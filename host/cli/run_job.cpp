@@ -111,6 +111,8 @@ link::SenderOptions sender_options(const BoardOptions& options, Clocking clockin
   sending.first_index = options.from;
   sending.first_fired = options.fired;
   sending.job_speed = options.job_speed;
+  sending.auto_resume = options.auto_resume;
+  sending.take_over = options.discard;
   if (clocking == Clocking::lock_step) sending.session = link::simulated_session;
   return sending;
 }

@@ -40,11 +40,13 @@ struct Program {
 
 /// What belongs to jobs makes no sense here.
 void check_options(const BoardOptions& options) {
-  const std::array<std::pair<const char*, bool>, 9> of_jobs{
+  const std::array<std::pair<const char*, bool>, 11> of_jobs{
       {{"--from", options.from != 0},
        {"--fired", options.fired != 0},
        {"--job-speed", options.job_speed != 100},
        {"--dry", options.dry},
+       {"--auto-resume", options.auto_resume},
+       {"--discard", options.discard},
        {"--hold-at", options.hold_at != 0},
        {"--report", !options.report.empty()},
        {"--statistics", !options.statistics.empty()},
@@ -68,20 +70,34 @@ void ask_permission(const Program& program, const BoardOptions& options) {
                 "answer yes, or give --yes");
 }
 
-/// What `lamplock check` says of the lines, for the settings that the board has; nothing where the
-/// program or the board does not allow to tell.
-std::optional<double> planned_time(const Program& program, link::LinePort& port) {
+/// Settings of a board with this firmware; nothing if it has another one or does not tell them.
+std::optional<settings::Values> settings_of(link::LinePort& port) {
   try {
     const link::BoardSettings settings = link::read_settings(port);
-    if (settings.known.none()) return std::nullopt;
-    std::string sent;
-    for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
-    const auto run = program_run::run_program(sent, settings.values, 1);
-    if (run.problems.empty()) return run.seconds();
+    if (settings.known.any()) return settings.values;
   } catch (const Error& error) {
     if (error.exit() == Exit::no_device) throw;
   }
   return std::nullopt;
+}
+
+/// Runs the program as the board will: its time, if all of it is right. Throws Error(bad_input) at
+/// the first line that the board would refuse, unless the user wants to `go_on` then.
+std::optional<double> foresee(const Program& program, const settings::Values& values, bool go_on) {
+  std::string sent;
+  for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
+  constexpr std::size_t most_problems = 1000;
+  const auto run = program_run::run_program(sent, values, most_problems);
+  if (run.problems.empty()) return run.seconds();
+  // Only the board knows its offsets, so that it judges places.
+  const auto wrong = std::find_if(run.problems.begin(), run.problems.end(),
+                                  [](const auto& problem) { return problem.error != 0; });
+  if (go_on || wrong == run.problems.end()) return std::nullopt;
+  const program_run::Problem& problem = *wrong;
+  const std::size_t at = std::min(problem.line, program.lines.size()) - 1;
+  throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, program.lines[at].number),
+              problem.text + ", nothing was sent",
+              "correct it, see all with lamplock check, or send it anyhow with --go-on");
 }
 
 std::string place_text(const link::BoardStatus& status) {
@@ -246,7 +262,8 @@ Exit send_program(const std::string& file, const BoardOptions& options,
   BoardLink board(options, values);
   ask_permission(program, options);
   link::greet(board.port());
-  program.planned_s = planned_time(program, board.port());
+  if (const auto of_board = settings_of(board.port()))
+    program.planned_s = foresee(program, *of_board, asked.go_on);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
   const auto [result, ended_by] = send(program, board, options, asked.go_on);

@@ -33,10 +33,7 @@ void Steering::look() {
     ask_to_go_on("door open, laser off: close it");
   else if (state == wire::MachineState::hold && holding_ && !asking_)
     ask_to_go_on("held, laser off");
-  const bool not_made = state == wire::MachineState::hold &&
-                        sender_.status().hold_reason == wire::HoldReason::not_made;
-  if (not_made && !shot_asked_ && !asking_) ask_to_go_on("shot not made, held, laser off");
-  shot_asked_ = not_made;
+  ask_about_hold();
   if (!asking_ && !holding_) {
     if (Clock::now() - looked_at_ < look_interval) return;
     looked_at_ = Clock::now();
@@ -45,6 +42,23 @@ void Steering::look() {
   }
   if (asking_ && clocking_ == Clocking::lock_step) return wait_for_user();
   take_input(std::chrono::milliseconds(0));
+}
+
+/// A hold that neither the user nor this program has asked for.
+void Steering::ask_about_hold() {
+  const wire::Status& status = sender_.status();
+  const bool held = status.state == wire::MachineState::hold;
+  const wire::HoldReason reason = held ? status.hold_reason : wire::HoldReason::none;
+  const bool is_new = reason != asked_about_;
+  asked_about_ = reason;
+  // Somebody else may have ended it.
+  if (asking_ && !holding_ && status.state == wire::MachineState::run) end_question();
+  if (!is_new || asking_) return;
+  if (reason == wire::HoldReason::not_made) ask_to_go_on("shot not made, held, laser off");
+  if (reason == wire::HoldReason::lamp)
+    ask_to_go_on("lamp does not answer its trigger, held, laser off");
+  if (reason == wire::HoldReason::realtime && !sender_.auto_resume())
+    ask_to_go_on("held by a hold ('!') that another program or a person sent, laser off");
 }
 
 void Steering::stop() {
@@ -111,12 +125,17 @@ void Steering::change_job_speed(std::uint32_t percent) {
   progress_.note("job speed " + std::to_string(percent) + " %");
 }
 
-void Steering::go_on() {
-  if (!obstacle_.empty()) return progress_.note(obstacle_ + ": not resumed");
-  asking_ = holding_ = false;
-  interrupt_.forget();
+void Steering::end_question() {
+  asking_ = false;
   if (asked_at_) progress_.pause_ended(Clock::now() - *asked_at_);
   asked_at_.reset();
+}
+
+void Steering::go_on() {
+  if (!obstacle_.empty()) return progress_.note(obstacle_ + ": not resumed");
+  holding_ = false;
+  interrupt_.forget();
+  end_question();
   progress_.note("resuming");
   sender_.resume();
 }

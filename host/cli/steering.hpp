@@ -15,6 +15,7 @@
 #include "host/cli/interrupt.hpp"
 #include "host/cli/keyboard.hpp"
 #include "host/cli/progress.hpp"
+#include "shared/wire/status.hpp"
 
 namespace lamplock::link {
 class JobSender;
@@ -48,6 +49,8 @@ class Steering {
   void end(const std::string& why);
 
  private:
+  void ask_about_hold();
+  void end_question();
   void ask_to_go_on(const std::string& why);
   void wait_for_user();
   void take_input(std::chrono::milliseconds wait);
@@ -60,9 +63,9 @@ class Steering {
   Progress& progress_;
   Clocking clocking_;
   Interrupt interrupt_;
-  bool holding_ = false;     ///< the user wants a hold
-  bool asking_ = false;      ///< the machine is at rest until the user says
-  bool shot_asked_ = false;  ///< about the shot that was not made
+  bool holding_ = false;  ///< the user wants a hold
+  bool asking_ = false;   ///< the machine is at rest until the user says
+  wire::HoldReason asked_about_ = wire::HoldReason::none;  ///< of the present hold
   bool stopping_ = false;
   std::string obstacle_{};  ///< why nobody may go on now
   Keyboard keyboard_;

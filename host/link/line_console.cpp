@@ -44,6 +44,8 @@ constexpr Time longest_wait{20'000};
 /// While an answer is awaited the board is asked whether it still lives.
 constexpr Time alive_interval{1'000'000};
 constexpr Time silence_limit{5'000'000};
+/// How often it is asked whether the machine is at rest.
+constexpr Time rest_interval{100'000};
 /// A report or a banner that does not come in this time is not waited for.
 constexpr Time sign_timeout{2'000'000};
 
@@ -100,6 +102,7 @@ void LineConsole::step() {
   expect_connected(port_);
   check_silence();
   if (waiting_ == Waiting::nothing && !(in_order_ && failure_)) send_next();
+  if (input_ended_ && done() && !at_rest_) ask_for_rest();
   port_.flush();
   port_.transport().wait(longest_wait);
 }
@@ -112,6 +115,7 @@ void LineConsole::take(const std::string& line) {
       show_(line);
     }
     if (status->waits()) send_word_behind_pause();
+    at_rest_ = rest_asked_at_ && done() && status->stands();
     return;
   }
   if (const auto error = parse_answer(line)) {
@@ -162,6 +166,19 @@ void LineConsole::send_byte(std::uint8_t byte) {
     port_.drop_lines();
     waiting_ = Waiting::banner;
   }
+}
+
+/// A board that does not answer has nothing to say about it.
+void LineConsole::ask_for_rest() {
+  const Time now = port_.transport().now();
+  if (rest_asked_at_ && now - *rest_asked_at_ < rest_interval) return;
+  if (rest_asked_at_ && now - heard_at_ > sign_timeout) {
+    at_rest_ = true;
+    return;
+  }
+  if (!rest_asked_at_) heard_at_ = now;
+  rest_asked_at_ = now;
+  port_.send_realtime(realtime::status);
 }
 
 void LineConsole::check_silence() {

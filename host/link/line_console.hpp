@@ -48,6 +48,11 @@ class LineConsole {
   void step();
   /// Everything typed has been sent and answered.
   bool done() const;
+  /// Nothing more will be typed: step() asks for the status until the machine is at rest. A board
+  /// whose port is closed while it moves holds.
+  void end_input() { input_ended_ = true; }
+  /// So the board has said, or it says nothing about it.
+  bool at_rest() const { return at_rest_; }
   /// The first error or alarm; with in_order nothing is sent behind it.
   const std::optional<ConsoleFailure>& failure() const { return failure_; }
 
@@ -65,6 +70,7 @@ class LineConsole {
   void send_word_behind_pause();
   void send_byte(std::uint8_t byte);
   void check_silence();
+  void ask_for_rest();
 
   LinePort& port_;
   bool in_order_;
@@ -76,6 +82,9 @@ class LineConsole {
   int reports_asked_ = 0;  ///< by the user; others are ours, and not shown
   Time sent_at_{}, heard_at_{}, asked_at_{};
   std::optional<ConsoleFailure> failure_;
+  bool input_ended_ = false;
+  bool at_rest_ = false;
+  std::optional<Time> rest_asked_at_;
 };
 
 }  // namespace lamplock::link

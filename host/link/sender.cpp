@@ -23,9 +23,8 @@ constexpr std::size_t most_points_per_frame = 64;
 /// Bytes handed to the transport ahead: more would only delay a hold.
 constexpr std::size_t most_backlog = 2 * wire::max_frame;
 /// Bytes of frames on their way and not acknowledged. A port keeps 4 KiB between two looks of a
-/// machine that plans meanwhile, and drops what is more
-/// (firmware/boards/rp2040/usb/usb_serial.hpp); the rest is for questions and commands, of some 40
-/// bytes at most.
+/// machine that plans meanwhile (firmware/boards/rp2040/usb/usb_serial.hpp); the rest is for
+/// questions and commands, of some 40 bytes at most, which would wait behind more.
 constexpr std::size_t most_on_the_way = 4096 - 512;
 constexpr microseconds reconnect_interval{200'000};
 /// How long the machine may take to come to rest after the last shot or a stop.
@@ -239,6 +238,12 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
   const std::string then = of_point ? ", then " + go_on : "";
   switch (refused.result) {
     case Result::busy:
+      if (status_.session != 0 && status_.session != session_)
+        throw Error(Exit::job_failed, where,
+                    fmt::format("holds an unfinished job of another program (session {:08x}, first "
+                                "{} not done {})",
+                                status_.session, job_.item(), status_.first_unfired),
+                    "finish it there, or give it up with --discard" + then);
       throw Error(Exit::job_failed, where, "another job is running",
                   "wait for it or stop it" + then);
     case Result::no_job:
@@ -372,7 +377,7 @@ void JobSender::steer() {
     return;
   if (!taken) return send_command();
   const bool held = status_.state == wire::MachineState::hold;
-  // A hold for another reason might end by itself or by a stray byte: ours does not.
+  // A hold for another reason might end without us: ours does not.
   const bool firmly_held = held && status_.hold_reason == wire::HoldReason::host;
   if (wish_ == Wish::hold && !firmly_held && (held || status_.state == wire::MachineState::run))
     return command(wire::Command::hold);
@@ -383,12 +388,18 @@ void JobSender::steer() {
   if (wish_ != Wish::run) return;
   // A wish to go on is not kept for a later hold.
   if (status_.state == wire::MachineState::run) resume_asked_.store(false);
-  // A hold that a stray byte or silence has caused is resumed; a firm one, one for a shot that was
-  // not made and a door, which leaves a firm hold behind when it closes, only by the user.
+  // What our silence has caused is over. Every other hold ends by the user: one for a shot that was
+  // not made, one that somebody typed, and a door, which leaves a firm hold when it closes.
   const bool door = status_.state == wire::MachineState::door;
-  const bool by_accident = held && !firmly_held && status_.hold_reason != wire::HoldReason::none &&
-                           status_.hold_reason != wire::HoldReason::not_made;
-  if (by_accident || ((held || door) && resume_asked_.load())) {
+  const bool by_byte = status_.hold_reason == wire::HoldReason::realtime ||
+                       status_.hold_reason == wire::HoldReason::reset;
+  const bool over =
+      status_.hold_reason == wire::HoldReason::dead_man || (by_byte && options_.auto_resume);
+  if (held && status_.hold_reason == wire::HoldReason::reset && !over) {
+    was_reset_ = true;
+    return begin_stop(JobEnd::stopped);
+  }
+  if ((held && over) || ((held || door) && resume_asked_.load())) {
     resume_asked_.store(false);
     command(wire::Command::resume);
   }
@@ -463,7 +474,11 @@ void JobSender::check_end() {
   const bool all_taken = end_built_ && frames_.empty();
   const bool all_done = all_taken && status_.first_unfired >= job_.size();
   const bool unfinished = status_.first_unfired < job_.size();
-  if (state == MachineState::idle && unfinished) throw_ended();
+  if (state == MachineState::idle && unfinished) {
+    if (status_.hold_reason != wire::HoldReason::reset) throw_ended();
+    was_reset_ = true;
+    return begin_stop(JobEnd::stopped);
+  }
   if (!all_done) return;
   if (!finish_by_) finish_by_ = transport_.now() + rest_timeout;
   if (moving && transport_.now() < *finish_by_) return;
@@ -521,6 +536,9 @@ void JobSender::finish_stop() {
 void JobSender::throw_reason() const {
   if (stop_refusal_) refuse_job(*stop_refusal_);
   if (stop_error_) std::rethrow_exception(stop_error_);
+  if (was_reset_ && end_ == JobEnd::stopped)
+    throw Error(Exit::job_failed, "machine", "was stopped by a reset (0x18), not by this program",
+                "go on with " + go_on_options(status_.first_unfired, flashes_fired()));
 }
 
 /// The first error stays to be read.

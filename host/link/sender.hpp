@@ -46,14 +46,16 @@ struct SenderOptions {
   std::uint32_t first_fired = 0;  ///< flashes of it fired before, not among those of the job
   std::uint32_t session = 0;      ///< 0 = choose at random
   std::uint32_t job_speed = full_job_speed;  ///< percent, before anything moves
-  bool take_over = false;                    ///< stop a job of another host that is still there
+  bool take_over = false;                    ///< give up what is left of another session
+  /// Go on after `!`, 0x84 and 0x18 that are not ours: noise of a serial line may be one of them.
+  bool auto_resume = false;
   std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
 };
 
 /// How a job ended.
 enum class JobEnd : std::uint8_t {
   done,       ///< every point fired
-  stopped,    ///< by the user
+  stopped,    ///< by the user, here
   alarm,      ///< status.state and status.alarm tell which; e-stop too
   lost,       ///< no connection any more
   restarted,  ///< the machine has forgotten the job: its power or watchdog
@@ -108,6 +110,7 @@ class JobSender {
   JobResult result() const;
   const wire::Status& status() const { return status_; }
   std::uint32_t session() const { return session_; }
+  bool auto_resume() const { return options_.auto_resume; }
 
  private:
   using Time = std::chrono::microseconds;
@@ -211,6 +214,7 @@ class JobSender {
 
   JobEnd stop_end_ = JobEnd::stopped;         ///< what the job ends with once the machine stands
   std::exception_ptr stop_error_;             ///< what is thrown then,
+  bool was_reset_ = false;                    ///< by a byte that is not ours
   std::optional<RefusedFrame> stop_refusal_;  ///< or this, with what the machine says then
   Time stop_by_{};                            ///< until when it has to stand
 

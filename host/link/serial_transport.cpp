@@ -11,6 +11,9 @@
 
 #include "host/access.hpp"
 #include "host/error.hpp"
+#include "host/link/port_lock.hpp"
+#include "host/usb/known_devices.hpp"
+#include "host/usb/sysfs.hpp"
 
 namespace lamplock::link {
 namespace asio = boost::asio;
@@ -21,16 +24,19 @@ struct SerialTransport::Port {
   unsigned baud;
   asio::io_context context;
   asio::serial_port port{context};
+  PortLock lock;
   boost::system::error_code failure;
 };
 
 namespace {
 
-/// Closing the port must not drop DTR: some boards take that for a reset.
-void keep_lines_on_close(int descriptor) {
+/// Whether closing the port drops DTR. Some boards take that for a reset; ours sees by it that its
+/// host has gone, also one that was killed.
+void set_hang_up(int descriptor, bool hang_up) {
   termios settings{};
   if (::tcgetattr(descriptor, &settings) != 0) return;
-  settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL);
+  constexpr auto flag = static_cast<tcflag_t>(HUPCL);
+  settings.c_cflag = hang_up ? settings.c_cflag | flag : settings.c_cflag & ~flag;
   settings.c_cflag |= CLOCAL;
   ::tcsetattr(descriptor, TCSANOW, &settings);
 }
@@ -48,17 +54,26 @@ void ask_low_latency(int descriptor) {
 
 SerialTransport::SerialTransport(std::string port, unsigned baud)
     : port_(std::make_unique<Port>(std::move(port), baud)) {
-  if (!SerialTransport::open())
-    throw Error(
-        Exit::no_device, port_->name, "cannot open the port (" + port_->failure.message() + ")",
-        is_denied(port_->failure.value()) ? access_remedy(port_->name) : "check cable and name");
-  set_connected(true);
+  if (SerialTransport::open()) {
+    set_connected(true);
+    return;
+  }
+  if (!port_->lock.user().empty())
+    throw Error(Exit::no_device, port_->name,
+                "another program uses the port (" + port_->lock.user() + ")", "end that first");
+  throw Error(
+      Exit::no_device, port_->name, "cannot open the port (" + port_->failure.message() + ")",
+      is_denied(port_->failure.value()) ? access_remedy(port_->name) : "check cable and name");
 }
 
 SerialTransport::~SerialTransport() { SerialTransport::close(); }
 
 bool SerialTransport::open() {
   boost::system::error_code error;
+  if (!port_->lock.take(port_->name)) {
+    port_->failure = {port_->lock.failure(), boost::system::system_category()};
+    return false;
+  }
   // Asio opens with O_NOCTTY and O_NONBLOCK and sets the line raw.
   asio::serial_port& port = port_->port;
   port.open(port_->name, error);
@@ -73,8 +88,9 @@ bool SerialTransport::open() {
   }
   const int fd = port.native_handle();
   ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK);
-  keep_lines_on_close(fd);
+  set_hang_up(fd, usb::manufacturer_of_port(port_->name) == usb::board_manufacturer);
   ask_low_latency(fd);
+  port_->lock.refuse_others();
   // What came in before belongs to whoever had the port before.
   ::tcflush(fd, TCIFLUSH);
   return true;
@@ -83,6 +99,7 @@ bool SerialTransport::open() {
 void SerialTransport::close() {
   boost::system::error_code ignored;
   port_->port.close(ignored);
+  port_->lock.release();
 }
 
 int SerialTransport::descriptor() { return port_->port.native_handle(); }

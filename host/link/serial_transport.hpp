@@ -9,8 +9,8 @@
 
 namespace lamplock::link {
 
-/// Opens a port raw, 8N1, without flow control, and without touching the lines that reset some
-/// boards: neither opening nor closing it drops DTR.
+/// Opens a port raw, 8N1, without flow control. Opening it does not drop DTR, by which some boards
+/// are reset; closing it does on the USB of a lamplock board alone, which holds its machine then.
 class SerialTransport : public DescriptorTransport {
  public:
   /// Matters for adapters at the board's UART only; USB and pseudo-terminals ignore it.

@@ -14,8 +14,8 @@
 namespace lamplock::pendant {
 namespace {
 
-constexpr double max_step_mm = 100, max_feed_mm_min = 1e6;
-constexpr std::size_t max_steps = 16, max_macro_lines = 100;
+constexpr double greatest_step_mm = 100, greatest_feed_mm_min = 1e6;
+constexpr std::size_t most_steps = 16, most_macro_lines = 100;
 
 /// With a question mark for what is not seen: TOML may say any character.
 std::string printable(std::string text) {
@@ -52,7 +52,7 @@ class Reader {
     if (name == "keyboard") return each(node, name, &Reader::bind_keyboard);
     if (name == "steps") return read_steps(key, node);
     if (name == "feed") {
-      map_.feed_mm_min = number(key, node, max_feed_mm_min);
+      map_.feed_mm_min = number(key, node, greatest_feed_mm_min);
     } else if (name == "safe_z") {
       map_.safe_z_mm = any_number(key, node);
     } else if (name == "hb04_keys") {
@@ -107,7 +107,7 @@ class Reader {
     if (action_named(macro.name))
       fail(key.source(), fmt::format("'{}' is the name of an action", macro.name),
            "call the macro otherwise");
-    if (lines == nullptr || lines->empty() || lines->size() > max_macro_lines)
+    if (lines == nullptr || lines->empty() || lines->size() > most_macro_lines)
       fail(key.source(), fmt::format("macro '{}' needs lines", macro.name),
            "write lines = [\"G91 G38.2 Z-20 F100\"]");
     for (const auto& [name, value] : *table)
@@ -127,19 +127,19 @@ class Reader {
 
   void read_steps(const toml::key& key, const toml::node& node) {
     const toml::array* values = node.as_array();
-    if (values == nullptr || values->empty() || values->size() > max_steps)
-      fail(key.source(), fmt::format("'steps' must be an array of 1 to {} numbers", max_steps),
+    if (values == nullptr || values->empty() || values->size() > most_steps)
+      fail(key.source(), fmt::format("'steps' must be an array of 1 to {} numbers", most_steps),
            "write steps = [0.01, 0.1, 1]");
     map_.steps_mm.clear();
     for (const toml::node& value : *values)
-      map_.steps_mm.push_back(number(key, value, max_step_mm));
+      map_.steps_mm.push_back(number(key, value, greatest_step_mm));
     std::sort(map_.steps_mm.begin(), map_.steps_mm.end());
   }
 
   double any_number(const toml::key& key, const toml::node& node) const {
     const auto value = node.value<double>();
     if (!value || !node.is_number() || !std::isfinite(*value) ||
-        std::fabs(*value) > max_feed_mm_min)
+        std::fabs(*value) > greatest_feed_mm_min)
       fail(node.source(), fmt::format("'{}' must be a number", key.str()),
            "write it without quotes");
     return *value;

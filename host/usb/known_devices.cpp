@@ -22,13 +22,11 @@ constexpr std::array<Row, 5> rows = {{
     {0x0b33, 0x0030, {Kind::pendant, "Contour ShuttlePro v2"}},
 }};
 
-constexpr std::string_view manufacturer = "lamplock";
-
 }  // namespace
 
 KnownDevice known_device(const DeviceInfo& device) {
   if (device.vendor == rp2040::usb::vendor_id && device.product == rp2040::usb::product_id &&
-      device.manufacturer == manufacturer)
+      device.manufacturer == board_manufacturer)
     return {Kind::board, "lamplock board"};
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) {
     return row.vendor == device.vendor && row.product == device.product;

@@ -22,6 +22,9 @@ struct KnownDevice {
   std::string_view name{};
 };
 
+/// The text by which a board of ours is known.
+inline constexpr std::string_view board_manufacturer = "lamplock";
+
 /// A board is one by its manufacturer's text too: its numbers are free for anybody's tests.
 KnownDevice known_device(const DeviceInfo& device);
 

@@ -33,13 +33,26 @@ void add_nodes(const fs::path& folder, std::vector<std::string>& nodes) {
     nodes.push_back("/dev/" + entry.filename().string());
 }
 
-}  // namespace
-
-std::string Sysfs::text(const std::string& place, const std::string& attribute) const {
-  std::ifstream file(root_ / place / attribute);
+std::string first_line(const fs::path& path) {
+  std::ifstream file(path);
   std::string line;
   std::getline(file, line);
   return line;
+}
+
+}  // namespace
+
+std::string manufacturer_of_port(const std::string& port, const fs::path& root) {
+  std::error_code failure;
+  const fs::path node = fs::canonical(port, failure);
+  if (failure) return {};
+  // "device" is the interface, above which is the device.
+  const fs::path interface = fs::canonical(root / node.filename() / "device", failure);
+  return failure ? std::string() : first_line(interface.parent_path() / "manufacturer");
+}
+
+std::string Sysfs::text(const std::string& place, const std::string& attribute) const {
+  return first_line(root_ / place / attribute);
 }
 
 std::vector<std::string> Sysfs::serial_ports(const std::string& place) const {

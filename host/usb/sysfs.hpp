@@ -14,6 +14,14 @@ namespace lamplock::usb {
 /// Where the kernel shows USB devices by place.
 inline constexpr const char* sysfs_devices = "/sys/bus/usb/devices";
 
+/// Where it shows serial ports by name.
+inline constexpr const char* sysfs_ports = "/sys/class/tty";
+
+/// The manufacturer's text of the device with this serial port, "/dev/ttyACM0" or a link to it;
+/// empty if it is not on USB.
+std::string manufacturer_of_port(const std::string& port,
+                                 const std::filesystem::path& root = sysfs_ports);
+
 /// Attributes of devices; `root` is another folder in tests.
 class Sysfs {
  public:

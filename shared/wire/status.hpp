@@ -14,14 +14,15 @@ namespace lamplock::wire {
 /// State of the machine. The values are part of the wire format: never renumber.
 enum class MachineState : std::uint8_t { idle = 0, run, hold, alarm, door, estop, home };
 
-/// Who asked for a hold. The host resumes what it did not ask for.
+/// Who asked for a hold. The host resumes by itself what its own silence has caused.
 enum class HoldReason : std::uint8_t {
   none = 0,
   host,      ///< COMMAND hold, or a door that was opened and has been closed
-  realtime,  ///< a real-time byte, perhaps a stray one
+  realtime,  ///< `!` or 0x84
   dead_man,  ///< the host was silent for too long
-  reset,     ///< 0x18 during a job, perhaps a stray one
-  not_made   ///< the photosensor has not seen a shot, nor its repeats
+  reset,     ///< 0x18 during a job, which its host stops
+  not_made,  ///< the photosensor has not seen a shot, nor its repeats
+  lamp       ///< the lamp does not answer our triggers
 };
 
 /// What went wrong on the wire, counted since power-up.

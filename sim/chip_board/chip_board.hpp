@@ -59,6 +59,7 @@ class ChipBoard final : public Board,
   std::size_t read(std::span<std::uint8_t> bytes) override { return host_.read(bytes, function_); }
   bool has_output() const override { return host_.has_output(function_); }
   void reconnect() override { host_.reset_device(); }
+  void set_host_present(bool present) override { host_.set_dtr(present); }
   void run_until(Picoseconds until) override;
   Picoseconds now() const override { return chip_.wheel().time(); }
   PinBus& bus() override { return bus_; }

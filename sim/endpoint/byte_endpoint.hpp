@@ -23,6 +23,9 @@ class ByteEndpoint {
   /// be lost, as on a cable that ends nowhere.
   virtual std::size_t write(std::span<const std::uint8_t> bytes) = 0;
 
+  /// A host has the port open.
+  virtual bool host_present() { return true; }
+
   /// What the host has to open.
   virtual std::string address() const = 0;
 };

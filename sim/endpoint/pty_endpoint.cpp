@@ -1,12 +1,15 @@
 #include "sim/endpoint/pty_endpoint.hpp"
 
 #include <fcntl.h>
+#include <sys/inotify.h>
 #include <termios.h>
 #include <unistd.h>
 #include <cstdlib>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -44,6 +47,9 @@ PtyEndpoint::PtyEndpoint(std::filesystem::path link) {
   keep_open_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (keep_open_ < 0) fail(name_);
   make_raw(keep_open_);
+  watch_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  if (watch_ < 0 || ::inotify_add_watch(watch_, name_.c_str(), IN_OPEN | IN_CLOSE) < 0)
+    fail(name_);
   if (!link.empty()) {
     make_link(name_, link);
     link_ = std::move(link);
@@ -53,6 +59,7 @@ PtyEndpoint::PtyEndpoint(std::filesystem::path link) {
 PtyEndpoint::~PtyEndpoint() {
   std::error_code ignored;
   if (!link_.empty()) std::filesystem::remove(link_, ignored);
+  ::close(watch_);
   ::close(keep_open_);
   ::close(descriptor_);
 }
@@ -67,6 +74,21 @@ std::size_t PtyEndpoint::write(std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return 0;
   const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
   return count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
+bool PtyEndpoint::host_present() {
+  std::array<char, 4096> events;
+  for (;;) {
+    const ssize_t size = ::read(watch_, events.data(), events.size());
+    if (size <= 0) return open_count_ > 0;
+    inotify_event event{};
+    for (std::size_t at = 0; at + sizeof event <= static_cast<std::size_t>(size);
+         at += sizeof event + event.len) {
+      std::memcpy(&event, events.data() + at, sizeof event);
+      if ((event.mask & IN_OPEN) != 0) ++open_count_;
+      if ((event.mask & IN_CLOSE) != 0) open_count_ = std::max(0, open_count_ - 1);
+    }
+  }
 }
 
 }  // namespace lamplock::sim

@@ -20,11 +20,14 @@ class PtyEndpoint : public ByteEndpoint {
 
   std::size_t read(std::span<std::uint8_t> bytes) override;
   std::size_t write(std::span<const std::uint8_t> bytes) override;
+  bool host_present() override;
   std::string address() const override { return link_.empty() ? name_ : link_.string(); }
 
  private:
   int descriptor_ = -1;
   int keep_open_ = -1;  ///< our own hold on the host's side
+  int watch_ = -1;      ///< tells when others open and close that
+  int open_count_ = 0;  ///< how many have it open
   std::string name_;
   std::filesystem::path link_;
 };

@@ -1,5 +1,7 @@
 #include "sim/endpoint/tcp_endpoint.hpp"
 
+#include <poll.h>
+
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
 #include <boost/asio/io_context.hpp>
@@ -82,6 +84,14 @@ std::size_t TcpEndpoint::write(std::span<const std::uint8_t> bytes) {
   if (try_later(error)) return 0;
   server_->client.close(error);
   return bytes.size();
+}
+
+bool TcpEndpoint::host_present() {
+  accept();
+  if (!server_->client.is_open()) return false;
+  // The end of the stream, even where bytes before it have not been read.
+  pollfd state{server_->client.native_handle(), POLLRDHUP, 0};
+  return ::poll(&state, 1, 0) <= 0 || (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) == 0;
 }
 
 std::string TcpEndpoint::address() const {

@@ -21,6 +21,7 @@ class TcpEndpoint : public ByteEndpoint {
 
   std::size_t read(std::span<std::uint8_t> bytes) override;
   std::size_t write(std::span<const std::uint8_t> bytes) override;
+  bool host_present() override;
   std::string address() const override;
 
  private:

@@ -17,7 +17,8 @@ constexpr std::uint32_t span_ticks = 256;
 constexpr std::uint32_t block_ticks = 1u << 14;
 /// Full-speed USB: 19 packets of 64 bytes in a frame of 1 ms; a quarter of it per service.
 constexpr std::size_t bytes_per_service = 19 * 64 / 4;
-constexpr std::size_t host_buffer = 4096;
+/// Bytes that the host's computer keeps for a program that does not read.
+constexpr std::size_t host_buffer = 65'536;
 /// Blocks kept after they were played, to look back from a late edge to its lattice tick.
 constexpr std::size_t remembered_blocks = 64;
 
@@ -83,11 +84,7 @@ VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& wo
 VirtualBoard::~VirtualBoard() = default;
 
 std::size_t VirtualBoard::write(std::span<const std::uint8_t> bytes) {
-  const std::size_t n =
-      std::min(bytes.size(), host_buffer - std::min(host_buffer, from_host_.size()));
-  from_host_.insert(from_host_.end(), bytes.begin(),
-                    bytes.begin() + static_cast<std::ptrdiff_t>(n));
-  return n;
+  return from_host_.write(bytes);
 }
 
 std::size_t VirtualBoard::read(std::span<std::uint8_t> bytes) {
@@ -101,8 +98,12 @@ std::size_t VirtualBoard::read(std::span<std::uint8_t> bytes) {
 void VirtualBoard::reconnect() {
   from_host_.clear();
   to_host_.clear();
+  controller_->see_host(false);
   controller_->new_connection();
+  controller_->see_host(true);
 }
+
+void VirtualBoard::set_host_present(bool present) { controller_->see_host(present); }
 
 void VirtualBoard::pin_changed(Pin pin, bool level, Picoseconds at) {
   switch (pin) {
@@ -234,14 +235,12 @@ void VirtualBoard::service() {
 }
 
 void VirtualBoard::main_loop() {
-  if (!from_host_.empty()) {
-    std::array<std::uint8_t, bytes_per_service> packet;
-    const std::size_t n = std::min({packet.size(), from_host_.size(), controller_->receive_room()});
-    const auto end = from_host_.begin() + static_cast<std::ptrdiff_t>(n);
-    std::copy(from_host_.begin(), end, packet.begin());
-    from_host_.erase(from_host_.begin(), end);
-    controller_->receive(std::span<const std::uint8_t>(packet).first(n));
-  }
+  std::uint8_t command = 0;
+  while (from_host_.pop_realtime(command)) controller_->receive_realtime(command);
+  std::array<std::uint8_t, bytes_per_service> packet;
+  const auto room = std::span(packet).first(std::min(packet.size(), controller_->receive_room()));
+  const std::size_t received = from_host_.pop(room);
+  if (received != 0) controller_->receive(room.first(received), from_host_.before_jog_cancel());
   controller_->take_settings(stored_);
   if (const machine::KeptProgram* kept = controller_->take_kept()) kept_ = *kept;
   controller_->prepare(static_cast<std::uint64_t>(now_ / ps_per_clock));
@@ -252,9 +251,11 @@ void VirtualBoard::main_loop() {
   }
   if (planned_at_ == never) controller_->commit();
   controller_->tell();
-  std::array<std::uint8_t, bytes_per_service> packet;
-  const std::size_t n = controller_->transmit(packet);
-  to_host_.insert(to_host_.end(), packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(n));
+  const std::size_t free = host_buffer - std::min(host_buffer, to_host_.size());
+  const std::size_t sent =
+      controller_->transmit(std::span(packet).first(std::min(packet.size(), free)));
+  to_host_.insert(to_host_.end(), packet.begin(),
+                  packet.begin() + static_cast<std::ptrdiff_t>(sent));
 
   const machine::FireTiming timing = controller_->fire_timing();
   fire_.configure(timing);

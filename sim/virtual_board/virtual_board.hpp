@@ -22,6 +22,7 @@
 #include "sim/board.hpp"
 #include "sim/virtual_board/axis_output.hpp"
 #include "sim/virtual_board/fire_stage.hpp"
+#include "sim/virtual_board/receive_queue.hpp"
 #include "sim/virtual_board/step_edges.hpp"
 #include "sim/virtual_board/tick_line.hpp"
 #include "sim/virtual_board/tick_listener.hpp"
@@ -41,11 +42,11 @@ class VirtualBoard final : public Board, private PinListener {
 
   std::string_view name() const override { return "virtual"; }
 
-  /// The buffer is that of a USB endpoint pair.
   std::size_t write(std::span<const std::uint8_t> bytes) override;
   std::size_t read(std::span<std::uint8_t> bytes) override;
   bool has_output() const override { return !to_host_.empty(); }
   void reconnect() override;
+  void set_host_present(bool present) override;
 
   void run_until(Picoseconds until) override;
   Picoseconds now() const override { return now_; }
@@ -128,7 +129,7 @@ class VirtualBoard final : public Board, private PinListener {
   Picoseconds next_service_ = 0;
   Picoseconds planning_time_ = 0;
   Picoseconds planned_at_ = never;  ///< while the main loop plans: when it has done so
-  std::deque<std::uint8_t> from_host_;
+  ReceiveQueue from_host_;
   std::deque<std::uint8_t> to_host_;
   std::vector<LatticeShot> lattice_shots_;
   TickListener* listener_ = nullptr;

@@ -70,6 +70,7 @@ class BeamRig : public testing::Test {
     cable_ = std::make_unique<BoardCable>(*rig_);
     link::SenderOptions options;
     options.session = 1;
+    options.auto_resume = true;
     options.on_text = [this](const std::string& text) { said_ += text; };
     sender_ = std::make_unique<link::JobSender>(*cable_, job_, options);
   }

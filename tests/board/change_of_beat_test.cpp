@@ -88,7 +88,8 @@ TEST(ChangeOfBeat, WeTriggerTheLampAtTheNewFrequency) {
   for (int seed = 0; seed < scaled(8); ++seed) {
     const double other = std::array{50.0, 200.0, 90.0, 500.0}[static_cast<std::size_t>(seed % 4)];
     const LampMode mode = seed % 8 < 4 ? LampMode::master : LampMode::free_beat;
-    const job::Profile profile = lamp_profile(100, mode);
+    job::Profile profile = lamp_profile(100, mode);
+    job::state_setting(profile, Id::max_lamp_frequency, 1000, "test");
     const job::Job job =
         job::make_job(histogram_walk(300, static_cast<std::uint64_t>(seed)), profile, {});
     Rig rig(profile);

@@ -103,7 +103,9 @@ TEST(JobSpeed, TurnedDownAndHeldAtTheEdgeOfTheWorkSpace) {
     const job::Job job = job::make_job(cloud, profile, {});
     Rig rig(profile);
     BoardCable cable(rig);
-    link::JobSender sender(cable, job, session(1));
+    link::SenderOptions options = session(1);
+    options.auto_resume = true;
+    link::JobSender sender(cable, job, options);
     for (sim::Picoseconds at = 300 * ps_per_ms; at < 8 * ps_per_s;) {
       at += std::uniform_int_distribution<sim::Picoseconds>(0, 700 * ps_per_ms)(random);
       const auto percent = static_cast<std::uint32_t>(random() % 2 == 0 ? 15 : 100);

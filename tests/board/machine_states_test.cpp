@@ -189,11 +189,10 @@ TEST_F(Disturbed, HoldByRealTimeByte) {
     set_up(seed);
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const sim::Picoseconds at = moment();
-    // Without the sender, which would resume at once what it did not ask for.
     run_sender_until(at);
     const bool running = rig_->state() == MachineState::run;
     const sim::Picoseconds held_at = rig_->board.now();
-    cable_->type(seed % 5 == 0 ? "\x18" : "!");
+    cable_->type(seed % 5 == 0 ? "\x84" : "!");
     rig_->run(400 * ps_per_ms);
     if (running) {
       ASSERT_EQ(rig_->state(), MachineState::hold);

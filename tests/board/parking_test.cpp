@@ -137,6 +137,39 @@ TEST_F(Parking, DoorsAtRandomMoments) {
   }
 }
 
+/// With a limit of jerk a brake that begins while Z speeds up is longer than the one that was
+/// planned: broken off at any moment, Z does not leave its work space.
+TEST_F(Parking, BrokenOffAnywhereItStaysInsideTheWorkSpace) {
+  std::mt19937_64 random(8);
+  const auto ms = [&random](double most) {
+    return std::uniform_real_distribution<>(0, most)(random);
+  };
+  constexpr std::int32_t top = 50 * steps_per_mm;
+  profile_.settings.set_milli(Id::parking_target, 50'000);
+  profile_.settings.set_milli(Id::parking_pull_out, 1'000);
+  profile_.settings.set_milli(Id::jerk_z, 20'000);
+  for (int round = 0; round < scaled(60); ++round) {
+    SCOPED_TRACE(fmt::format("round {}", round));
+    set_up();
+    host_->send("G0 Z49\nM3 S100\nG1 X5 F600\n");
+    host_->run_ms(3000);
+    set_door(true);
+    for (int i = 0; i < 4; ++i) {
+      host_->run_ms(ms(300));
+      set_door(false);
+      host_->send(i % 2 == 0 ? "~" : "!");
+      host_->run_ms(ms(300));
+      if (i == 3) host_->send(std::uint8_t{reset_byte});
+      set_door(true);
+    }
+    for (int i = 0; i < 400; ++i) {
+      host_->run_ms(1);
+      ASSERT_LE(loads()[2], top);
+    }
+    EXPECT_EQ(judge_->fault(), "");
+  }
+}
+
 /// Opened, closed, called back and opened again while the program still brakes: it comes to rest on
 /// its path, and parks once.
 TEST_F(Parking, ADoorThatOpensAgainWhileTheProgramBrakes) {

@@ -39,6 +39,11 @@ inline job::Profile lamp_profile(double hz = 100,
   job::set_lamp_hz(profile, hz);
   job::set_acceleration(profile, accel_m_s2);
   profile.settings.set_milli(Id::lamp_mode, static_cast<int>(mode) * 1000);
+  if (mode == settings::LampMode::master) {
+    profile.settings.set_milli(Id::lamp_energy, 100);  // it has to be known
+    const std::int32_t milli_hz = profile.settings.milli(Id::lamp_frequency);
+    profile.settings.set_milli(Id::max_lamp_frequency, std::max(200'000, 11 * (milli_hz / 10)));
+  }
   return profile;
 }
 

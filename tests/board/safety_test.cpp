@@ -5,6 +5,7 @@
 
 #include "host/error.hpp"
 #include "tests/board/board_cable.hpp"
+#include "tests/board/program_host.hpp"
 
 namespace lamplock::test::safety_test {
 namespace {
@@ -35,6 +36,7 @@ class OpenLine {
       in_frame_ = false;
       text_.clear();
     } else if (byte == reset) {
+      in_frame_ = false;
       text_.clear();
     } else if (!in_frame_ && byte < 0x80 && byte != 0 && byte != xon && byte != xoff &&
                byte != '?' && byte != '!' && byte != '~') {
@@ -201,6 +203,7 @@ TEST(Safety, ProtectionsCannotBeLoosenedByAJob) {
   machine.settings.set_milli(Id::max_shot_rate, 150'000);
   machine.settings.set_milli(Id::travel_y, 80'000);
   machine.settings.set_milli(Id::lamp_energy, 8'000);
+  machine.settings.set_milli(Id::lamp_power, 900'000);
   machine.settings.set_milli(Id::channels, 5'000);
   for (const Id id : {Id::shutter_open, Id::shutter_close, Id::attenuator_settle})
     machine.settings.set_milli(id, 5'000);
@@ -208,7 +211,7 @@ TEST(Safety, ProtectionsCannotBeLoosenedByAJob) {
       {Id::soft_limits, 0},        {Id::hard_limits, 0},         {Id::dead_man, 0},
       {Id::dead_man, 2'000'001},   {Id::max_shot_rate, 160'000}, {Id::lamp_warm_up, 4'000},
       {Id::min_corner_x, -50'001}, {Id::min_corner_y, -29'999},  {Id::lamp_energy, 7'999},
-      {Id::lamp_energy, 0},        {Id::lamp_power, 1'000'001},  {Id::channels, 2'000},
+      {Id::lamp_energy, 0},        {Id::lamp_power, 900'001},    {Id::channels, 2'000},
       {Id::channels, 15'000},      {Id::shutter_open, 4'999},    {Id::shutter_close, 0},
       {Id::attenuator_settle, 0}};
   for (const auto& [id, value] : loose) {
@@ -220,6 +223,66 @@ TEST(Safety, ProtectionsCannotBeLoosenedByAJob) {
                 HasSubstr(std::string("$") + std::to_string(settings::row(id).number)));
     EXPECT_TRUE(rig.monitor.nothing_happened());
   }
+}
+
+/// What a lamp may be triggered with is the machine's: a job may neither make us its master, nor
+/// trigger it faster, nor with another energy than the machine knows.
+TEST(Safety, TheLampIsNotTriggeredInAnotherWayByAJob) {
+  using settings::LampMode;
+  struct Case {
+    LampMode machine, job;
+    double job_hz;
+    bool dry;
+    const char* refused;  ///< empty: it is run
+  };
+  const Case cases[] = {
+      {LampMode::slave, LampMode::master, 100, false, "$900"},
+      {LampMode::slave, LampMode::master, 100, true, "$900"},
+      {LampMode::slave, LampMode::free_beat, 100, false, "$900"},
+      {LampMode::slave, LampMode::free_beat, 201, true, "$901"},
+      {LampMode::slave, LampMode::free_beat, 200, true, ""},
+      {LampMode::master, LampMode::free_beat, 100, false, "$900"},
+      {LampMode::master, LampMode::master, 201, false, "$901"},
+      {LampMode::master, LampMode::master, 200, false, ""},
+      {LampMode::free_beat, LampMode::master, 100, false, "$900"},
+      {LampMode::free_beat, LampMode::free_beat, 1000, false, ""},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(testing::Message() << static_cast<int>(c.machine) << " " << static_cast<int>(c.job)
+                                    << " " << c.job_hz << " Hz" << (c.dry ? " dry" : ""));
+    const job::Profile machine = lamp_profile(100, c.machine);
+    job::Profile asked = machine;
+    job::state_setting(asked, Id::lamp_mode, static_cast<int>(c.job), "test");
+    job::state_setting(asked, Id::lamp_frequency, c.job_hz, "test");
+    job::JobOptions options;
+    options.dry = c.dry;
+    const job::Job job = job::make_job(histogram_walk(20, 1), asked, options);
+    Rig rig(machine);
+    if (*c.refused == 0) {
+      EXPECT_EQ(run_job(rig, job).end, link::JobEnd::done);
+      continue;
+    }
+    EXPECT_THAT(refusal(rig, job), HasSubstr(c.refused));
+    EXPECT_TRUE(rig.monitor.nothing_happened());
+  }
+}
+
+TEST(Safety, ALampIsNotTriggeredBeyondItsLimits) {
+  Rig rig(lamp_profile(100));
+  ProgramHost host(rig);
+  const auto refused = testing::ElementsAre("error:52");
+  const auto taken = testing::ElementsAre("ok");
+  EXPECT_THAT(host.ask("$900=2\n"), refused) << "the energy of a flash is not known";
+  EXPECT_THAT(host.ask("$922=20.001\n"), refused);
+  EXPECT_THAT(host.ask("$923=100000\n"), refused);
+  EXPECT_THAT(host.ask("$922=4\n"), taken);
+  EXPECT_THAT(host.ask("$900=2\n"), taken);
+  EXPECT_THAT(host.ask("$901=5000\n"), refused);
+  EXPECT_THAT(host.ask("$901=200\n"), taken);
+  EXPECT_THAT(host.ask("$910=1\n"), refused) << "triggers would come at 202 Hz";
+  EXPECT_THAT(host.ask("$922=5.1\n"), refused) << "1020 W";
+  EXPECT_THAT(host.ask("$922=0\n"), refused);
+  EXPECT_THAT(host.ask("$935=3\n"), refused) << "a flash has 4 J";
 }
 
 TEST(Safety, AJobThatIsTooMuchForTheLaserIsRefused) {
@@ -273,7 +336,9 @@ TEST(Safety, OverridesEndWithTheJob) {
   job::state_setting(asked, Id::lamp_mode, static_cast<int>(settings::LampMode::free_beat), "test");
   Rig rig(machine);
   Changes trigger(rig.board.bus(), sim::Pin::lamp_trigger);
-  const job::Job job = job::make_job(histogram_walk(20, 1), asked, {});
+  job::JobOptions moves_only;
+  moves_only.dry = true;
+  const job::Job job = job::make_job(histogram_walk(20, 1), asked, moves_only);
   for (std::uint32_t session = 1; session <= 2; ++session) {
     link::SenderOptions options;
     options.session = session;

@@ -83,12 +83,16 @@ TEST(SettingsText, WhatTheLaserDoesNotBearIsRefused) {
   EXPECT_EQ(user.answer("$922=20"), "ok\r\n");  // 20 J at 50 Hz: 1000 W
   EXPECT_EQ(user.answer("$901=50.001"), "error:52\r\n");
   EXPECT_EQ(user.answer("$922=20.001"), "error:52\r\n");
+  EXPECT_EQ(user.answer("$935=30"), "ok\r\n");
+  EXPECT_EQ(user.answer("$922=20.001"), "error:52\r\n");
   EXPECT_EQ(user.answer("$923=999.999"), "error:52\r\n");
   EXPECT_EQ(user.answer("$910=1"), "ok\r\n");
   EXPECT_EQ(user.answer("$900=2"), "error:52\r\n");  // ours to trigger, up to 1 % faster
   EXPECT_EQ(user.answer("$922=19.8"), "ok\r\n");
   EXPECT_EQ(user.answer("$900=2"), "ok\r\n");
-  EXPECT_EQ(user.answer("$922=0"), "ok\r\n");  // not known
+  EXPECT_EQ(user.answer("$922=0"), "error:52\r\n");  // it has to be known to trigger the lamp
+  EXPECT_EQ(user.answer("$900=1"), "ok\r\n");
+  EXPECT_EQ(user.answer("$922=0"), "ok\r\n");
   EXPECT_EQ(user.answer("$901=200"), "ok\r\n");
   EXPECT_EQ(user.answer("$929=4995"), "ok\r\n");  // nobody asks the sensors
   EXPECT_EQ(user.answer("$927=1"), "error:52\r\n");

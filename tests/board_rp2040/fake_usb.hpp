@@ -304,6 +304,7 @@ class UsbHost {
 
   FakeUsb usb;
   rp2040::BasicUsbSerial<FakeUsb> serial{usb};
+  Bytes commands;  ///< of one byte, that were read beside other bytes
   /// Of bulk transfers: 2, the serial port; 3, the pulse stream.
   std::uint8_t endpoint = 2;
 
@@ -343,7 +344,9 @@ inline Bytes numbered(std::size_t size, unsigned first = 0) {
 inline Bytes read_all(UsbHost& host, std::size_t piece = 64) {
   Bytes out;
   Bytes buffer(piece);
+  std::uint8_t command = 0;
   while (host.serial.available() != 0) {
+    while (host.serial.read_realtime(command)) host.commands.push_back(command);
     const std::size_t count = host.serial.read(buffer);
     out.insert(out.end(), buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(count));
   }

@@ -26,16 +26,32 @@ struct FakePort {
     breaks_in_read = false;
     return n;
   }
+  bool read_realtime(std::uint8_t& byte) {
+    if (commands.empty()) return false;
+    byte = static_cast<std::uint8_t>(commands.front());
+    commands.erase(0, 1);
+    return true;
+  }
+  bool realtime_waits() const { return !commands.empty(); }
+  bool before_jog_cancel() const { return false; }
+  bool take_loss() {
+    const bool was = lost;
+    lost = false;
+    return was;
+  }
   std::size_t room() const { return 64; }
   void write(std::span<const std::uint8_t> bytes) {
     for (const std::uint8_t byte : bytes) sent.push_back(static_cast<char>(byte));
   }
   void poll() {}
   std::uint32_t generation() const { return now; }
+  bool present() const { return here; }
   void set_tied(bool value) { tied = value; }
 
-  std::string waiting, sent;
+  std::string waiting, commands, sent;
   std::uint32_t now = 0;
+  bool lost = false;
+  bool here = true;
   bool breaks_in_read = false;
   bool tied = false;
 };
@@ -71,6 +87,45 @@ TEST(Ports, TheFirstBytesOfTheOtherOneAreANewConnection) {
   EXPECT_FALSE(desk.is_new);
   EXPECT_EQ(desk.hear_usb("?"), "?");
   EXPECT_TRUE(desk.is_new);
+}
+
+TEST(Ports, CommandsOfOneByteAreHeardAsLinesAre) {
+  Desk desk;
+  std::uint8_t byte = 0;
+  desk.hear_usb("G1X1\n");
+  desk.ports.usb().commands = "!";
+  ASSERT_TRUE(desk.ports.read_realtime(byte, true));
+  EXPECT_EQ(byte, '!');
+  EXPECT_FALSE(desk.ports.take_new_connection());
+  // In a job the other port is not heard, and what it said does not come later.
+  desk.ports.uart().commands = "\x18";
+  EXPECT_FALSE(desk.ports.read_realtime(byte, true));
+  EXPECT_FALSE(desk.ports.read_realtime(byte, false));
+  desk.ports.uart().commands = "?";
+  ASSERT_TRUE(desk.ports.read_realtime(byte, false));
+  EXPECT_TRUE(desk.ports.take_new_connection());
+}
+
+TEST(Ports, LossesCountWhileTheirPortIsHeard) {
+  Desk desk;
+  desk.hear_usb("G1X1\n");
+  desk.ports.uart().lost = true;  // noise on an open line
+  EXPECT_FALSE(desk.ports.take_loss());
+  desk.hear_uart("G1X1\n");
+  EXPECT_FALSE(desk.ports.take_loss());
+  desk.ports.uart().lost = true;
+  EXPECT_TRUE(desk.ports.take_loss());
+  EXPECT_FALSE(desk.ports.take_loss());
+}
+
+TEST(Ports, TheHostThatIsHeardIsThereOrNot) {
+  Desk desk;
+  EXPECT_TRUE(desk.ports.host_present());
+  desk.ports.usb().here = false;
+  EXPECT_FALSE(desk.ports.host_present());
+  // Of a host at the UART nothing is known.
+  desk.hear_uart("G1X1\n");
+  EXPECT_TRUE(desk.ports.host_present());
 }
 
 TEST(Ports, ABreakOfUsbIsANewConnectionEvenBeforeItsFirstBytes) {

@@ -75,7 +75,10 @@ TEST(Uart, BytesArriveOnceAndInOrder) {
   std::vector<std::uint8_t> in, at_device, out, at_host;
   for (int round = 0; round < scaled(20000); ++round) {
     for (std::uint64_t i = random() % 12; i > 0 && uart.received.size() < 32; --i) {
-      in.push_back(static_cast<std::uint8_t>(random()));
+      // Commands of one byte have a way of their own.
+      auto byte = static_cast<std::uint8_t>(random());
+      while (wire::is_realtime(byte)) byte = static_cast<std::uint8_t>(random());
+      in.push_back(byte);
       uart.receive(in.back());
     }
     std::array<std::uint8_t, 40> bytes{};

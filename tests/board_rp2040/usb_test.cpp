@@ -357,6 +357,28 @@ TEST(UsbControl, LineCodingIsKeptAndNothingElseHappens) {
   EXPECT_EQ(host.control(class_in, 0x21, 0, 0, 7).data, coding);
 }
 
+/// Open, closed, asleep: whether a program of the host is there.
+TEST(UsbControl, AHostIsPresentUntilItClosesThePort) {
+  UsbHost host;
+  EXPECT_FALSE(host.serial.present());
+  ASSERT_TRUE(host.enumerate());
+  EXPECT_TRUE(host.serial.present()) << "a program that never raises DTR";
+  host.control(class_out, 0x22, 3, 0, 0);
+  EXPECT_TRUE(host.serial.present());
+  host.control(class_out, 0x22, 0, 0, 0);
+  EXPECT_FALSE(host.serial.present());
+  host.control(class_out, 0x22, 1, 0, 0);
+  EXPECT_TRUE(host.serial.present());
+  host.usb.suspend();
+  host.serve();
+  EXPECT_FALSE(host.serial.present());
+  host.usb.resume();
+  host.serve();
+  EXPECT_TRUE(host.serial.present());
+  host.reset();
+  EXPECT_FALSE(host.serial.present());
+}
+
 class UsbFunctions : public testing::TestWithParam<std::uint8_t> {
  protected:
   /// A host that talks over one of them.
@@ -542,7 +564,6 @@ TEST_P(UsbFunctions, BytesArriveOnceAndInOrder) {
   EXPECT_EQ(at_device, to_device);
   EXPECT_EQ(at_host, to_host_bytes);
   const UsbCounters counters = host_.serial.counters();
-  EXPECT_EQ(counters.bytes_dropped, 0u);
   EXPECT_EQ(counters.resynchronised, 0u);
   EXPECT_GT(counters.packets_received, 1000u);
 }
@@ -578,28 +599,123 @@ TEST(UsbBulk, TwoPacketsAreTakenWithoutTheDevice) {
   }
 }
 
-TEST(UsbBulk, AFullRingNeverMakesTheHostWait) {
-  UsbHost host;
-  ASSERT_TRUE(host.enumerate());
+/// The ring is full, and a packet waits in the first buffer.
+void fill(UsbHost& host, Bytes& sent) {
   Bytes line = numbered(63);
   line.push_back('\n');
-  for (int i = 0; i < 500; ++i) ASSERT_EQ(host.bulk_out(line), Handshake::ack);
-  const std::uint8_t feed_hold = '!';
-  ASSERT_EQ(host.bulk_out(std::span(&feed_hold, 1)), Handshake::ack);
-  for (int i = 0; i < 500; ++i) ASSERT_EQ(host.bulk_out(line), Handshake::ack);
-  const std::uint32_t dropped = host.serial.counters().bytes_dropped;
-  const Bytes got = read_all(host);
-  const auto marks = std::count(got.begin(), got.end(), rp2040::gap_mark);
-  EXPECT_EQ(got.size() - static_cast<std::size_t>(marks) + dropped, 1000u * 64 + 1);
-  EXPECT_EQ(std::count(got.begin(), got.end(), '!'), 1) << "a hold is never dropped";
-  EXPECT_LE(host.serial.counters().gaps, 2u);
-  // The next line is marked: what is missing before it must not become part of it.
-  ASSERT_EQ(host.bulk_out(line), Handshake::ack);
-  const Bytes after = read_all(host);
-  ASSERT_EQ(after.size(), 65u);
-  EXPECT_EQ(after.front(), rp2040::gap_mark);
-  ASSERT_EQ(host.bulk_out(line), Handshake::ack);
-  EXPECT_EQ(read_all(host), line);
+  for (;;) {
+    const Handshake answer = host.bulk_out(line);
+    if (answer == Handshake::nak) break;
+    ASSERT_EQ(answer, Handshake::ack);
+    sent.insert(sent.end(), line.begin(), line.end());
+    ASSERT_LE(sent.size(), host.serial.receive_capacity + 128);
+  }
+}
+
+/// Reads as the main loop does, which has the interrupt look again.
+Bytes read_on(UsbHost& host) {
+  Bytes got;
+  for (Bytes piece = read_all(host); !piece.empty(); piece = read_all(host)) {
+    got.insert(got.end(), piece.begin(), piece.end());
+    host.serial.poll();
+    host.serve();
+  }
+  return got;
+}
+
+TEST(UsbBulk, AFullRingMakesTheHostWaitAndLosesNothing) {
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  Bytes sent;
+  ASSERT_NO_FATAL_FAILURE(fill(host, sent));
+  EXPECT_GT(sent.size(), host.serial.receive_capacity);
+  for (int i = 0; i < 50; ++i) {
+    host.serial.poll();
+    host.serve();
+    EXPECT_EQ(host.bulk_out(numbered(10)), Handshake::nak);
+  }
+  EXPECT_EQ(read_on(host), sent);
+  ASSERT_EQ(host.bulk_out(numbered(10)), Handshake::ack);
+  EXPECT_EQ(read_all(host), numbered(10));
+}
+
+TEST(UsbBulk, AStopIsHeardWhileItsPacketWaits) {
+  // Fills all but the last buffer, which the stop comes in.
+  for (const std::string text : {"!", "G1X1\n!G1X2\n", "\x84", "G1X1\n\x85"}) {
+    UsbHost host;
+    ASSERT_TRUE(host.enumerate());
+    Bytes sent;
+    ASSERT_NO_FATAL_FAILURE(fill(host, sent));
+    Bytes first(sent.begin(), sent.begin() + 64);
+    ASSERT_EQ(read_all(host, 64).size() > 0, true);
+    host.serial.poll();
+    host.serve();
+    ASSERT_NO_FATAL_FAILURE(fill(host, sent = {}));
+    std::uint8_t byte = 0;
+    EXPECT_FALSE(host.serial.read_realtime(byte));
+    // One buffer has become free: the packet in it waits for room in the ring.
+    Bytes some(64);
+    host.serial.read(some);
+    host.serial.poll();
+    host.serve();
+    ASSERT_EQ(host.bulk_out(Bytes(text.begin(), text.end())), Handshake::ack);
+    ASSERT_TRUE(host.serial.read_realtime(byte)) << text;
+    EXPECT_NE(text.find(static_cast<char>(byte)), std::string::npos);
+    EXPECT_FALSE(host.serial.read_realtime(byte)) << "heard once";
+    const Bytes rest = read_on(host);
+    EXPECT_EQ(std::count_if(rest.begin(), rest.end(), wire::is_realtime), 0);
+    EXPECT_FALSE(host.serial.read_realtime(byte));
+  }
+}
+
+/// Other interrupts come between the looks at the two buffers.
+TEST(UsbBulk, APacketThatComesMeanwhileIsLookedAtBeforeItIsTaken) {
+  FakeUsb usb;
+  rp2040::usb::BulkOut<FakeUsb> out(usb, rp2040::usb::serial_out_place);
+  out.start();
+  struct Taker {
+    FakeUsb& usb;
+    std::string events{};
+    rp2040::usb::PacketLook look(const volatile std::uint32_t*, std::uint32_t size) {
+      events += "look" + std::to_string(size) + " ";
+      return rp2040::usb::PacketLook::take;
+    }
+    bool push_packet(const volatile std::uint32_t*, std::uint32_t size) {
+      if (size == 5) usb.out(rp2040::usb::data_endpoint, true, numbered(7));
+      events += "take" + std::to_string(size) + " ";
+      return true;
+    }
+  } taker{usb};
+  ASSERT_EQ(usb.out(rp2040::usb::data_endpoint, false, numbered(5)), Handshake::ack);
+  out.service(taker);
+  EXPECT_EQ(taker.events, "look5 take5 look7 take7 ");
+}
+
+TEST(UsbBulk, AResetDiscardsWhatCameBeforeIt) {
+  UsbHost host;
+  ASSERT_TRUE(host.enumerate());
+  for (const bool full : {false, true}) {
+    Bytes sent;
+    if (full) {
+      ASSERT_NO_FATAL_FAILURE(fill(host, sent));
+      Bytes some(64);
+      host.serial.read(some);
+      host.serial.poll();
+      host.serve();
+    } else {
+      ASSERT_EQ(host.bulk_out(numbered(20)), Handshake::ack);
+    }
+    const std::string text = "G1X1\n\x18$I\n";
+    ASSERT_EQ(host.bulk_out(Bytes(text.begin(), text.end())), Handshake::ack);
+    std::uint8_t byte = 0;
+    ASSERT_TRUE(host.serial.read_realtime(byte));
+    EXPECT_EQ(byte, 0x18);
+    Bytes some(10);
+    EXPECT_EQ(host.serial.read(some), 0u);
+    host.serial.poll();
+    host.serve();
+    EXPECT_EQ(read_on(host), (Bytes{'$', 'I', '\n'})) << full;
+  }
 }
 
 TEST(UsbBulk, NothingIsHandedOverLateInAFrame) {
@@ -712,13 +828,27 @@ TEST(UsbRings, ReceiveKeepsEveryByteAtEveryPosition) {
   std::deque<std::uint8_t> expected;
   for (int round = 0; round < scaled(20000); ++round) {
     const auto size = static_cast<std::uint32_t>(1 + random() % 64);
-    if (expected.size() + size <= 256 - 64 - 8) {
+    if (expected.size() + size <= 256 - 8) {
       std::array<std::uint32_t, 16> words{};
-      for (auto& word : words) word = static_cast<std::uint32_t>(random()) & 0x7f7f7f7fu;
-      ring.push_packet(words.data(), size);
-      for (std::uint32_t i = 0; i < size; ++i)
-        expected.push_back(static_cast<std::uint8_t>(words[i / 4] >> (8 * (i % 4))));
-    } else if (random() % 2 == 0 && expected.size() < 256 - 64 - 8) {
+      // Plain ones, and such with real-time bytes.
+      const std::uint32_t mask = random() % 2 == 0 ? 0xffffffffu : 0x17171717u;
+      for (auto& word : words) word = static_cast<std::uint32_t>(random()) & mask;
+      ring.take_realtime(words.data(), size);
+      ASSERT_TRUE(ring.push_packet(words.data(), size));
+      std::uint8_t command = 0;
+      while (ring.pop_realtime(command)) {
+      }
+      bool reset = false;
+      for (std::uint32_t i = 0; i < size; ++i) {
+        const auto byte = static_cast<std::uint8_t>(words[i / 4] >> (8 * (i % 4)));
+        if (byte == wire::byte_reset) expected.clear(), reset = true;
+        if (!wire::is_realtime(byte)) expected.push_back(byte);
+      }
+      std::array<std::uint8_t, 1> none{};
+      if (reset) {
+        ASSERT_EQ(ring.pop(none), 0u);
+      }
+    } else if (random() % 2 == 0 && expected.size() < 256 - 8) {
       ring.push_byte('b');
       expected.push_back('b');
     }
@@ -733,26 +863,84 @@ TEST(UsbRings, ReceiveKeepsEveryByteAtEveryPosition) {
   EXPECT_EQ(ring.losses().bytes, 0u);
 }
 
-TEST(UsbRings, OverflowKeepsRealtimeBytesAndMarksTheGap) {
+TEST(UsbRings, WordsWithoutRealtimeBytesAreKnown) {
+  std::mt19937_64 random(4);
+  int plain = 0;
+  for (int round = 0; round < scaled(100'000); ++round) {
+    const std::uint64_t bits = random();
+    const auto word = static_cast<std::uint32_t>(bits & (bits >> 32 | 0x3f3f3f3f));
+    bool realtime = false;
+    for (int shift = 0; shift < 32; shift += 8)
+      realtime = realtime || wire::is_realtime(static_cast<std::uint8_t>(word >> shift));
+    if (rp2040::may_have_realtime(word)) continue;
+    ASSERT_FALSE(realtime) << word;
+    ++plain;
+  }
+  EXPECT_GT(plain, 0);
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    const bool taken_for_one =
+        wire::is_realtime(static_cast<std::uint8_t>(byte)) || (byte >= 0xb0 && byte < 0xc0);
+    EXPECT_EQ(rp2040::may_have_realtime(byte << 16 | 'G'), taken_for_one) << byte;
+  }
+}
+
+TEST(UsbRings, OverflowMarksTheGapAndDropsNoCommand) {
   rp2040::ReceiveRing<256> ring;
-  const std::string flood =
-      "G1X1\nG1X2\nG1X3\n!!!~~~?"
-      "??"
-      "?!!\x18";
-  for (int i = 0; i < 40; ++i)
-    for (const char c : flood) ring.push_byte(static_cast<std::uint8_t>(c));
+  for (int i = 0; i < 100; ++i)
+    for (const char c : std::string("G1X1\n")) ring.push_byte(static_cast<std::uint8_t>(c));
+  ring.push_byte('!');
+  std::uint8_t byte = 0;
+  ASSERT_TRUE(ring.pop_realtime(byte));
+  EXPECT_EQ(byte, '!');
+  EXPECT_EQ(ring.losses().gaps, 1u);
+  EXPECT_EQ(ring.losses().bytes, 500u - ring.size());
   std::array<std::uint8_t, 256> out{};
-  const std::size_t size = ring.pop(out);
-  ASSERT_GT(size, 200u);
-  // Behind what fitted whole there are real-time bytes only, in their order, without repeats.
-  const Bytes tail(out.begin() + 184, out.begin() + static_cast<std::ptrdiff_t>(size));
-  for (std::size_t i = 1; i < tail.size(); ++i) EXPECT_NE(tail[i], tail[i - 1]);
-  EXPECT_EQ(std::count_if(tail.begin(), tail.end(), wire::is_realtime),
-            static_cast<std::ptrdiff_t>(tail.size()));
+  EXPECT_EQ(ring.pop(out), 248u);
   ring.push_byte('A');
   EXPECT_EQ(ring.pop(out), 2u);
   EXPECT_EQ(out[0], rp2040::gap_mark);
   EXPECT_EQ(out[1], 'A');
+}
+
+/// In whatever pieces it comes and is read, each byte is known to be from before or after 0x85.
+TEST(UsbRings, TheEndOfJogsLeavesAMark) {
+  std::mt19937_64 random(6);
+  for (int round = 0; round < scaled(500); ++round) {
+    rp2040::ReceiveRing<256> ring;
+    std::string text;
+    for (auto size = random() % 150; size > 0; --size) text += 'a';
+    const std::size_t cancels = random() % 3;
+    for (std::size_t i = 0; i < cancels; ++i) text.insert(random() % (text.size() + 1), "\x85");
+    const std::size_t last = text.rfind('\x85');
+    const std::string before = last == std::string::npos ? "" : text.substr(0, last);
+    const auto want = static_cast<std::size_t>(std::count(before.begin(), before.end(), 'a'));
+    std::vector<std::string> packets;
+    for (std::size_t at = 0; at < text.size();) {
+      packets.push_back(text.substr(at, 1 + random() % 64));
+      at += packets.back().size();
+    }
+    // All of them are looked at before any byte is read.
+    for (const std::string& packet : packets) {
+      std::array<std::uint32_t, 16> words{};
+      for (std::size_t i = 0; i < packet.size(); ++i)
+        words[i / 4] |= std::uint32_t{static_cast<std::uint8_t>(packet[i])} << (8 * (i % 4));
+      const auto size = static_cast<std::uint32_t>(packet.size());
+      ring.take_realtime(words.data(), size);
+      ASSERT_TRUE(ring.push_packet(words.data(), size));
+    }
+    std::uint8_t command = 0;
+    while (ring.pop_realtime(command)) {
+    }
+    std::size_t marked = 0, all = 0;
+    while (ring.size() != 0) {
+      std::array<std::uint8_t, 40> out{};
+      const std::size_t count = ring.pop(std::span(out).first(1 + random() % 40));
+      all += count;
+      if (ring.before_jog_cancel()) marked += count;
+    }
+    EXPECT_EQ(marked, want) << text;
+    EXPECT_EQ(all, text.size() - cancels);
+  }
 }
 
 TEST(UsbRings, TheMarkSpoilsTheLineAndTheFrame) {

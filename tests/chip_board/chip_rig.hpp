@@ -331,6 +331,7 @@ struct RunningJob {
       : rig(machine), job(what), cable(machine), sender(cable, job, options(session, first)) {}
   static link::SenderOptions options(std::uint32_t session, std::size_t first) {
     link::SenderOptions options;
+    options.auto_resume = true;  // tests type stops as noise would
     options.session = session;
     options.first_index = first;
     options.reply_timeout = std::chrono::milliseconds(30);

@@ -8,6 +8,7 @@ namespace {
 TEST(ChipLampTrigger, EchoEndsInItsCycle) {
   job::Profile profile = chip_profile(100);
   profile.settings.set_milli(Id::lamp_mode, static_cast<int>(settings::LampMode::master) * 1000);
+  profile.settings.set_milli(Id::lamp_energy, 1'000);
   sim::WorldConfig world = chip_world(profile);
   world.lamp.triggered = true;
   ChipRig rig(profile.settings, world);

@@ -78,14 +78,10 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
       ASSERT_TRUE(running.run_until_fired(1 + random_() % 20));
       ASSERT_NO_FATAL_FAILURE(run_somewhere_into_a_plan());
       const int what = round % 5;
-      if (what == 0) {
-        rig().type("!");
+      if (what < 2) {
+        rig().type(what == 0 ? "!" : "\x18");
         rig().run(up_to(40 * ps_per_ms));
         rig().type("~");
-        running.sender.resume();
-      } else if (what == 1) {
-        rig().type("\x18");
-        rig().run(up_to(40 * ps_per_ms));
         running.sender.resume();
       } else if (what == 2) {
         running.sender.stop();

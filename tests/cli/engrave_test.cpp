@@ -171,9 +171,10 @@ TEST(Engrave, dry_moves_and_never_fires) {
 TEST(Engrave, lamp_modes_and_overrides) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(100, 3)));
+  const std::string machine = folder.write("m.toml", "lamp_energy = 1\n");
   for (const char* mode : {"slave", "master", "none"}) {
-    const Json report = run_json(
-        {"engrave", list, "--lamp-mode", mode, "--lamp", "50", "--accel", "2.5", "--speed", "0.5"});
+    const Json report = run_json({"engrave", list, "--machine", machine, "--lamp-mode", mode,
+                                  "--lamp", "50", "--accel", "2.5", "--speed", "0.5"});
     expect_each_once(report);
     EXPECT_LE(report["largest_jitter_error_steps"], 0.5) << mode;
     EXPECT_EQ(report["settings"]["lamp_frequency"], 50);

@@ -29,11 +29,12 @@ void expect_equal(const Json& told, const Json& run) {
 TEST(EstimateCommand, tells_what_the_run_tells) {
   const Folder folder;
   const std::string points = folder.write("p.xyz", xyz(walk(700, 3)));
+  const std::string machine = folder.write("m.toml", "lamp_energy = 1\n");
   const std::vector<std::vector<std::string>> options{
       {},
       {"--lamp", "200", "--accel", "2"},
       {"--flashes", "3", "--mode", "start-stop"},
-      {"--lamp-mode", "master", "--job-speed", "60"},
+      {"--lamp-mode", "master", "--machine", machine, "--job-speed", "60"},
       {"--from", "300"},
       {"--flashes", "3", "--from", "300", "--fired", "2"},
       {"--origin", "zero"}};

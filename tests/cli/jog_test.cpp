@@ -139,8 +139,8 @@ TEST(JogAtItsEnd, the_machine_stands_and_the_terminal_is_as_before) {
   }
 }
 
-/// Nobody is left to stop it: the test above would see that.
-TEST(JogAtItsEnd, a_program_that_is_killed_leaves_a_step_to_its_end) {
+/// The board sees the port closed.
+TEST(JogAtItsEnd, a_program_that_is_killed_ends_its_step) {
   const MovingMachine machine;
   ASSERT_TRUE(machine.listening);
   InTerminal jog(machine.slow_step());
@@ -149,10 +149,11 @@ TEST(JogAtItsEnd, a_program_that_is_killed_leaves_a_step_to_its_end) {
   ASSERT_TRUE(jog.wait_for("| Jog |"));
   jog.send_signal(SIGKILL);
   jog.finish();
-  EXPECT_THAT(machine.status(), HasSubstr("<Jog|"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_THAT(machine.status(), HasSubstr("<Idle|"));
   const double at = machine.x();
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  EXPECT_GT(machine.x(), at);
+  EXPECT_EQ(machine.x(), at);
 }
 
 /// Ctrl-C and Ctrl-D are keys.

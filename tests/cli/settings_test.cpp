@@ -56,7 +56,8 @@ TEST(Settings, sets_several_or_none) {
 
 TEST(Settings, come_back_from_files) {
   const Folder folder;
-  const std::string machine = folder.write("m.toml", "travel = [300, 200, 100]\nlamp_mode = 2\n");
+  const std::string machine =
+      folder.write("m.toml", "travel = [300, 200, 100]\nlamp_mode = 2\nlamp_energy = 1\n");
   for (const char* name : {"b.toml", "b.txt"}) {
     const std::string file = folder / name;
     EXPECT_EQ(run(settings({"backup", file, "--machine", machine})).status, 0);
@@ -66,7 +67,7 @@ TEST(Settings, come_back_from_files) {
     const Finished other = run(settings({"restore", file, "--json"}));
     EXPECT_EQ(other.status, 0) << other.err;
     const auto changes = nlohmann::json::parse(other.out);
-    ASSERT_EQ(changes.size(), 3u) << other.out;
+    ASSERT_EQ(changes.size(), 4u) << other.out;
     EXPECT_EQ(changes[0]["number"], 130);
     EXPECT_EQ(changes[0]["after"], "300.000");
   }

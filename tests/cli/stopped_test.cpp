@@ -104,11 +104,12 @@ TEST(StoppedJobs, NumbersCountPausesEverywhere) {
 TEST(StoppedJobs, ALampThatNobodyCanFollow) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(20, 3)));
-  for (const auto& fault :
-       std::vector<std::vector<std::string>>{{"--wander", "50"},
-                                             {"--dropouts", "100"},
-                                             {"--dropouts", "100", "--lamp", "20"},
-                                             {"--dropouts", "100", "--lamp-mode", "master"}}) {
+  const std::string machine = folder.write("m.toml", "lamp_energy = 1\n");
+  for (const auto& fault : std::vector<std::vector<std::string>>{
+           {"--wander", "50"},
+           {"--dropouts", "100"},
+           {"--dropouts", "100", "--lamp", "20"},
+           {"--dropouts", "100", "--lamp-mode", "master", "--machine", machine}}) {
     std::vector<std::string> arguments{"engrave", list, "--statistics", folder / "jobs.csv"};
     arguments.insert(arguments.end(), fault.begin(), fault.end());
     const Finished gave_up = run(arguments);

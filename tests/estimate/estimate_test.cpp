@@ -80,6 +80,8 @@ class Maker {
     const auto mode =
         pick({LampMode::slave, LampMode::slave, LampMode::master, LampMode::free_beat});
     set(Id::lamp_mode, static_cast<int>(mode));
+    set(Id::lamp_energy, 0.1);
+    set(Id::max_lamp_frequency, 2000);
     if (one_in(3)) set(Id::period_tolerance, between(0, 10));
     if (one_in(3)) set(Id::shutter_open, between(0, 30));
     if (one_in(3)) set(Id::attenuator_settle, between(0, 30));

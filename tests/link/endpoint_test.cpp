@@ -1,5 +1,6 @@
 // Real ports: the sender's transports against the endpoints of the simulator.
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <termios.h>
 #include <unistd.h>
@@ -87,6 +88,36 @@ TEST(PtyEndpoint, SurvivesTheHostComingAndGoing) {
   EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(path)));
 }
 
+TEST(PtyEndpoint, KnowsWhetherAHostHasItOpen) {
+  PtyEndpoint endpoint;
+  EXPECT_FALSE(endpoint.host_present());
+  {
+    const SerialTransport transport(endpoint.address());
+    EXPECT_TRUE(endpoint.host_present());
+    ::close(::open(endpoint.address().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
+    EXPECT_TRUE(endpoint.host_present());
+  }
+  EXPECT_FALSE(endpoint.host_present());
+  const SerialTransport again(endpoint.address());
+  EXPECT_TRUE(endpoint.host_present());
+}
+
+TEST(TcpEndpoint, KnowsWhetherAHostIsConnected) {
+  TcpEndpoint endpoint("127.0.0.1:0");
+  EXPECT_FALSE(endpoint.host_present());
+  {
+    TcpTransport transport(endpoint.address());
+    EXPECT_TRUE(endpoint.host_present());
+    const std::array<std::uint8_t, 3> bytes{'?', '!', '~'};
+    EXPECT_EQ(transport.write(bytes), bytes.size());
+    EXPECT_TRUE(endpoint.host_present());
+  }
+  // Bytes that were sent before can still be read.
+  EXPECT_FALSE(endpoint.host_present());
+  std::array<std::uint8_t, 10> bytes{};
+  EXPECT_EQ(endpoint.read(bytes), 3u);
+}
+
 TEST(PtyEndpoint, ReplacesAnOldLinkButNoFile) {
   const auto path = link_path("lamplock-file-");
   std::filesystem::create_symlink("/nowhere", path);
@@ -109,6 +140,22 @@ TEST(SerialTransport, NoticesThatTheOtherEndIsGone) {
   EXPECT_FALSE(transport.connected());
   EXPECT_FALSE(transport.reconnect());
   EXPECT_EQ(transport.write(bytes), 0u);
+}
+
+TEST(SerialTransport, OnePortHasOneProgram) {
+  PtyEndpoint endpoint;
+  std::string said;
+  {
+    const SerialTransport first(endpoint.address());
+    // Locks belong to an open file, so that a second one of this process is another's.
+    try {
+      const SerialTransport second(endpoint.address());
+    } catch (const Error& error) {
+      said = error.what();
+    }
+    EXPECT_THAT(said, testing::HasSubstr("another program uses the port"));
+  }
+  EXPECT_NO_THROW(SerialTransport(endpoint.address()));
 }
 
 TEST(SerialTransport, HasTheSpeedOfTheBoardsUart) {

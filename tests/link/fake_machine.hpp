@@ -22,7 +22,8 @@ class FakeMachine {
   void on_realtime(std::uint8_t byte) {
     realtime.push_back(byte);
     if (state == wire::MachineState::run && byte == '!') hold(wire::HoldReason::realtime);
-    if (state == wire::MachineState::run && byte == 0x18) hold(wire::HoldReason::reset);
+    const bool unfinished = state == wire::MachineState::run || state == wire::MachineState::hold;
+    if (unfinished && byte == 0x18) hold(wire::HoldReason::reset);
     // A stray byte may stop the machine but not start it again when the host has stopped it.
     const bool held_by_host = reason == wire::HoldReason::host;
     if (state == wire::MachineState::hold && byte == '~' && !held_by_host) run();

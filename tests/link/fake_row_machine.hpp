@@ -25,7 +25,10 @@ class FakeRowMachine {
   void on_realtime(std::uint8_t byte) {
     const bool running = state == wire::MachineState::run;
     if (running && byte == '!') hold(wire::HoldReason::realtime);
-    if (running && byte == 0x18) hold(wire::HoldReason::reset);
+    if (running && byte == 0x18) {
+      hold(wire::HoldReason::reset);
+      state = wire::MachineState::idle;  // dark lines cannot be gone on with
+    }
     const bool held_by_host = reason == wire::HoldReason::host;
     if (state == wire::MachineState::hold && byte == '~' && !held_by_host) run();
   }

@@ -49,6 +49,18 @@ TEST(LineConsole, lines_are_answered_one_by_one) {
   EXPECT_FALSE(talk.console.failure());
 }
 
+TEST(LineConsole, the_end_of_the_input_is_the_end_when_the_machine_rests) {
+  GrblModel board;
+  Talk talk(board, true);
+  talk.console.type("G1 X1");
+  talk.console.end_input();
+  talk.until_done();
+  EXPECT_FALSE(talk.console.at_rest()) << "an ok is no rest";
+  talk.run_for(500ms);
+  EXPECT_TRUE(talk.console.at_rest());
+  EXPECT_THAT(talk.shown, ElementsAre("ok"));
+}
+
 TEST(LineConsole, bytes_that_act_at_once_do_not_go_out_in_the_middle_of_a_line) {
   GrblModel board;
   Talk talk(board, true);

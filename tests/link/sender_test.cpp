@@ -1,6 +1,7 @@
 // Sender and link over a bad cable: every point exactly once and in order.
 #include "host/link/sender.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,6 +33,13 @@ std::unique_ptr<FaultyTransport> cable(Faults faults = {}, std::uint64_t seed = 
 SenderOptions fixed_session() {
   SenderOptions options;
   options.session = 0x5EED;
+  return options;
+}
+
+/// For a cable whose noise may be a command of one byte.
+SenderOptions with_auto_resume() {
+  SenderOptions options = fixed_session();
+  options.auto_resume = true;
   return options;
 }
 
@@ -142,6 +150,7 @@ TEST_P(BadCable, EveryPointOnceAndInOrder) {
     const job::Job job = random_job(4000, static_cast<std::uint64_t>(seed));
     SenderOptions options;
     options.session = static_cast<std::uint32_t>(seed) * 7919 + 1;
+    options.auto_resume = true;  // noise may be a command of one byte
     const JobResult result = JobSender(*board, job, options).run();
     ASSERT_EQ(result.end, JobEnd::done) << "seed " << seed;
     expect_each_once(*board, job);
@@ -240,12 +249,14 @@ TEST(Sender, StartsInTheMiddle) {
   expect_each_once(*board, job, 1234);
 }
 
-TEST(Sender, ResumesEveryHoldItDidNotAskFor) {
+TEST(Sender, ResumesAfterItsOwnSilenceAndAfterNoiseIfToldTo) {
   for (const auto reason :
-       {wire::HoldReason::realtime, wire::HoldReason::reset, wire::HoldReason::dead_man}) {
+       {wire::HoldReason::dead_man, wire::HoldReason::realtime, wire::HoldReason::reset}) {
     auto board = cable();
     const job::Job job = random_job(2000, 5);
-    JobSender sender(*board, job, fixed_session());
+    SenderOptions options = fixed_session();
+    options.auto_resume = reason != wire::HoldReason::dead_man;
+    JobSender sender(*board, job, options);
     for (int i = 0; i < 20; ++i) sender.step();
     board->machine.hold(reason);
     EXPECT_EQ(sender.run().end, JobEnd::done);
@@ -253,10 +264,45 @@ TEST(Sender, ResumesEveryHoldItDidNotAskFor) {
   }
 }
 
+TEST(Sender, ATypedHoldLastsUntilTheUserResumes) {
+  auto board = cable();
+  const job::Job job = random_job(2000, 5);
+  JobSender sender(*board, job, fixed_session());
+  for (int i = 0; i < 20; ++i) sender.step();
+  board->machine.on_realtime('!');
+  const std::size_t held_at = board->machine.fired.size();
+  for (int i = 0; i < 1000; ++i) ASSERT_TRUE(sender.step());
+  EXPECT_EQ(board->machine.fired.size(), held_at);
+  EXPECT_EQ(sender.status().hold_reason, wire::HoldReason::realtime);
+  sender.resume();
+  EXPECT_EQ(sender.run().end, JobEnd::done);
+  expect_each_once(*board, job);
+}
+
+TEST(Sender, ATypedResetStopsTheJobAndSaysSo) {
+  auto board = cable();
+  const job::Job job = random_job(2000, 5);
+  JobSender sender(*board, job, fixed_session());
+  for (int i = 0; i < 20; ++i) sender.step();
+  board->machine.on_realtime(0x18);
+  const std::size_t fired = board->machine.fired.size();
+  try {
+    sender.run();
+    FAIL() << "it went on";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit(), Exit::job_failed);
+    EXPECT_THAT(error.what(), testing::HasSubstr("0x18"));
+    EXPECT_THAT(error.what(), testing::HasSubstr(fmt::format("--from {}", fired)));
+  }
+  EXPECT_EQ(board->machine.fired.size(), fired);
+  EXPECT_EQ(board->machine.state, wire::MachineState::idle);
+  EXPECT_EQ(sender.result().end, JobEnd::stopped);
+}
+
 TEST(Sender, PauseHoldsUntilResume) {
   auto board = cable({.drop = 1e-3, .flip = 1e-3}, 6);
   const job::Job job = random_job(3000, 6);
-  JobSender sender(*board, job, fixed_session());
+  JobSender sender(*board, job, with_auto_resume());
   while (board->machine.fired.size() < 500) ASSERT_TRUE(sender.step());
   sender.pause();
   for (int i = 0; i < 200; ++i) sender.step();
@@ -463,7 +509,7 @@ TEST(Sender, TheJobSpeedFollowsTheUserThroughHoldsAndABadCable) {
   for (int seed = 0; seed < test::scaled(10); ++seed) {
     auto board = cable({.drop = 5e-4, .flip = 5e-4, .cuts = 3}, static_cast<std::uint64_t>(seed));
     const job::Job job = random_job(20'000, 8);
-    JobSender sender(*board, job, fixed_session());
+    JobSender sender(*board, job, with_auto_resume());
     std::size_t round = 0;
     std::uint32_t wanted = 100;
     while (sender.step() && board->machine.fired.size() < 15'000) {
@@ -516,7 +562,7 @@ TEST(Sender, ARefusedPointStopsTheMachineWhateverTheCableDoes) {
     auto board = cable({.drop = 1e-3, .flip = 1e-3, .cuts = 5}, static_cast<std::uint64_t>(seed));
     job::Job job = random_job(2000, 12);
     job.targets[1500].steps[2] = board->machine.limits.max[2] + 1;
-    const Failure failure = failure_of(*board, job, fixed_session());
+    const Failure failure = failure_of(*board, job, with_auto_resume());
     ASSERT_EQ(board->machine.state, wire::MachineState::idle) << "seed " << seed;
     ASSERT_THAT(failure.text, HasSubstr("point 1500"));
   }

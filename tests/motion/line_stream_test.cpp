@@ -86,13 +86,13 @@ TEST(LineStream, AnOverrideActsOnTheNextSegment) {
   EXPECT_NEAR(rig.speed_mm_s(rig.segments().back()), 100, 0.01);
   rig.planner().set_feed_percent(50);
   rig.step();
-  EXPECT_NEAR(rig.speed_mm_s(rig.segments().back()), 100 - 16, 0.2);
-  for (int i = 0; i < 4; ++i) rig.step();
+  EXPECT_NEAR(rig.speed_mm_s(rig.segments().back()), 100 - 8, 0.2);
+  for (int i = 0; i < 8; ++i) rig.step();
   EXPECT_NEAR(rig.speed_mm_s(rig.segments().back()), 50, 0.01);
   rig.planner().set_feed_percent(1000);  // 200
   rig.step();
-  EXPECT_NEAR(rig.speed_mm_s(rig.segments().back()), 50 + 16, 0.2);
-  for (int i = 0; i < 10; ++i) rig.step();
+  EXPECT_NEAR(rig.speed_mm_s(rig.segments().back()), 50 + 8, 0.2);
+  for (int i = 0; i < 20; ++i) rig.step();
   EXPECT_NEAR(rig.speed_mm_s(rig.segments().back()), 200, 0.02);
   rig.planner().hold();
   const double t = rig.seconds();

@@ -134,16 +134,31 @@ void Board::sign() {
 }
 
 void Board::receive() {
+  if (ports_.take_loss()) core_.lose_lines();
+  core_.see_host(ports_.host_present());
   std::array<std::uint8_t, piece> bytes;
   for (int i = 0; i < most_pieces; ++i) {
+    if (ports_.realtime_waits()) receive_realtime();
     // Asked each time: the bytes before may have begun a job, or filled the room for lines.
     const std::size_t room = core_.receive_room();
     const auto free = std::span<std::uint8_t>(bytes).first(room < piece ? room : piece);
     const std::size_t n = ports_.read(free, core_.job_unfinished());
     if (ports_.take_new_connection()) core_.new_connection();
     if (n == 0) return;
-    core_.receive(free.first(n));
+    core_.see_host(ports_.host_present());
+    core_.receive(free.first(n), ports_.before_jog_cancel());
     if (core_.batch_waits()) return;  // the other core has nothing to do meanwhile
+  }
+}
+
+/// Commands of one byte do not wait for the lines before them.
+void Board::receive_realtime() {
+  std::uint8_t byte = 0;
+  for (std::uint32_t i = 0; i < wire::RealtimeInbox::capacity; ++i) {
+    const bool any = ports_.read_realtime(byte, core_.job_unfinished());
+    if (ports_.take_new_connection()) core_.new_connection();
+    if (!any) break;
+    core_.receive_realtime(byte);
   }
 }
 

@@ -98,6 +98,7 @@ class Board {
   /// One round of the main loop; true if there is more to do at once.
   bool pass();
   void receive();
+  [[gnu::cold]] void receive_realtime();
   /// Motion and state; true while a plan is being made here, or if one was complete.
   bool work();
   /// Looks what is to be planned; true as work().

@@ -1,7 +1,8 @@
 // The two links, USB and UART, as one: the core talks with one host at a time. USB has two
 // functions, of which it chooses one by rules of its own (usb/listener.hpp).
 //
-// In:  bytes of both. Out: bytes of the one that is being listened to; answers go there.
+// In:  bytes of both. Out: bytes of the one that is being listened to, commands of one byte first;
+//      answers go there.
 // Who: main loop.
 //
 // Whoever speaks is listened to. While a job is unfinished the other one is not: two hosts at once
@@ -28,12 +29,26 @@ class BasicPorts {
   Usb& usb() { return usb_; }
   Uart& uart() { return uart_; }
 
+  /// A command of one byte waits, heard or not.
+  bool realtime_waits() const { return usb_.realtime_waits() || uart_.realtime_waits(); }
+  /// Takes the oldest command of one byte; false if there is none. To be asked before read().
+  bool read_realtime(std::uint8_t& byte, bool tied) {
+    return read_either(
+               tied, [&byte](auto& port) { return port.read_realtime(byte) ? 1u : 0u; }, false) !=
+           0;
+  }
   /// Takes received bytes; returns how many. `tied`: only from the one listened to last.
   std::size_t read(std::span<std::uint8_t> out, bool tied) {
-    usb_.set_tied(tied);
-    if (const std::size_t n = read_from(usb_, false, out, tied); n != 0) return n;
-    return read_from(uart_, true, out, tied);
+    return read_either(tied, [out](auto& port) { return port.read(out); });
   }
+  /// The bytes of the last read() came before the end of jogs (0x85).
+  bool before_jog_cancel() const {
+    return on_uart_ ? uart_.before_jog_cancel() : usb_.before_jog_cancel();
+  }
+  /// True once after bytes of the UART were lost while it is listened to.
+  bool take_loss() { return uart_.take_loss() && on_uart_; }
+  /// The host that is listened to is there. Of one on the UART nothing is known.
+  bool host_present() const { return on_uart_ || usb_.present(); }
   /// True once for each new connection; to be asked after each read(), before its bytes are used.
   bool take_new_connection() {
     const bool is_new = new_connection_;
@@ -54,16 +69,25 @@ class BasicPorts {
   }
 
  private:
-  template <class Port>
-  std::size_t read_from(Port& port, bool is_uart, std::span<std::uint8_t> out, bool tied) {
+  template <class Read>
+  std::size_t read_either(bool tied, Read&& read, bool of_connection = true) {
+    usb_.set_tied(tied);
+    if (const std::size_t n = read_from(usb_, false, tied, read, of_connection); n != 0) return n;
+    return read_from(uart_, true, tied, read, of_connection);
+  }
+
+  /// `read` takes bytes of a port and returns how many; bytes `of_connection` are void if that has
+  /// ended meanwhile, commands of one byte are not.
+  template <class Port, class Read>
+  std::size_t read_from(Port& port, bool is_uart, bool tied, Read&& read, bool of_connection) {
     std::uint32_t& seen = generations_[is_uart ? 1 : 0];
     const std::uint32_t generation = port.generation();
     if (generation != seen && on_uart_ == is_uart) new_connection_ = true;
     seen = generation;
-    const std::size_t n = port.read(out);
+    const std::size_t n = read(port);
     // The interrupt has ended the connection meanwhile: the bytes were its last. A host takes far
     // longer than this to send the first ones over a new one.
-    if (n == 0 || port.generation() != generation) return 0;
+    if (n == 0 || (of_connection && port.generation() != generation)) return 0;
     if (on_uart_ == is_uart) return n;
     if (tied) return 0;
     on_uart_ = is_uart;

@@ -5,9 +5,10 @@
 //      received, 42 a byte sent; at 1 Mbaud, 8N1, eight bytes every 80 us each way, 10 % of a core
 //      if both are busy. The FIFO of 32 bytes is full 240 us after the interrupt was raised.
 //
-// Same shape as UsbSerial: a full ring or FIFO drops, counts and leaves a mark where bytes are
-// missing, so that no line is put together from two (usb/byte_rings.hpp); broken bytes (framing,
-// parity) count as missing. There is no host to see or lose: always configured, never suspended.
+// Same shape as UsbSerial, but the other end cannot be made to wait: a full ring or FIFO drops,
+// counts and leaves a mark where bytes are missing, so that no line is put together from two
+// (usb/byte_rings.hpp); broken bytes (framing, parity) count as missing. Real-time bytes are never
+// dropped for want of room. There is no host to see or lose: always configured, never suspended.
 #pragma once
 
 #include <cstddef>
@@ -83,8 +84,13 @@ class BasicUartSerial {
     if (to_send_.size() != 0) hardware_.pend();
   }
 
+  /// Takes the oldest command of one byte; false if there is none.
+  bool read_realtime(std::uint8_t& byte) { return received_.pop_realtime(byte); }
+  bool realtime_waits() const { return received_.realtime_waits(); }
   /// Takes received bytes; returns how many.
   std::size_t read(std::span<std::uint8_t> out) { return received_.pop(out); }
+  /// Those came before the end of jogs (0x85).
+  bool before_jog_cancel() const { return received_.before_jog_cancel(); }
   /// Received bytes that wait.
   std::size_t available() const { return received_.size(); }
 
@@ -105,6 +111,8 @@ class BasicUartSerial {
   static constexpr bool suspended() { return false; }
   static constexpr std::uint32_t generation() { return 0; }
 
+  /// True once after bytes were lost, unless a reset has come since.
+  bool take_loss() { return received_.take_loss(); }
   UartCounters counters() const {
     UartCounters result = counters_;
     result.bytes_dropped = received_.losses().bytes;

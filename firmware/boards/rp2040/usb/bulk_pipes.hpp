@@ -62,6 +62,13 @@ constexpr std::uint32_t select_flag(std::uint32_t half) {
   return half == 0 ? std::uint32_t{usb_field::buffer_reset_select} : 0u;
 }
 
+/// What is to be done with a packet that has come.
+enum class PacketLook : std::uint8_t {
+  take,
+  begins_anew,  ///< to be taken; the packet before it is void
+  drop
+};
+
 /// From the host.
 template <class Hardware>
 class BulkOut {
@@ -90,10 +97,17 @@ class BulkOut {
     halted_ = true;
   }
 
+  /// A packet waits that the host thinks it has delivered.
+  bool keeps_packet() const {
+    return (looked_at_[0] && !void_[0] && is_done(halves_[0])) ||
+           (looked_at_[1] && !void_[1] && is_done(halves_[1]));
+  }
   /// A packet may be there for `service`.
   bool filled() const { return ((halves_[0] | halves_[1]) & usb_field::buffer_full) != 0; }
 
-  /// Hands received packets to `taker` (push_packet) and the buffers back at once.
+  /// Hands received packets to `taker`, and the buffers back as soon as it has taken them:
+  ///   PacketLook look(words, size)   of each packet once, when it has come
+  ///   bool push_packet(words, size)  false: the packet waits in its buffer, and so does the host
   template <class Taker>
   void service(Taker&& taker) {
     if (halted_) return;
@@ -102,15 +116,17 @@ class BulkOut {
       // Read in this order: if the later one is done, so is the earlier one, unless we and the
       // controller disagree about the turn; then the one that is done is the next.
       const bool other_done = is_done(halves_[next_ ^ 1]);
+      bool another_follows = other_done;
       if (!is_done(halves_[next_])) {
         if (!other_done) return;
         next_ ^= 1;
         ++resynchronised_;
+        another_follows = false;
       }
-      const std::uint32_t value = halves_[next_];
-      const std::uint32_t size =
-          std::min<std::uint32_t>(value & usb_field::buffer_length, packet_size);
-      if (size != 0) taker.push_packet(words_ + next_ * words_per_packet, size);
+      look(next_, taker);
+      if (another_follows) look(next_ ^ 1, taker);
+      const std::uint32_t size = size_of(next_);
+      if (size != 0 && !void_[next_] && !taker.push_packet(words_of(next_), size)) return;
       arm(next_, 0);
       next_ ^= 1;
       ++packets_;
@@ -143,7 +159,24 @@ class BulkOut {
   }
   Register& control() { return hardware_.dpram().endpoint_control[place_.endpoint - 1].out; }
 
+  volatile std::uint32_t* words_of(std::uint32_t half) { return words_ + half * words_per_packet; }
+  std::uint32_t size_of(std::uint32_t half) const {
+    return std::min<std::uint32_t>(halves_[half] & usb_field::buffer_length, packet_size);
+  }
+
+  /// Once at each packet, in their order; the second one may come while the first one waits.
+  template <class Taker>
+  void look(std::uint32_t half, Taker&& taker) {
+    if (looked_at_[half]) return;
+    looked_at_[half] = true;
+    if (size_of(half) == 0) return;
+    const PacketLook look = taker.look(words_of(half), size_of(half));
+    void_[half] = look == PacketLook::drop;
+    if (look == PacketLook::begins_anew && half != next_) void_[next_] = true;
+  }
+
   void arm(std::uint32_t half, std::uint32_t flags) {
+    looked_at_[half] = void_[half] = false;
     const std::uint32_t pid = data1_ ? usb_field::buffer_data1 : 0u;
     data1_ = !data1_;
     give_buffer(hardware_, halves_[half], packet_size | pid | flags, usb_field::buffer_available);
@@ -158,6 +191,8 @@ class BulkOut {
   std::uint32_t resynchronised_ = 0;
   bool data1_ = false;  ///< of the buffer armed next
   bool halted_ = true;
+  bool looked_at_[2] = {};
+  bool void_[2] = {};  ///< not heard, or a reset or another host has come after it
 };
 
 /// To the host.

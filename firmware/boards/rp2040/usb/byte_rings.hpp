@@ -4,13 +4,19 @@
 //      SendRing: bytes from the main loop.
 // Out: the other way round. One writer and one reader each; indices only, no masking.
 // Cost: copying a packet of 64 bytes takes 130 (aligned) to 250 cycles: words are shifted together,
-//      never copied byte by byte.
+//      never copied byte by byte. The search for real-time bytes takes some 400 more; a packet that
+//      may have one is copied by bytes, in some 1200.
 //
-// A full ReceiveRing drops what comes (the port must never make the host wait, or a hold would wait
-// behind data) and keeps three promises: nothing is half-dropped unnoticed - a DEL stands where
-// bytes are missing, which spoils the line or the CRC of the frame around it (shared/wire/
-// framing.hpp), so that two halves of different lines are never one line; real-time bytes of what
-// is dropped (hold, stop, ...) are kept, repeats of the same one once; what was dropped is counted.
+// Real-time bytes never wait behind lines: the ReceiveRing takes them out where they arrive and
+// hands them to the main loop through an inbox of their own. A reset (0x18) discards what was
+// received before it and not yet read. The end of jogs (0x85, `!`, 0x84) leaves a mark: bytes
+// before it are known as such when they are read, for the jogs among them are void.
+//
+// A ReceiveRing without room refuses a packet: the port keeps it, so that the controller makes the
+// host wait (NAK), and offers it again; its real-time bytes have been heard by then. A UART cannot
+// wait: single bytes that do not fit are dropped and counted, and a DEL marks the place where bytes
+// are missing. It spoils the line or the CRC of the frame around it (shared/wire/framing.hpp), so
+// that two halves of different lines are never one line.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +26,7 @@
 #include <cstdint>
 #include <span>
 
-#include "shared/wire/framing.hpp"
+#include "shared/wire/realtime_inbox.hpp"
 
 namespace lamplock::rp2040 {
 
@@ -30,11 +36,25 @@ inline void order_accesses() { std::atomic_signal_fence(std::memory_order_seq_cs
 /// Stands where received bytes are missing.
 inline constexpr std::uint8_t gap_mark = 0x7f;
 
-/// What a ReceiveRing had to drop.
+/// Bytes of a UART that are missing.
 struct ReceiveLosses {
-  std::uint32_t bytes = 0;
-  std::uint32_t gaps = 0;
+  std::uint32_t bytes = 0;  ///< dropped for want of room
+  std::uint32_t gaps = 0;   ///< places where bytes are missing
 };
+
+/// False if none of four bytes is a real-time byte. True of any of 0x80 to 0xbf, a few too many.
+constexpr bool may_have_realtime(std::uint32_t word) {
+  constexpr std::uint32_t ones = 0x01010101, tops = 0x80808080;
+  // 0x80 to 0xbf: the highest bit is set and the next one is not.
+  std::uint32_t found = word & ~(word << 1);
+  for (const std::uint32_t byte :
+       {wire::byte_reset, wire::byte_hold, wire::byte_status, wire::byte_resume}) {
+    // Classic test for a zero byte, exact as to whether there is one.
+    const std::uint32_t other = word ^ byte * ones;
+    found |= (other - ones) & ~other;
+  }
+  return (found & tops) != 0;
+}
 
 /// Received bytes.
 template <std::uint32_t capacity>
@@ -44,62 +64,98 @@ class ReceiveRing {
  public:
   // Interrupt.
 
-  /// Takes the first `size` (1 to 64) bytes of `words`, or drops them all.
-  void push_packet(const volatile std::uint32_t* words, std::uint32_t size) {
-    if (room() < reserve + margin + size) return drop_packet(words, size);
-    if (gap_) end_gap();
-    const std::uint32_t shift = 8 * (head_ % 4);
-    const std::uint32_t count = (size + 3) / 4;
-    const std::uint32_t index = head_ / 4 % word_count;
-    const std::uint32_t first = std::min(count, word_count - index);  // up to the wrap
-    std::uint32_t* const begin = words_.data();
-    if (shift == 0) {
-      copy(begin + index, words, first);
-      copy(begin, words + first, count - first);
-    } else {
-      std::uint32_t carry = begin[index] & ((1u << shift) - 1);
-      carry = merge(begin + index, words, first, shift, carry);
-      carry = merge(begin, words + first, count - first, shift, carry);
-      begin[(index + count) % word_count] = carry;
+  /// Puts the real-time bytes of a packet, the first `size` (1 to 64) bytes of `words`, into the
+  /// inbox. True if a reset is among them: packets before it that wait are void.
+  bool take_realtime(const volatile std::uint32_t* words, std::uint32_t size) {
+    if (is_plain(words, size)) return false;
+    bool reset = false, jog_cancel = false;
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const std::uint8_t byte = byte_of(words, i);
+      if (!wire::is_realtime(byte)) continue;
+      take_realtime(byte);
+      jog_cancel = wire::ends_jogs(byte) || (jog_cancel && byte != wire::byte_reset);
+      reset = reset || byte == wire::byte_reset;
     }
-    publish(head_ + size);
+    if (jog_cancel) ++jog_cancels_ahead_;
+    return reset;
+  }
+  /// Takes the other bytes of the packet; false without room for them: to be offered again.
+  bool push_packet(const volatile std::uint32_t* words, std::uint32_t size) {
+    if (room() < margin + size) return false;
+    if (gap_) end_gap();
+    if (is_plain(words, size))
+      copy_packet(words, size);
+    else
+      copy_bytes(words, size);
+    if (jog_cancels_ahead_ != 0)
+      jog_cancel_ = head_;
+    else
+      forget_old_jog_cancel();
+    return true;
   }
 
   /// Takes one byte, or drops it.
   void push_byte(std::uint8_t byte) {
-    if (room() < reserve + margin + 1) return drop_byte(byte);
+    if (wire::is_realtime(byte)) return take_realtime(byte);
+    if (room() < margin + 1) {
+      mark_gap();
+      ++losses_.bytes;
+      return;
+    }
     if (gap_) end_gap();
     append(byte);
+    forget_old_jog_cancel();
   }
 
   /// Bytes were lost outside (overrun): the next byte comes behind a mark.
   void mark_gap() {
     if (!gap_) ++losses_.gaps;
     gap_ = true;
+    lost_ = true;
+  }
+  /// Packets whose real-time bytes were taken do not come.
+  void lose_packets() {
+    jog_cancels_ahead_ = 0;
+    mark_gap();
   }
 
-  /// A new connection: what has not been read is void.
+  /// What has not been read is void: of another connection, or before a reset.
   void discard() {
     discard_to_ = head_;
     order_accesses();
     discard_ = true;
     gap_ = false;
-    kept_ = 0;
+    lost_ = false;
+    jog_cancels_ahead_ = 0;
   }
 
   // Main loop.
 
+  /// Takes the oldest command of one byte; false if there is none. To be asked before pop(): a
+  /// reset acts before the lines after it.
+  bool pop_realtime(std::uint8_t& byte) { return inbox_.pop(byte); }
+  bool realtime_waits() const { return inbox_.waits(); }
+
   /// Takes up to `out.size()` bytes; returns how many. None after a discard, so that who has looked
-  /// whether the connection is a new one before this call never takes the first bytes of one.
+  /// whether the connection is a new one before this call never takes the first bytes of one; none
+  /// while a command waits, which acts before the bytes after it. Never bytes from before and after
+  /// the end of jogs at once: see before_jog_cancel().
   std::size_t pop(std::span<std::uint8_t> out) {
+    // Read first: what has come since is for the next call, whatever it is.
+    const std::uint32_t head = head_;
+    order_accesses();
     if (discard_) {
       discard_ = false;
       order_accesses();
       tail_ = discard_to_;
       return 0;
     }
+    if (inbox_.waits()) return 0;
     const std::uint32_t tail = tail_;
-    const std::size_t count = std::min<std::size_t>(out.size(), head_ - tail);
+    const std::uint32_t before = jog_cancel_ - tail;
+    before_jog_cancel_ = before != 0 && before <= capacity;
+    const std::uint32_t waiting = std::min(head - tail, before_jog_cancel_ ? before : capacity);
+    const std::size_t count = std::min<std::size_t>(out.size(), waiting);
     order_accesses();
     for (std::uint32_t i = 0; i < count; ++i) out[i] = bytes()[(tail + i) % capacity];
     order_accesses();
@@ -107,14 +163,22 @@ class ReceiveRing {
     return count;
   }
 
-  /// Bytes waiting.
+  /// The bytes of the last pop() came before the end of jogs.
+  bool before_jog_cancel() const { return before_jog_cancel_; }
+  /// There is room for any packet.
+  bool has_room() const { return room() >= margin + 64; }
+  /// Bytes waiting, without commands of one byte.
   std::size_t size() const { return head_ - (discard_ ? discard_to_ : tail_); }
   const ReceiveLosses& losses() const { return losses_; }
+  /// True once after bytes were lost, unless a reset has come since.
+  bool take_loss() {
+    const bool lost = lost_;
+    lost_ = false;
+    return lost;
+  }
 
  private:
   static constexpr std::uint32_t word_count = capacity / 4;
-  /// Kept for real-time bytes of dropped packets.
-  static constexpr std::uint32_t reserve = 64;
   /// One mark, and the whole words of a packet reach up to 7 bytes past its end.
   static constexpr std::uint32_t margin = 8;
 
@@ -147,51 +211,76 @@ class ReceiveRing {
   void end_gap() {
     append(gap_mark);
     gap_ = false;
-    kept_ = 0;
   }
 
-  void drop_packet(const volatile std::uint32_t* words, std::uint32_t size) {
-    mark_gap();
-    losses_.bytes += size;
-    for (std::uint32_t i = 0; i < size; i += 4) {
-      std::uint32_t word = words[i / 4];
-      for (std::uint32_t left = std::min<std::uint32_t>(size - i, 4); left != 0; --left) {
-        const std::uint32_t byte = word & 0xff;
-        if ((realtime_set[byte / 32] >> (byte % 32) & 1) != 0)
-          keep(static_cast<std::uint8_t>(byte));
-        word >>= 8;
-      }
+  void copy_packet(const volatile std::uint32_t* words, std::uint32_t size) {
+    const std::uint32_t shift = 8 * (head_ % 4);
+    const std::uint32_t count = (size + 3) / 4;
+    const std::uint32_t index = head_ / 4 % word_count;
+    const std::uint32_t first = std::min(count, word_count - index);  // up to the wrap
+    std::uint32_t* const begin = words_.data();
+    if (shift == 0) {
+      copy(begin + index, words, first);
+      copy(begin, words + first, count - first);
+    } else {
+      std::uint32_t carry = begin[index] & ((1u << shift) - 1);
+      carry = merge(begin + index, words, first, shift, carry);
+      carry = merge(begin, words + first, count - first, shift, carry);
+      begin[(index + count) % word_count] = carry;
     }
-  }
-  void drop_byte(std::uint8_t byte) {
-    mark_gap();
-    ++losses_.bytes;
-    if (wire::is_realtime(byte)) keep(byte);
-  }
-  /// A real-time byte of what is dropped; the same one again says nothing new.
-  void keep(std::uint8_t byte) {
-    if (byte != kept_ && room() <= margin) return;
-    --losses_.bytes;
-    if (byte == kept_) return;
-    kept_ = byte;
-    append(byte);
+    publish(head_ + size);
   }
 
-  /// One bit a byte value: wire::is_realtime.
-  static constexpr std::array<std::uint32_t, 8> realtime_set = [] {
-    std::array<std::uint32_t, 8> set{};
-    for (std::uint32_t byte = 0; byte < 256; ++byte)
-      if (wire::is_realtime(static_cast<std::uint8_t>(byte))) set[byte / 32] |= 1u << (byte % 32);
-    return set;
-  }();
+  /// Positions wrap: one that is far behind would lie ahead one day.
+  void forget_old_jog_cancel() {
+    constexpr std::uint32_t far = 2 * capacity;
+    if (head_ - jog_cancel_ > far) jog_cancel_ = head_ - far;
+  }
+
+  static bool is_plain(const volatile std::uint32_t* words, std::uint32_t size) {
+    // A loop, for an algorithm with a function as argument may call it through a pointer.
+    for (std::uint32_t i = 0; i < (size + 3) / 4; ++i) {
+      if (may_have_realtime(words[i])) return false;
+    }
+    return true;
+  }
+  static std::uint8_t byte_of(const volatile std::uint32_t* words, std::uint32_t i) {
+    return static_cast<std::uint8_t>(words[i / 4] >> 8 * (i % 4));
+  }
+  /// All but the real-time bytes, and nothing from before the last reset.
+  void copy_bytes(const volatile std::uint32_t* words, std::uint32_t size) {
+    std::uint32_t from = 0;
+    for (std::uint32_t i = 0; i < size; ++i)
+      if (byte_of(words, i) == wire::byte_reset) from = i + 1;
+    std::uint32_t head = head_;
+    bool jog_cancel = false;
+    for (std::uint32_t i = from; i < size; ++i) {
+      const std::uint8_t byte = byte_of(words, i);
+      if (!wire::is_realtime(byte)) bytes()[head++ % capacity] = byte;
+      if (!wire::ends_jogs(byte)) continue;
+      jog_cancel_ = head;
+      jog_cancel = true;
+    }
+    if (jog_cancel && jog_cancels_ahead_ != 0) --jog_cancels_ahead_;
+    publish(head);
+  }
+  void take_realtime(std::uint8_t byte) {
+    inbox_.push(byte);
+    if (wire::ends_jogs(byte)) jog_cancel_ = head_;
+    if (byte == wire::byte_reset) discard();
+  }
 
   std::array<std::uint32_t, word_count> words_{};
   volatile std::uint32_t head_ = 0;
   volatile std::uint32_t tail_ = 0;
   volatile std::uint32_t discard_to_ = 0;
+  volatile std::uint32_t jog_cancel_ = 0;  ///< position of the last end of jogs
   volatile bool discard_ = false;
+  volatile bool lost_ = false;
   bool gap_ = false;
-  std::uint8_t kept_ = 0;  ///< last real-time byte kept in this gap
+  std::uint8_t jog_cancels_ahead_ = 0;  ///< packets with one that wait to be taken
+  bool before_jog_cancel_ = false;      ///< of the last pop()
+  wire::RealtimeInbox inbox_;
   ReceiveLosses losses_;
 };
 

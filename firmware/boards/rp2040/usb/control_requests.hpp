@@ -6,7 +6,8 @@
 //
 // Whatever is not known, not permitted in the present state or malformed is answered by a STALL,
 // and the next SETUP is a fresh start. Line coding, DTR, RTS and break are remembered and otherwise
-// ignored: nothing that a host does on opening a port (DTR, 1200 baud) may reset a machine.
+// ignored: nothing that a host does on opening a port (DTR, 1200 baud) may reset a machine. A DTR
+// that falls is the end of the program that had the port (usb_serial.hpp, present()).
 #pragma once
 
 #include <array>

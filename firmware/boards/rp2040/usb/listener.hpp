@@ -7,9 +7,8 @@
 // frame or line is ever made of bytes of two, one function is heard and the other one's packets are
 // taken from the bus and thrown away, real-time bytes too:
 //   - A sender of lines that polls `?`, or a service that tries what modem this may be, must not
-//     break a job beside it; senders reset what they connect to (0x18), which would end a program.
-//     A hold that a job's host did not ask for is undone by that host (docs/wire-format.md), so
-//     that `!` from the side would be no stop either. What stops the machine for certain is a wire.
+//     break a job beside it; senders reset what they connect to (0x18), which would end a program
+//     or a job. What stops the machine from the side is a wire.
 //   - They are not refused (NAK), for then they would wait and be obeyed when the job is over.
 //
 // The function that is heard changes when the other one speaks, and
@@ -91,6 +90,9 @@ class Listener {
 
   /// Who gets the answers; the serial port if nobody has spoken.
   Function heard() const { return heard_; }
+
+  /// A packet of who is heard waits for room: its host is not silent.
+  void speaks_on(std::uint32_t now_us) { since_us_ = now_us; }
 
   /// A packet came, not an empty one. `tied`: a job is unfinished.
   Verdict packet(Function from, Tail tail, std::uint32_t now_us, bool tied) {

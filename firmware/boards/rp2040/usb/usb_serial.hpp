@@ -9,8 +9,9 @@
 //      real-time byte at its end (estimated).
 //
 // All dealings with the controller happen in `interrupt`; the main loop touches the rings only and
-// pends the interrupt when there is something new to send. Bytes of the host are always taken at
-// once: a full ring drops and counts (byte_rings.hpp), the sender's window makes that rare.
+// pends the interrupt when there is something new to send, or room for packets that wait. Real-time
+// bytes of the host are taken when their packet arrives; the other bytes of a packet wait in its
+// buffer while the ring has no room (byte_rings.hpp), and the host with its next packets (NAK).
 // A new configuration or bus reset empties both rings and counts `generation`, and so does a change
 // from one function to the other. One of them is heard at a time (listener.hpp): there is one pair
 // of rings, and the other one's packets are dropped without a look, some 100 cycles each. The rest
@@ -60,8 +61,6 @@ struct UsbCounters {
   std::uint32_t packets_received = 0;
   std::uint32_t packets_sent = 0;
   std::uint32_t resynchronised = 0;   ///< should be 0: disagreed with the controller about the turn
-  std::uint32_t bytes_dropped = 0;    ///< ring full
-  std::uint32_t gaps = 0;             ///< places where bytes are missing
   std::uint32_t packets_unheard = 0;  ///< of the function that is not heard
 };
 
@@ -109,7 +108,7 @@ class BasicUsbSerial {
   /// Main loop, at least every millisecond.
   void poll() {
     reset_exit_.poll(counters_.bus_resets);
-    if (to_send_.size() != 0) hardware_.pend();
+    if (to_send_.size() != 0 || (packets_wait_ && received_.has_room())) hardware_.pend();
   }
 
   /// A job is unfinished: whoever is heard stays so, while it lives.
@@ -117,8 +116,13 @@ class BasicUsbSerial {
   /// Which function is heard.
   usb::Function heard() const { return listener_.heard(); }
 
+  /// Takes the oldest command of one byte; false if there is none.
+  bool read_realtime(std::uint8_t& byte) { return received_.pop_realtime(byte); }
+  bool realtime_waits() const { return received_.realtime_waits(); }
   /// Takes received bytes; returns how many.
   std::size_t read(std::span<std::uint8_t> out) { return received_.pop(out); }
+  /// Those came before the end of jogs (0x85).
+  bool before_jog_cancel() const { return received_.before_jog_cancel(); }
   /// Received bytes that wait.
   std::size_t available() const { return received_.size(); }
 
@@ -143,7 +147,14 @@ class BasicUsbSerial {
   bool suspended() const { return suspended_; }
   /// Changes whenever the connection is a new one.
   std::uint32_t generation() const { return generation_; }
-  /// A program has the port open, as far as the host says so; nothing depends on it here.
+  /// A host is there, awake, and has not closed the port: a program that opens a serial port raises
+  /// DTR, as a rule, and the system lowers it when the program ends. The stream has no such sign.
+  bool present() const {
+    if (!configured_ || suspended_) return false;
+    const bool closed = requests_.opened() != 0 && !requests_.dtr();
+    return heard() == usb::Function::stream || !closed;
+  }
+  /// A program has the port open, as far as the host says so.
   bool dtr() const { return requests_.dtr(); }
   /// How often a program has opened the port.
   std::uint32_t opened() const { return requests_.opened(); }
@@ -156,8 +167,6 @@ class BasicUsbSerial {
       result.packets_sent += in_[i].packets();
       result.resynchronised += out_[i].resynchronised();
     }
-    result.bytes_dropped = received_.losses().bytes;
-    result.gaps = received_.losses().gaps;
     return result;
   }
 
@@ -205,22 +214,36 @@ class BasicUsbSerial {
   struct Taker {
     BasicUsbSerial& port;
     usb::Function from;
-    void push_packet(const volatile std::uint32_t* words, std::uint32_t size) const {
-      port.take(from, words, size);
+    usb::PacketLook look(const volatile std::uint32_t* words, std::uint32_t size) const {
+      const usb::Verdict verdict = port.hear(from, words, size);
+      if (verdict == usb::Verdict::drop) return usb::PacketLook::drop;
+      const bool reset = port.received_.take_realtime(words, size);
+      return reset || verdict != usb::Verdict::take ? usb::PacketLook::begins_anew
+                                                    : usb::PacketLook::take;
+    }
+    /// One that has waited while the other function took over is thrown away.
+    bool push_packet(const volatile std::uint32_t* words, std::uint32_t size) const {
+      if (port.listener_.heard() != from) return true;
+      const bool taken = port.received_.push_packet(words, size);
+      port.packets_wait_ = !taken;
+      // Its host would say more if it could.
+      if (!taken) port.listener_.speaks_on(port.hardware_.microseconds());
+      return taken;
     }
   };
   void take_packets(usb::Function from) { out_[usb::index(from)].service(Taker{*this, from}); }
 
-  void take(usb::Function from, const volatile std::uint32_t* words, std::uint32_t size) {
+  /// A packet has come: whether its function is heard.
+  usb::Verdict hear(usb::Function from, const volatile std::uint32_t* words, std::uint32_t size) {
     const usb::Verdict verdict =
         listener_.packet(from, usb::tail_of(words, size), hardware_.microseconds(), tied_);
     if (verdict == usb::Verdict::drop) {
       ++counters_.packets_unheard;
-      return;
+      return verdict;
     }
     if (verdict != usb::Verdict::take) new_host();
     if (verdict == usb::Verdict::take_over_broken) received_.mark_gap();
-    received_.push_packet(words, size);
+    return verdict;
   }
 
   void on_setup() {
@@ -266,6 +289,7 @@ class BasicUsbSerial {
     generation_ = generation_ + 1;
     received_.discard();
     to_send_.discard();
+    packets_wait_ = false;
   }
 
   void stop_pipes() {
@@ -292,8 +316,18 @@ class BasicUsbSerial {
     }
   }
 
+  /// Packets that wait for room are lost when their endpoint begins anew.
+  void lose_packets(usb::Pipes pipes) {
+    for (std::size_t i = 0; i < usb::function_count; ++i) {
+      if ((pipes & usb::out_pipes[i]) == 0 || !out_[i].keeps_packet()) continue;
+      received_.lose_packets();
+      packets_wait_ = false;
+    }
+  }
+
   void restart(usb::Pipes pipes) {
     settle();
+    lose_packets(pipes);
     for (std::size_t i = 0; i < usb::function_count; ++i) {
       if ((pipes & usb::out_pipes[i]) != 0) out_[i].restart();
       if ((pipes & usb::in_pipes[i]) != 0) in_[i].restart();
@@ -303,6 +337,7 @@ class BasicUsbSerial {
 
   void halt(usb::Pipes pipes) {
     settle();
+    lose_packets(pipes);
     for (std::size_t i = 0; i < usb::function_count; ++i) {
       if ((pipes & usb::out_pipes[i]) != 0) out_[i].halt();
       if ((pipes & usb::in_pipes[i]) != 0) in_[i].halt();
@@ -328,6 +363,7 @@ class BasicUsbSerial {
   volatile bool configured_ = false;
   volatile bool suspended_ = false;
   volatile bool tied_ = false;
+  volatile bool packets_wait_ = false;  ///< for room in the ring
 };
 
 }  // namespace lamplock::rp2040

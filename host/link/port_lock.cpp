@@ -1,0 +1,77 @@
+#include "host/link/port_lock.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+
+namespace lamplock::link {
+namespace {
+
+/// Number of the driver of the far ends of pseudo-terminals (admin-guide/devices.txt: 136 to 143).
+/// The flag of TIOCEXCL outlives a program that dies there, since the near end stays open.
+bool is_pseudo_terminal(int descriptor) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return false;
+  const unsigned driver = gnu_dev_major(status.st_rdev);
+  return driver >= 136 && driver <= 143;
+}
+
+/// Another process that has the device open, by the links of /proc (proc(5)).
+std::string user_of(const std::string& port) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path device = fs::canonical(port, error);
+  const std::string own = std::to_string(::getpid());
+  for (fs::directory_iterator process("/proc", error), end; !error && process != end;
+       process.increment(error)) {
+    const std::string pid = process->path().filename();
+    if (pid.find_first_not_of("0123456789") != std::string::npos || pid == own) continue;
+    std::error_code denied;
+    for (fs::directory_iterator file(process->path() / "fd", denied); !denied && file != end;
+         file.increment(denied)) {
+      std::error_code gone;
+      if (fs::read_symlink(file->path(), gone) != device) continue;
+      std::string name;
+      std::getline(std::ifstream(process->path() / "comm"), name);
+      return "pid " + pid + ", " + name;
+    }
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+bool PortLock::take(const std::string& port) {
+  release();
+  user_.clear();
+  descriptor_ = ::open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  failure_ = descriptor_ < 0 ? errno : 0;
+  const bool excluded = failure_ == EBUSY;
+  if (failure_ == 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) failure_ = errno;
+  if (excluded || failure_ == EWOULDBLOCK) user_ = user_of(port);
+  if (failure_ != 0) {
+    release();
+    return false;
+  }
+  return true;
+}
+
+void PortLock::refuse_others() {
+  if (descriptor_ >= 0 && !is_pseudo_terminal(descriptor_)) ::ioctl(descriptor_, TIOCEXCL);
+}
+
+void PortLock::release() {
+  if (descriptor_ < 0) return;
+  ::ioctl(descriptor_, TIOCNXCL);
+  ::close(descriptor_);
+  descriptor_ = -1;
+}
+
+}  // namespace lamplock::link

@@ -1,0 +1,221 @@
+// The flash image under more lines than it has room for: each is run once, in order, and a stop is
+// heard when it arrives, however many lines wait before it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/chip_board/chip_rig.hpp"
+
+namespace lamplock::test {
+namespace {
+
+job::Profile quick_profile() {
+  job::Profile profile = chip_profile();
+  job::set_acceleration(profile, 10);
+  job::state_setting(profile, Id::laser_mode, 1, "test");
+  return profile;
+}
+
+/// Places of X where it turned, in steps, and the last one.
+std::vector<std::int32_t> turns(const PinMonitor& monitor) {
+  std::vector<std::int32_t> places;
+  const auto& steps = monitor.steps(0);
+  for (std::size_t i = 0; i + 2 < steps.size(); ++i)
+    if (steps[i].position == steps[i + 2].position) places.push_back(steps[i + 1].position);
+  if (!steps.empty()) places.push_back(steps.back().position);
+  return places;
+}
+
+std::size_t answers(const std::string& heard, const std::string& answer) {
+  std::size_t count = 0;
+  for (std::size_t at = heard.find(answer); at != std::string::npos;
+       at = heard.find(answer, at + 1))
+    ++count;
+  return count;
+}
+
+TEST(ChipFlood, EachLineIsAnsweredAndRunOnceAndInOrder) {
+  const job::Profile profile = quick_profile();
+  const double per_mm = profile.settings.milli(Id::steps_per_mm_x) / 1000.0;
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  std::mt19937_64 random(30);
+  const auto lines = static_cast<std::size_t>(scaled(1000));
+  std::vector<std::int32_t> wanted;
+  std::string text = "G1 F6000\n";
+  for (std::size_t i = 0; i < lines; ++i) {
+    // Forth and back, never to the same place twice in a row.
+    wanted.push_back(static_cast<std::int32_t>(i % 2 == 0 ? 12 + random() % 10 : random() % 10));
+    text += fmt::format("X{:.4f} (a remark makes lines longer than they are slow)\n",
+                        wanted.back() / per_mm);
+  }
+  rig.heard.clear();
+  const Picoseconds limit = rig.now() + 120 * ps_per_s;
+  for (std::size_t sent = 0; rig.now() < limit;) {
+    const std::size_t burst = std::min<std::size_t>(random() % 3000, text.size() - sent);
+    sent += rig.board.write({reinterpret_cast<const std::uint8_t*>(text.data()) + sent, burst});
+    rig.run(static_cast<Picoseconds>(random() % 50) * ps_per_ms);
+    if (random() % 3 == 0) rig.listen();
+    if (answers(rig.heard, "ok\r\n") == lines + 1) break;
+  }
+  EXPECT_EQ(answers(rig.heard, "ok\r\n"), lines + 1);
+  EXPECT_EQ(answers(rig.heard, "error"), 0u);
+  rig.run(100 * ps_per_ms);
+  EXPECT_EQ(turns(rig.monitor), wanted);
+  EXPECT_GT(rig.board.usb_host().statistics().out_naks, 0u) << "it had to wait";
+  expect_no_violations(rig);
+}
+
+/// Begins something, and sends slow lines after it until the queue of lines and the ring are full,
+/// and where there are enough of them both buffers of the endpoint.
+void flood(ChipRig& rig, std::string_view begin, std::string_view slow, std::size_t bytes) {
+  rig.type(std::string(begin));
+  rig.run(50 * ps_per_ms);
+  std::string lines;
+  while (lines.size() < bytes) lines += slow;
+  rig.type(lines);
+  rig.run(100 * ps_per_ms);
+}
+constexpr std::string_view burn = "M3 S500\nG1 X10 F3000\n", slow_line = "G1 X0.01 F10\n";
+
+/// Braking from 50 mm/s at 10 m/s2, what is handed out ahead, and a packet.
+constexpr Picoseconds at_rest_within = (5 + 30 + 1) * ps_per_ms;
+/// A packet, and 1 ms.
+constexpr Picoseconds dark_within = 2 * ps_per_ms;
+
+struct ChipStop {
+  const char* name;
+  std::function<void(ChipRig&)> make;
+  const char* state;
+  bool dark_at_once;
+};
+
+TEST(ChipFlood, StopsAreHeardWhenTheyArrive) {
+  const auto typed = [](char byte) {
+    return [byte](ChipRig& rig) { rig.type(std::string(1, byte)); };
+  };
+  const auto pin = [](sim::Pin at) {
+    return [at](ChipRig& rig) { rig.board.world().schedule(at, true, rig.now()); };
+  };
+  const ChipStop stops[] = {{"!", typed('!'), "<Hold", false},
+                            {"0x18", typed('\x18'), "<Alarm", true},
+                            {"0x84", typed('\x84'), "<Door", true},
+                            {"door", pin(sim::Pin::door), "<Door", true},
+                            {"e-stop", pin(sim::Pin::estop), "<Alarm", true}};
+  for (const ChipStop& stop : stops) {
+    SCOPED_TRACE(stop.name);
+    ChipRig rig(quick_profile());
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    flood(rig, burn, slow_line, 4000);
+    ASSERT_EQ(rig.board.usb_host().unsent(), 0u);
+    ASSERT_TRUE(rig.monitor.stepped(rig.now() - 5 * ps_per_ms, rig.now()));
+    const Picoseconds stopped = rig.now();
+    stop.make(rig);
+    rig.run(400 * ps_per_ms);
+    EXPECT_FALSE(rig.monitor.stepped(stopped + at_rest_within, rig.now()));
+    const Picoseconds dark = stop.dark_at_once ? dark_within : at_rest_within;
+    EXPECT_FALSE(rig.energy.any_high_within(stopped + dark, rig.now()));
+    rig.listen();
+    EXPECT_THAT(rig.status(), testing::StartsWith(stop.state));
+    expect_no_violations(rig);
+  }
+}
+
+/// Also where answers are not read and the buffers of the PC fill up.
+TEST(ChipFlood, AResetIsHeardInEveryState) {
+  struct Activity {
+    const char* name;
+    const char* lines;
+    const char* state;
+    std::string_view slow = slow_line;
+  };
+  const Activity activities[] = {
+      {"G1 with M4", "M4 S500\nG1 X30 F3000\n", "<Alarm"},
+      {"jog", "$J=X30 F3000\n", "<Alarm", "$J=G91 X0.01 F10\n"},
+      {"M0", "M3 S500\nM0\n", "<Idle"},
+      {"probe", "G38.2 X30 F1200\n", "<Alarm"},
+      {"dwell", "M3 S500\nG4 P30\n", "<Idle"},
+      {"beat lock", "M3 S500\nM130 P0\nG1 X5 F600\nX10\nX15\nX20\n", "<Alarm"},
+      {"hold", "M3 S500\nG1 X30 F3000\n!", "<Idle"},
+      {"G0", "G0 X30\n", "<Alarm"},
+      {"M6", "M3 S500\nT2 M6\n", "<Idle"},
+      {"check", "$C\n", "<Idle"},
+      {"sleep", "$SLP\n", "<Alarm"},
+  };
+  const auto count = static_cast<std::size_t>(scaled(std::size(activities)));
+  for (std::size_t i = 0; i < std::min(count, std::size(activities)); ++i) {
+    const Activity& activity = activities[i];
+    SCOPED_TRACE(activity.name);
+    ChipRig rig(quick_profile());
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    flood(rig, activity.lines, activity.slow, 4000);
+    const Picoseconds stopped = rig.now();
+    rig.type("\x18");
+    rig.run(200 * ps_per_ms);
+    EXPECT_FALSE(rig.monitor.stepped(stopped + at_rest_within, rig.now()));
+    EXPECT_FALSE(rig.energy.any_high_within(stopped + dark_within, rig.now()));
+    rig.listen();
+    EXPECT_THAT(rig.status(), testing::StartsWith(activity.state));
+    expect_no_violations(rig);
+  }
+}
+
+TEST(ChipFlood, AResetDiscardsWhatWaits) {
+  ChipRig rig(quick_profile());
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  flood(rig, burn, "G1 X0.01 F10 (a remark makes lines longer than they are slow)\n", 100'000);
+  EXPECT_GT(rig.board.usb_host().unsent(), 0u);
+  // What is in the buffers of the PC is discarded too, once it has come.
+  rig.type("\x18");
+  for (int i = 0; i < 100 && rig.board.usb_host().unsent() != 0; ++i) rig.run(100 * ps_per_ms);
+  rig.run(200 * ps_per_ms);
+  rig.listen();
+  EXPECT_EQ(rig.answer("$X"), "[MSG:Caution: Unlocked]\r\nok\r\n");
+  EXPECT_EQ(rig.answer("G91 G1 X1 F6000"), "ok\r\n");
+  expect_no_violations(rig);
+}
+
+/// Its port closed, asleep, its cable out: the host cannot stop the machine any more.
+TEST(ChipHostGone, WhatItMovedIsHeldAndDark) {
+  using sim::chip::UsbHost;
+  struct Way {
+    const char* name;
+    void (*go)(UsbHost&);
+    void (*come)(UsbHost&);
+  };
+  const Way ways[] = {
+      {"closed", [](UsbHost& host) { host.set_dtr(false); },
+       [](UsbHost& host) { host.set_dtr(true); }},
+      {"asleep", [](UsbHost& host) { host.suspend(); }, [](UsbHost& host) { host.resume(); }},
+      {"unplugged", [](UsbHost& host) { host.unplug(); }, [](UsbHost& host) { host.plug(); }}};
+  // Three milliseconds of silence on the bus are a suspend; then as any hold.
+  constexpr Picoseconds held_within = 3 * ps_per_ms + at_rest_within;
+  for (const Way& way : ways) {
+    SCOPED_TRACE(way.name);
+    ChipRig rig(quick_profile());
+    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    rig.type("M3 S500\nG1 X30 F3000\nG1 X0\n");
+    rig.run(100 * ps_per_ms);
+    rig.listen();
+    ASSERT_TRUE(rig.monitor.stepped(rig.now() - 5 * ps_per_ms, rig.now()));
+    const Picoseconds gone = rig.now();
+    way.go(rig.board.usb_host());
+    rig.run(300 * ps_per_ms);
+    EXPECT_FALSE(rig.monitor.stepped(gone + held_within, rig.now()));
+    EXPECT_FALSE(rig.energy.any_high_within(gone + held_within, rig.now()));
+    way.come(rig.board.usb_host());
+    ASSERT_TRUE(rig.board.run_until_found(1000 * ps_per_ms));
+    EXPECT_THAT(rig.status(), testing::StartsWith("<Hold"));
+    rig.type("~");
+    rig.run(100 * ps_per_ms);
+    EXPECT_TRUE(rig.monitor.stepped(rig.now() - 5 * ps_per_ms, rig.now()));
+    expect_no_violations(rig);
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::test
