@@ -43,8 +43,8 @@ std::uint32_t address(const volatile void* p) {
 }
 
 constexpr std::uint32_t stream_mask = (1u << again_channel) - 1;
-/// A constant that channel 7 writes: start whoever has ended. BITS has its own.
-const std::uint32_t again_mask = stream_mask & ~(1u << bits_channel);
+/// What channel 7 writes: start the streams that have ended. BITS has its own.
+constexpr std::uint32_t again_mask = stream_mask & ~(1u << bits_channel);
 
 struct Stream {
   unsigned channel;
@@ -160,9 +160,10 @@ void LatticeOutput::start_bits() const {
       dma_ctrl::treq(dreq::pio_tx(bits_machine.block, bits_machine.number)) | dma_ctrl::irq_quiet;
 }
 
-void LatticeOutput::start_channels() const {
+void LatticeOutput::start_channels() {
+  again_mask_ = again_mask;
   DmaChannelRegisters& again = dma().ch[again_channel];
-  again.read_addr = address(&again_mask);
+  again.read_addr = address(&again_mask_);
   again.write_addr = address(const_cast<std::uint32_t*>(&dma().multi_chan_trigger));
   again.trans_count = 1;
   // Chained to itself means not chained; waits until a stream triggers it.

@@ -78,13 +78,16 @@ class LatticeOutput {
   static constexpr unsigned tick_number = 2;  ///< of TICK in PIO1
   void start_axis(int axis, const stepper::AxisPulses& pulses) const;
   void start_pins() const;
-  void start_channels() const;
+  void start_channels();
   void start_bits() const;
 
   LatticeRings& rings_;
   PowerRing& power_;
   TickRing& ticks_;
   StampRing& stamps_;
+  /// In SRAM, for DMA reads it while the flash is written and cannot be read. Volatile: the
+  /// compiler does not see that it is read.
+  volatile std::uint32_t again_mask_ = 0;
   int axes_ = 3;  ///< axes that have pins
 };
 
