@@ -235,8 +235,8 @@ inline constexpr std::array<Row, setting_count> table{{
      "0 no lamp (free beat), 1 slave (the lamp free-runs, we follow LAMP SYNC), 2 master (we "
      "trigger the lamp)"},
     {901, "lamp_frequency", "Hz", 1'000, 5'000'000, 100'000, false, "nominal lamp frequency"},
-    {902, "q_switch_delay", "us", 2'200, 500'000, 5'000, false,
-     "LAMP SYNC to Q-switch; the contract of the laser is at most 20 us"},
+    {902, "q_switch_delay", "us", 2'220, 500'000, 5'000, false,
+     "LAMP SYNC to Q-switch at the pins, at most; the contract of the laser is at most 20 us"},
     {903, "q_switch_width", "us", 1'000, 1'000'000, 150'000, false,
      "width of the Q-switch pulse; the laser wants more than 100 us"},
     {904, "shot_tolerance", "um", 0, 1'000'000, 0, false,

@@ -1,5 +1,7 @@
 #include "firmware/machine/controller.hpp"
 
+#include "firmware/lamp/shot_delay.hpp"
+
 namespace lamplock::machine {
 namespace {
 
@@ -81,7 +83,7 @@ FireTiming Controller::fire_timing() const {
   const auto clocks = [this](Id id) {
     return (static_cast<std::uint32_t>(values_.milli(id)) * clocks_per_us + 500) / 1000;
   };
-  return {clocks(Id::q_switch_delay), clocks(Id::q_switch_width),
+  return {lamp::shot_delay_clocks(values_.milli(Id::q_switch_delay)), clocks(Id::q_switch_width),
           clock_.mode() == settings::LampMode::free_beat};
 }
 

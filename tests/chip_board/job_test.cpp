@@ -58,6 +58,26 @@ TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
   }
 }
 
+/// The contract of the laser is 20 us: what a user who asks for 20 gets at the pins is never more,
+/// wherever between two clocks the edge comes.
+TEST(ChipJob, TheQSwitchComesAtTheDelayThatWasSetAtTheLatest) {
+  job::Profile profile = chip_profile(333);  // its edges come at every part of a clock
+  constexpr double contract_us = 20;
+  constexpr Picoseconds contract = 20 * ps_per_us, clock = 8 * sim::ps_per_ns;
+  job::state_setting(profile, Id::q_switch_delay, contract_us, "test");
+  ChipRig rig(profile);
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  const job::Job job =
+      job::make_job(chip_points(static_cast<std::size_t>(scaled(40)), 6), profile, {});
+  RunningJob running(rig, job, 1);
+  ASSERT_EQ(running.finish(), link::JobEnd::done);
+  ASSERT_EQ(rig.monitor.fires().size(), job.targets.size());
+  for (const PinMonitor::Fire& fire : rig.monitor.fires()) {
+    EXPECT_LE(fire.rise - fire.edge, contract);
+    EXPECT_GE(fire.rise - fire.edge, contract - 2 * clock);
+  }
+}
+
 struct Run {
   double lamp_hz, accel_m_s2, delay_us;
 };

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "firmware/lamp/shot_delay.hpp"
 #include "tests/lamp/lamp_model.hpp"
 #include "tests/scale.hpp"
 
@@ -35,7 +36,7 @@ settings::Values lamp_settings(double hz, settings::LampMode mode = settings::La
 }
 
 std::int64_t delay_clocks(const settings::Values& values) {
-  return std::int64_t{values.milli(Id::q_switch_delay)} * clocks_per_us / 1000;
+  return lamp::shot_delay_clocks(values.milli(Id::q_switch_delay));
 }
 
 std::uint64_t clocks(double seconds) { return static_cast<std::uint64_t>(seconds * clock_hz); }
@@ -380,15 +381,16 @@ TEST(BeatClock, AsMasterTicksHaveTheLengthThatIsAskedFor) {
     settings::Values values = lamp_settings(hz, settings::LampMode::master);
     const auto tolerance_milli = static_cast<std::int32_t>(random() % 10'001);
     ASSERT_TRUE(values.set_milli(Id::period_tolerance, tolerance_milli));
-    const std::int32_t delay_ns = i % 3 == 0 ? 20'000 : 2'200;
+    const std::int32_t delay_ns = i % 3 == 0 ? 20'000 : 2'220;
     ASSERT_TRUE(values.set_milli(Id::q_switch_delay, delay_ns));
     BeatClock clock;
     clock.configure(values);
+    const double shot_ns = lamp::shot_delay_clocks(delay_ns) * 1000.0 / clocks_per_us;
     SCOPED_TRACE(testing::Message() << hz << " Hz, " << tolerance_milli << ", " << delay_ns);
     const double most = clock.longest_tick_q16() / 65536.0 - 1;
     EXPECT_LE(most, tolerance_milli / 1e5);
-    EXPECT_LE(most * delay_ns, 1000.0);
-    EXPECT_GE(most + 0.0001, std::min(tolerance_milli / 1e5, 1000.0 / delay_ns));
+    EXPECT_LE(most * shot_ns, 1000.0);
+    EXPECT_GE(most + 0.0001, std::min(tolerance_milli / 1e5, 1000.0 / shot_ns));
     // Lengths asked for some beats ahead, more than the tolerance too; some are taken back.
     std::map<std::uint64_t, std::uint32_t> asked;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> starts;  // beat, clock
@@ -425,8 +427,7 @@ TEST(BeatClock, AsMasterTicksHaveTheLengthThatIsAskedFor) {
       while (next_told < starts.size() && starts[next_told].second <= told_until) {
         const auto& [of, at] = starts[next_told++];
         if (at < 100'000) continue;
-        const EdgeInfo info =
-            clock.edge(at - static_cast<std::uint64_t>(delay_ns) * clocks_per_us / 1000);
+        const EdgeInfo info = clock.edge(at - lamp::shot_delay_clocks(delay_ns));
         ASSERT_TRUE(info.valid);
         ASSERT_EQ(info.beat, of);
         ++edges;

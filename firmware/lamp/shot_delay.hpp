@@ -1,0 +1,31 @@
+// From the setting of the delay to the clocks that the fire stage counts.
+//
+// In:  $902 in thousandths of a microsecond. Out: clocks from the clock at which the board sees the
+//      rising edge of LAMP SYNC to the one at which the Q-switch rises.
+// Who: controller, beat clock; whenever settings change.
+//
+// $902 is an upper bound, measured at the pins: a laser that must be fired within 20 us is fired
+// within 20.000 us. So clocks are rounded down, and two are taken off:
+//
+//   LAMP SYNC  __/~~~~~~~~~~~~~      comes anywhere between two clocks
+//   clock      |   |   |   |   |     seen at the next one: up to one clock later
+//   Q-SWITCH   _______________/~     both pads delay by some ns, the crystal is off by some 10 ppm:
+//                                    less than another clock of 8 ns
+#pragma once
+
+#include <cstdint>
+
+#include "shared/units.hpp"
+
+namespace lamplock::lamp {
+
+inline constexpr std::uint32_t sampling_clocks = 1;
+inline constexpr std::uint32_t pad_margin_clocks = 1;
+
+/// `milli_us` is at most 1000 us.
+constexpr std::uint32_t shot_delay_clocks(std::int32_t milli_us) {
+  return static_cast<std::uint32_t>(milli_us) * clocks_per_us / 1000 - sampling_clocks -
+         pad_margin_clocks;
+}
+
+}  // namespace lamplock::lamp
