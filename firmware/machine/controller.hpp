@@ -123,7 +123,7 @@ enum class Refusal : std::uint8_t {
 
 /// How the board's fire stage has to work, from the settings.
 struct FireTiming {
-  std::uint32_t delay_clocks = 0;  ///< LAMP SYNC to Q-switch
+  std::uint32_t delay_clocks = 0;  ///< LAMP SYNC to Q-switch (lamp/shot_delay.hpp)
   std::uint32_t width_clocks = 0;  ///< of the Q-switch pulse
   bool own_edges = false;          ///< free beat: the trigger output is the LAMP SYNC
 };
@@ -432,6 +432,7 @@ class Controller {
   bool start_up_waits() const;
   bool start_program();
   bool begin_lines(const settings::Values& values);
+  void find_position();
   void begin_points(program::BeatLock lock);
   bool change_over(program::BeatLock lock);
   void configure_reader();

@@ -30,8 +30,8 @@ bool Controller::end_probe() {
   const stepper::MotionState rest = motion_.generator().state();
   probe_.met = guard_.met() != 0;
   for (int a = 0; a < values_.whole(Id::axes); ++a) {
-    const std::int32_t step = probe_.met ? guard_.at()[index(a)] : rest.axis[index(a)].step();
-    probe_.machine_e7[index(a)] = place_of(step, values_, a);
+    probe_.machine_e7[index(a)] = probe_.met ? place_of(guard_.at()[index(a)], values_, a)
+                                             : place_of(rest.axis[index(a)], values_, a);
   }
   const bool failed = !probe_.met && reader_.probe_must_meet();
   reader_.end_probe(rest, values_);

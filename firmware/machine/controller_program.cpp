@@ -187,15 +187,23 @@ void Controller::refuse_lines(Refusal until, std::string_view reason) {
 [[gnu::hot]] bool Controller::start_program() {
   if (rows_.active()) return false;
   if (program_.begun()) {
-    if (program_.idle()) reader_.find_position(motion_.generator().state(), values_);
+    if (program_.idle()) find_position();
     return true;
   }
   if (beat_locked()) return true;
   if (state_ != MachineState::idle || !motion_.at_rest() || loader_requested_) return false;
   if (shots_.undecided() || overridden_) return false;
   if (!begin_lines(values_)) return false;
-  reader_.find_position(motion_.generator().state(), values_);
+  find_position();
   return true;
+}
+
+/// Where the motors have the tool: what was broken off ends beside their steps.
+void Controller::find_position() {
+  if (!reader_.astray()) return;
+  stepper::MotionState at = motion_.generator().state();
+  stepper::snap_to_motors(motion_.generator().kinematics(), at);
+  reader_.find_position(at, values_);
 }
 
 /// At rest, no shot undecided: interrupts change nothing then of what this looks at.

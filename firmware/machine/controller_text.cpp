@@ -1,5 +1,6 @@
 // What the machine says as text, and what it is told by lines that begin with "$".
 #include "firmware/machine/controller.hpp"
+#include "firmware/machine/program_motion.hpp"
 #include "firmware/machine/program_text.hpp"
 #include "firmware/machine/settings_text.hpp"
 
@@ -19,8 +20,7 @@ void report_motion(ReportedStatus& status, const stepper::MotionState& motion,
   for (int a = 0; a < status.axes; ++a) {
     const stepper::AxisState& axis = motion.axis[index(a)];
     const auto steps_per_mm_milli = static_cast<std::uint32_t>(values.milli(Id::steps_per_mm_x, a));
-    status.machine_e7[index(a)] =
-        axis.step() * (program::one_e7 * 1000) / std::int64_t{steps_per_mm_milli};
+    status.machine_e7[index(a)] = place_of(axis, values, a);
     const std::int64_t steps_per_min =
         (Int128::product(axis.speed_q62, 60 * std::int64_t{ticks_per_second}) >> 62).to_int64();
     const std::int64_t um_min = mul_div(abs64(steps_per_min), 1'000'000, steps_per_mm_milli);
@@ -296,6 +296,7 @@ ReportedStatus Controller::reported_status() const {
     status.state = state_name();
     status.line = program_.line();
   }
+  stepper::snap_to_motors(runner_.generator().kinematics(), motion);
   status.busy = job_unfinished() || state_ == MachineState::home;
   status.axes = values_.whole(Id::axes);
   report_motion(status, motion, values_);

@@ -73,6 +73,12 @@ std::int64_t place_of(std::int32_t step, const settings::Values& values, int axi
   return step * per_step / values.milli(Id::steps_per_mm_x, axis);
 }
 
+std::int64_t place_of(const stepper::AxisState& axis, const settings::Values& values, int a) {
+  const bool on_edge = axis.position_q64.lo() == 0;
+  const std::int64_t half_step = on_edge ? per_step / 2 / values.milli(Id::steps_per_mm_x, a) : 0;
+  return place_of(axis.step(), values, a) - half_step;
+}
+
 [[gnu::hot]] int axis_outside(const StepPosition& steps, const StepLimits& space, int axes) {
   for (int a = 0; a < axes; ++a)
     if (!space.contains(a, steps[index(a)])) return a;

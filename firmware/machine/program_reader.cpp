@@ -245,7 +245,7 @@ program::Place ProgramReader::stand_at(const stepper::MotionState& at,
   program::Place place_e7{};
   for (int a = 0; a < max_axes; ++a) from_[index(a)] = at.axis[index(a)].step();
   for (int a = 0; a < values.whole(Id::axes); ++a)
-    place_e7[index(a)] = place_of(from_[index(a)], values, a);
+    place_e7[index(a)] = place_of(at.axis[index(a)], values, a);
   astray_ = false;
   return place_e7;
 }

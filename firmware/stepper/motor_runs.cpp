@@ -35,6 +35,15 @@ AxisRun motor_run(const AxisPair& pair, const AxisRun& u, const AxisRun& v, bool
        mean(first.accel_q62, -second.accel_q62)}};
 }
 
+[[gnu::cold]] void snap_to_motors(const AxisPair& pair, Int128& first_q64, Int128& second_q64) {
+  const auto motor = [&](bool second) -> AxisRun {
+    return {middle_of_step(motor_run(pair, {first_q64}, {second_q64}, second).step())};
+  };
+  const AxisRuns axes = axis_runs(pair, motor(false), motor(true));
+  first_q64 = axes.first.position_q64;
+  second_q64 = axes.second.position_q64;
+}
+
 std::uint32_t ticks_one_way(const AxisRun& run, std::uint32_t n) {
   const bool back = run.backwards();
   if (back == (run.accel_q62 < 0) || run.accel_q62 == 0) return n;

@@ -36,6 +36,14 @@ inline PerAxis<AxisRun> axis_runs(const Kinematics& kinematics, const PerAxis<Ax
   return axes;
 }
 
+/// Puts both axes of a pair where the whole steps of their motors have them: no motion. Those of a
+/// CoreXY are in the middle of a step, or both on the edge between two.
+void snap_to_motors(const AxisPair& pair, Int128& first_q64, Int128& second_q64);
+inline void snap_to_motors(const Kinematics& kinematics, MotionState& state) {
+  for (const AxisPair& pair : kinematics.pairs())
+    snap_to_motors(pair, state.axis[pair.first].position_q64, state.axis[pair.second].position_q64);
+}
+
 /// How many of n ticks, at least one and fewer than 2^16, a run goes the way that it begins.
 std::uint32_t ticks_one_way(const AxisRun& run, std::uint32_t n);
 

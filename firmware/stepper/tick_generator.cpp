@@ -33,18 +33,12 @@ void TickGenerator::set_motors(const StepPosition& motors) {
 }
 
 void TickGenerator::settle() {
-  const PerAxis<Run> before = runs_;
-  for (Run& r : runs_) r.run.position_q64 = middle_of_step(r.run.step());
-  for (const AxisPair& pair : kinematics_.pairs()) {
-    Run &u = runs_[pair.first], &v = runs_[pair.second];
-    const AxisRun &old_u = before[pair.first].run, &old_v = before[pair.second].run;
-    const auto stays = [&](bool second) {
-      return motor_run(pair, old_u, old_v, second).step() == run_of_motor(pair, second).step();
-    };
-    if (stays(false) && stays(true)) continue;
-    u.run.position_q64 = old_u.position_q64;
-    v.run.position_q64 = old_v.position_q64;
+  for (int a = 0; a < max_axes; ++a) {
+    AxisRun& run = runs_[index(a)].run;
+    if (!kinematics_.in_pair(a)) run.position_q64 = middle_of_step(run.step());
   }
+  for (const AxisPair& pair : kinematics_.pairs())
+    snap_to_motors(pair, runs_[pair.first].run.position_q64, runs_[pair.second].run.position_q64);
 }
 
 void TickGenerator::set_leads(const PerAxis<std::uint32_t>& ticks, std::int32_t laser_ticks) {

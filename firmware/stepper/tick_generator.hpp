@@ -118,8 +118,8 @@ class TickGenerator {
   [[gnu::cold]] void set_position(const StepPosition& steps);
   /// The same by the places of the motors.
   [[gnu::cold]] void set_motors(const StepPosition& motors);
-  /// At rest: every axis goes to the middle of the step where it stands, which is no motion; where
-  /// it would be one for a motor of a pair, both axes stay.
+  /// At rest: every axis goes to the middle of the step where it stands, those of a pair to where
+  /// the steps of their motors have them, which is no motion.
   [[gnu::cold]] void settle();
 
  private:

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <random>
 
 #include "tests/board/exact_programs.hpp"
@@ -46,6 +48,26 @@ void expect_motors_at_axes(const Rig& rig) {
 void expect_motors_at(const Rig& rig, const StepPosition& axes) {
   const Kinematics& kinematics = rig.board.controller().runner().generator().kinematics();
   EXPECT_EQ(rig.board.world().drives().motors(), kinematics.motors_of(axes));
+}
+
+/// X and Y of a status report, mm.
+std::array<double, 2> reported_xy(ProgramHost& host) {
+  std::array<double, 2> xy{};
+  const std::string status = host.status();
+  const std::size_t at = status.find("MPos:");
+  EXPECT_NE(at, std::string::npos) << status;
+  if (at == std::string::npos) return xy;
+  EXPECT_EQ(std::sscanf(status.c_str() + at, "MPos:%lf,%lf", &xy[0], &xy[1]), 2) << status;
+  return xy;
+}
+
+/// Half of the sum and of the difference of what the motors have turned, to the last digit.
+void expect_reported_at_motors(const Rig& rig, ProgramHost& host) {
+  constexpr double steps_per_mm = 200, last_digit_mm = 0.001;
+  const StepPosition motors = rig.board.world().drives().motors();
+  const std::array<double, 2> xy = reported_xy(host);
+  EXPECT_NEAR(xy[0], (motors[0] + motors[1]) / 2.0 / steps_per_mm, 0.51 * last_digit_mm);
+  EXPECT_NEAR(xy[1], (motors[0] - motors[1]) / 2.0 / steps_per_mm, 0.51 * last_digit_mm);
 }
 
 std::string random_move(std::mt19937_64& random) {
@@ -202,6 +224,44 @@ TEST(CoreXy, HoldsAndResetsLoseNothing) {
     expect_motors_at(rig, {-200, 400, 600, 0});
     EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
   }
+}
+
+/// However a motion is broken off, what is reported is where the motors have the tool, which may be
+/// between two steps of X and Y; and the next line goes on from there.
+TEST(CoreXy, ReportsHalfStepsAfterAnAbort) {
+  std::mt19937_64 random(7);
+  int odd = 0;
+  constexpr int enough_for_odd_ones = 12;
+  for (int round = 0; round < std::max(scaled(24), enough_for_odd_ones); ++round) {
+    SCOPED_TRACE(fmt::format("round {}", round));
+    Rig rig(plain_core_xy());
+    ProgramHost host(rig);
+    for (int i = 0; i < 4; ++i) {
+      const bool jogs = random() % 3 == 0;
+      if (jogs)
+        host.send(fmt::format("$J=G91 X{} Y{} F6000\n", 3 + random() % 9, 3 + random() % 9));
+      else
+        host.send(random_move(random) + random_move(random));
+      host.run_ms(static_cast<double>(10 + random() % 300));
+      const bool held = !jogs && random() % 2 == 0;
+      host.send(jogs ? "\x85" : held ? "!" : "\x18");
+      host.run_ms(2000);
+      expect_reported_at_motors(rig, host);
+      if (held) host.send("\x18");
+      host.run_ms(100);
+      host.ask("$X\n");
+      ASSERT_TRUE(host.stand());
+      host.run_ms(5);
+      expect_reported_at_motors(rig, host);
+      const StepPosition motors = rig.board.world().drives().motors();
+      odd += (motors[0] + motors[1]) & 1;
+    }
+    ASSERT_TRUE(host.stream("G90 G1 X-1 Y2 Z3 F3000\n"));
+    host.run_ms(5);
+    expect_motors_at(rig, {-200, 400, 600, 0});
+    expect_reported_at_motors(rig, host);
+  }
+  EXPECT_GT(odd, 0);
 }
 
 TEST(CoreXy, JogsAreCancelled) {
