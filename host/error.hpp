@@ -17,12 +17,11 @@ enum class Exit : int {
   terminated = 143  ///< by SIGTERM, as a shell reports it
 };
 
-/// An error shown as one line `error: WHERE: WHAT; REMEDY`.
+/// An error shown as one printable line `error: WHERE: WHAT; REMEDY`, whatever its parts contain
+/// (printable.hpp).
 class Error : public std::runtime_error {
  public:
-  Error(Exit exit, const std::string& where, const std::string& what, const std::string& remedy)
-      : std::runtime_error(std::string(prefix) + where + ": " + what + "; " + remedy),
-        exit_(exit) {}
+  Error(Exit exit, const std::string& where, const std::string& what, const std::string& remedy);
   Exit exit() const { return exit_; }
   /// `WHERE: WHAT; REMEDY`, as part of another line. Lives as long as the error.
   std::string_view message() const { return std::string_view(what()).substr(prefix.size()); }

@@ -13,6 +13,7 @@
 
 #include "host/cli/command_line.hpp"
 #include "host/cli/parser.hpp"
+#include "host/error.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -20,11 +21,9 @@ namespace {
 /// Outside jobs there is nothing to hold: Ctrl-C ends the program.
 void leave(int) { ::_exit(static_cast<int>(Exit::interrupted)); }
 
-/// Prints an error as one line, whatever is in it.
-int fail(Exit exit, std::string line) {
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  std::fputs((line + "\n").c_str(), stderr);
-  return static_cast<int>(exit);
+int fail(const Error& error) {
+  fmt::print(stderr, "{}\n", error.what());
+  return static_cast<int>(error.exit());
 }
 
 }  // namespace
@@ -37,13 +36,12 @@ int program_main(Command& program, int argc, char** argv) {
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     return static_cast<int>(run(program, arguments));
   } catch (const Error& error) {
-    return fail(error.exit(), error.what());
+    return fail(error);
   } catch (const std::bad_alloc&) {
-    return fail(Exit::job_failed, "error: lamplock: out of memory; use a greater --spacing");
+    return fail({Exit::job_failed, "lamplock", "out of memory", "use a greater --spacing"});
   } catch (const std::exception& error) {
     return fail(
-        Exit::job_failed,
-        fmt::format("error: lamplock: {}; this should not happen, please report it", error.what()));
+        {Exit::job_failed, "lamplock", error.what(), "this should not happen, please report it"});
   }
 }
 
