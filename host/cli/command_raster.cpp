@@ -33,7 +33,7 @@ struct RasterOptions {
   std::optional<double> pitch_mm{}, width_mm{}, overscan_mm{};
   double feed_mm_min = 0, power_min = 0, power_max = 100;
   std::vector<double> origin_mm{};
-  bool one_way = false, invert = false, dry = false, json = false;
+  bool one_way = false, invert = false, dry = false, json = false, power_lists = false;
   MachineOptions machine{};
 };
 
@@ -80,9 +80,16 @@ void check_outputs(const RasterOptions& options) {
   if (options.output.empty() && options.gcode.empty())
     throw Error(Exit::bad_input, "lamplock raster", "where to write is missing",
                 "give -o FILE.llj or --gcode FILE.ngc");
+  if (options.power_lists && options.gcode.empty())
+    throw Error(Exit::bad_input, "--power-lists", "is about the program of --gcode",
+                "add --gcode FILE.ngc, or leave it out");
   check_distinct({{"-o", options.output}, {"--gcode", options.gcode}}, options.input);
   for (const std::string& file : {options.output, options.gcode})
     if (!file.empty()) check_target(file);
+}
+
+raster::PowerForm form_of(const RasterOptions& options) {
+  return options.power_lists ? raster::PowerForm::lists : raster::PowerForm::plain;
 }
 
 /// Reads the picture and makes rows of it; says what came of it.
@@ -134,7 +141,7 @@ Exit make_raster(const RasterOptions& options) {
                  "output", console, json);
   }
   if (!options.gcode.empty())
-    write_result(options.gcode, raster::row_gcode(job), "gcode", console, json);
+    write_result(options.gcode, raster::row_gcode(job, form_of(options)), "gcode", console, json);
   json["seconds"] = raster::seconds_of(job);
   console.say("time      about {:.1f} s", json["seconds"].get<double>());
   console.document(json);
@@ -192,11 +199,16 @@ void add_raster(Command& program) {
       "      --machine examples/laser.toml -o rows.llj\n"
       "  lamplock send rows.llj --board /dev/ttyACM0");
   const auto options = std::make_shared<RasterOptions>();
-  app.add_option("PICTURE", &options->input, "Bitmap (png, bmp)").required().value_name("FILE");
+  app.add_option("PICTURE", &options->input, "Picture (png, bmp, jpeg)")
+      .required()
+      .value_name("FILE");
   app.add_option("-o,--output", &options->output, "Job file to write").value_name("FILE.llj");
-  app.add_option("--gcode", &options->gcode, "The same rows as G-code, lists of powers")
+  app.add_option("--gcode", &options->gcode,
+                 "The same rows as G-code that every grbl reads, a line a power")
       .check(file_name())
       .value_name("FILE.ngc");
+  app.add_option("--power-lists", &options->power_lists,
+                 "Write the G-code as lists of powers, shorter, for boards of lamplock alone");
   add_burning(app, *options);
   options->machine.add_machine(app);
   app.add_json(options->json);

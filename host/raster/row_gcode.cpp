@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -32,14 +33,14 @@ std::string number(double value, int decimals) {
 /// Writes one job.
 class Writer {
  public:
-  explicit Writer(const job::Job& job)
-      : job_(job), full_s_(in_units(job.settings, Id::highest_speed)) {}
+  Writer(const job::Job& job, PowerForm form)
+      : job_(job), form_(form), full_s_(in_units(job.settings, Id::highest_speed)) {}
 
   std::string program() {
     text_ = "(Rows of pixels, by lamplock raster)\nG21 G90 G94\nM4 S0\n";
     for (const job::Line& line : job_.rows.lines) {
       if (line.to.light)
-        add_cells(line);
+        form_ == PowerForm::lists ? add_lists(line) : add_stretches(line);
       else
         text_ += "G0" + place(line.to.steps) + "\n";
       at_ = line.to.steps;
@@ -73,36 +74,63 @@ class Writer {
     return word;
   }
 
-  /// A line of text for as many cells as fit, and so on. Rows lie along X.
-  void add_cells(const job::Line& line) {
-    const auto runs = job_.rows.runs_of(line);
-    std::uint32_t all = 0, done = 0;
-    for (const std::uint16_t run : runs) all += wire::run_cells(run);
+  using Runs = std::span<const std::uint16_t>;
+
+  static std::uint32_t cells_of(Runs runs) {
+    std::uint32_t cells = 0;
+    for (const std::uint16_t run : runs) cells += wire::run_cells(run);
+    return cells;
+  }
+  /// Takes neighbours of one power off the front; how many cells they have.
+  static std::uint32_t take_stretch(Runs& runs) {
+    const int power = runs.front() >> wire::run_code_bits;
+    std::uint32_t cells = 0;
+    for (; !runs.empty() && runs.front() >> wire::run_code_bits == power; runs = runs.subspan(1))
+      cells += wire::run_cells(runs.front());
+    return cells;
+  }
+  /// The move to where this part of a row ends. Rows lie along X.
+  void add_move(const job::Line& line, double part) {
+    const double to = at_[0] + part * (static_cast<double>(line.to.steps[0]) - at_[0]);
+    text_ += fmt::format("G1 X{}", number(mm(to, 0), most_decimals));
+    if (std::exchange(feed_milli_, line.to.feed_milli) != line.to.feed_milli)
+      text_ += fmt::format(" F{}", number(line.to.feed_milli / milli_per_unit, 3));
+  }
+
+  /// A line of text for each stretch of one power.
+  void add_stretches(const job::Line& line) {
+    Runs runs = job_.rows.runs_of(line);
+    const std::uint32_t all = cells_of(runs);
+    for (std::uint32_t done = 0; !runs.empty();) {
+      const std::string& power = s_word(runs.front());
+      done += take_stretch(runs);
+      add_move(line, static_cast<double>(done) / all);
+      text_ += " S" + power + "\n";
+    }
+  }
+
+  /// A line of text for as many cells as fit, and so on.
+  void add_lists(const job::Line& line) {
+    Runs runs = job_.rows.runs_of(line);
+    const std::uint32_t all = cells_of(runs);
+    std::uint32_t done = 0;
     // Room for the words before the list.
     constexpr std::size_t other_words = 64, most_list = wire::max_line - other_words;
-    for (std::size_t i = 0; i < runs.size();) {
+    while (!runs.empty()) {
       std::string list;
-      while (i < runs.size() && list.size() < most_list) {
-        // Neighbours of one power are one item.
-        const std::uint16_t first = runs[i];
-        std::uint32_t cells = 0;
-        for (; i < runs.size() && runs[i] >> wire::run_code_bits == first >> wire::run_code_bits;
-             ++i)
-          cells += wire::run_cells(runs[i]);
-        list += (list.empty() ? "S" : ":") + s_word(first);
+      while (!runs.empty() && list.size() < most_list) {
+        list += (list.empty() ? "S" : ":") + s_word(runs.front());
+        const std::uint32_t cells = take_stretch(runs);
         if (cells != 1) list += fmt::format("*{}", cells);
         done += cells;
       }
-      const double part = static_cast<double>(done) / all;
-      const double to = at_[0] + part * (static_cast<double>(line.to.steps[0]) - at_[0]);
-      text_ += fmt::format("G1 X{}", number(mm(to, 0), most_decimals));
-      if (std::exchange(feed_milli_, line.to.feed_milli) != line.to.feed_milli)
-        text_ += fmt::format(" F{}", number(line.to.feed_milli / milli_per_unit, 3));
+      add_move(line, static_cast<double>(done) / all);
       text_ += " " + list + "\n";
     }
   }
 
   const job::Job& job_;
+  const PowerForm form_;
   const double full_s_;  ///< S word of full power
   std::vector<std::string> words_ = std::vector<std::string>(1u << wire::run_power_bits);
   std::string text_;
@@ -112,6 +140,6 @@ class Writer {
 
 }  // namespace
 
-std::string row_gcode(const job::Job& job) { return Writer(job).program(); }
+std::string row_gcode(const job::Job& job, PowerForm form) { return Writer(job, form).program(); }
 
 }  // namespace lamplock::raster

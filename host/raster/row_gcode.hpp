@@ -1,17 +1,21 @@
-// Rows of pixels as a program of G-code: lines of pixels (docs/gcode.md), for boards and senders
-// that do not know the pulse stream.
+// Rows of pixels as a program of G-code, for boards and senders that do not know the pulse stream:
+// a line for each stretch of one power, which every grbl reads; or lists of powers (docs/gcode.md),
+// a third as long and less, which this firmware alone reads.
 //
 // In:  a job of rows. Out: text. Who: `lamplock raster --gcode`.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "host/job/job.hpp"
 
 namespace lamplock::raster {
 
-/// The same lines with the same cells, in work coordinates that are those of the machine. Lines too
+enum class PowerForm : std::uint8_t { plain, lists };
+
+/// The same lines with the same cells, in work coordinates that are those of the machine. Lists too
 /// long for one line of text are several, cut between cells.
-std::string row_gcode(const job::Job& job);
+std::string row_gcode(const job::Job& job, PowerForm form);
 
 }  // namespace lamplock::raster

@@ -36,6 +36,7 @@ TEST(Raster, makes_a_job_and_the_same_as_gcode) {
   EXPECT_EQ(document["lines"], 80);
   EXPECT_EQ(document["output"]["bytes"], read(job).size());
   EXPECT_EQ(document["gcode"]["bytes"], read(text).size());
+  EXPECT_EQ(read(text).find_first_of("*:"), std::string::npos) << "words that grbl does not know";
   const Finished shown = run({"job", "--show", job, "--json"});
   ASSERT_EQ(shown.status, 0) << shown.err;
   const auto show = nlohmann::json::parse(shown.out);
