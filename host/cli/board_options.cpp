@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "host/cli/board_names.hpp"
 #include "host/cli/boards.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/report_folder.hpp"
@@ -27,7 +28,8 @@ namespace {
 using settings::Id;
 
 constexpr double percent = 0.01;
-constexpr unsigned most_shots = 255;  ///< at one point, of the pulse stream
+constexpr unsigned most_shots = 255;       ///< at one point, of the pulse stream
+constexpr unsigned most_baud = 4'000'000;  ///< of what the kernel knows (termbits.h)
 constexpr const char* lines_variable = "LAMPLOCK_LINES";
 constexpr const char* board_group = "Board";
 constexpr const char* lamp_group = "Lamp of a simulated board";
@@ -106,6 +108,11 @@ void BoardOptions::add_choice(Command& app) {
       .value_name("serial|stream")
       .show_default()
       .group(board_group);
+  app.add_option("--baud", &baud, "Speed of a serial port; USB has none, whatever is said")
+      .check(number_in({1u, most_baud}))
+      .value_name("BAUD")
+      .show_default()
+      .group(board_group);
   app.add_option("--lines", &lines,
                  "E-stop, door and interlock on lines of this computer (TOML), watched while a "
                  "real board works; else [lines] of the machine profile")
@@ -150,7 +157,7 @@ void BoardOptions::add_job_speed(Command& app) {
 void BoardOptions::add_part(Command& app) {
   app.add_option("--from", &from,
                  "Go on at this point or line: the first one not fired, pauses counted with the "
-                 "points")
+                 "points; of a program the line of the file, after an approach with the laser off")
       .check(number_from(0, true))
       .value_name("N")
       .group(board_group);
@@ -164,7 +171,8 @@ void BoardOptions::add_part(Command& app) {
 void BoardOptions::add_job(Command& app) {
   add_part(app);
   add_job_speed(app);
-  app.add_option("--dry", &dry, "Move, never fire").group(board_group);
+  app.add_option("--dry", &dry, "Move, never fire; of a program: without M3, M4 and S")
+      .group(board_group);
   app.add_option("--discard", &discard,
                  "Give up an unfinished job that the machine holds for another program")
       .group(board_group);
@@ -216,6 +224,7 @@ std::vector<Output> BoardOptions::outputs() const {
 }
 
 void BoardOptions::check(const std::string& input, const std::string& save) const {
+  check_board_name(board);
   std::vector<Output> all = outputs();
   all.push_back({"--save", save});
   check_distinct(all, input);

@@ -11,6 +11,7 @@
 #include "host/cli/motion_plot_file.hpp"
 #include "host/cli/outputs.hpp"
 #include "host/gpio/line_table.hpp"
+#include "shared/boards/pico_uart.hpp"
 #include "shared/settings_table.hpp"
 #include "sim/chip/usb_host/usb_function.hpp"
 #include "sim/world/drives.hpp"
@@ -47,6 +48,7 @@ struct BoardOptions {
   std::string board = "virtual", image{}, usb = "serial", lines{};
   std::string profile{};  ///< of the machine, which may name lines too; the command fills it in
   std::size_t from = 0;
+  unsigned baud = boards::uart_baud;
   std::uint32_t fired = 0, job_speed = 100;
   bool yes = false, dry = false, json = false, auto_resume = false, discard = false;
   std::string report{}, statistics{}, vcd{}, shots{}, timing{};

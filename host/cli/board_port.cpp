@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "host/cli/board_names.hpp"
 #include "host/error.hpp"
 #include "host/link/serial_transport.hpp"
 #include "host/link/tcp_transport.hpp"
@@ -44,7 +45,8 @@ std::optional<std::string> usb_serial(const std::string& board) {
   return std::nullopt;
 }
 
-std::unique_ptr<link::Transport> open_board(const std::string& board) {
+std::unique_ptr<link::Transport> open_board(const std::string& board, unsigned baud) {
+  check_board_name(board);
   if (board == auto_board) return open_any();
   if (const auto serial = usb_serial(board)) {
     const auto bus = std::make_shared<usb::LibusbBus>();
@@ -52,11 +54,11 @@ std::unique_ptr<link::Transport> open_board(const std::string& board) {
   }
   const bool path = board.find('/') != std::string::npos;
   if (!path && sim::parse_tcp_address(board)) return std::make_unique<link::TcpTransport>(board);
-  return std::make_unique<link::SerialTransport>(board);
+  return std::make_unique<link::SerialTransport>(board, baud);
 }
 
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
-  return options.is_simulated() ? nullptr : open_board(options.board);
+  return options.is_simulated() ? nullptr : open_board(options.board, options.baud);
 }
 
 }  // namespace lamplock::cli

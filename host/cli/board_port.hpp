@@ -24,8 +24,9 @@ inline constexpr const char* usb_board = "usb";
 std::optional<std::string> usb_serial(const std::string& board);
 
 /// Opens a board that is not simulated. Throws Error: no_device, or bad_input where the name fits
-/// several.
-std::unique_ptr<link::Transport> open_board(const std::string& board);
+/// several. `baud`: of a serial port.
+std::unique_ptr<link::Transport> open_board(const std::string& board,
+                                            unsigned baud = boards::uart_baud);
 
 /// The same of a choice; nothing for simulated boards.
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options);

@@ -6,6 +6,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/engraving.hpp"
+#include "host/cli/job_board.hpp"
 #include "host/cli/origin.hpp"
 #include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"
@@ -25,6 +26,7 @@ Exit engrave(EngraveOptions options) {
   options.board.check(options.engraving.input, options.engraving.save_file());
   options.engraving.check_save();
   auto port = open_port(options.board);
+  if (port) require_lamplock(*port, options.board.board);
   Work work =
       make_work(options.engraving, options.board.dry, console, options.origin.ask(port.get()));
   take_off_fired(work, options.board);

@@ -6,6 +6,7 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/job_board.hpp"
 #include "host/cli/job_points.hpp"
 #include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"
@@ -36,6 +37,7 @@ Exit send_file(const SendOptions& options) {
   Console console(options.board.json);
   options.board.check(options.file);
   auto port = open_port(options.board);
+  if (port) require_lamplock(*port, options.board.board);
   Work work{options.file, {}, job::read_job_file(options.file), {}};
   work.job.header.dry = work.job.header.dry || options.board.dry;
   if (work.job.is_rows()) return send_rows(work, options.board, std::move(port), console);
@@ -59,7 +61,8 @@ void add_send(Command& program) {
       "+ - = change the feed. Of the --machine of a job only its lines of the computer are used.\n"
       "Example:\n  lamplock send model.llj --board /dev/ttyACM0\n"
       "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # go on after a stop\n"
-      "  lamplock send part.ngc --board /dev/ttyACM0");
+      "  lamplock send part.ngc --board /dev/ttyACM0\n"
+      "  lamplock send part.ngc --board /dev/ttyUSB0 --baud 115200 --from 310 --dry");
   const auto options = std::make_shared<SendOptions>();
   app.add_option("FILE", &options->file, "Job file (.llj) of points or rows, or G-code")
       .required()

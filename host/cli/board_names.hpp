@@ -1,0 +1,26 @@
+// Names of boards that were written wrong.
+//
+// In:  what was given to --board, the ports of this computer. Out: an error with the names that are
+//      nearest, and the ports. Who: everything that opens a board.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lamplock::cli {
+
+/// Changes of one letter (inserted, left out, replaced) from one word to the other.
+std::size_t letters_apart(std::string_view a, std::string_view b);
+
+/// "did you mean 'virtual'? ports here: /dev/ttyACM0": what to do about an unknown name.
+std::string remedy_for_name(const std::string& name, const std::vector<std::string>& ports);
+
+/// Serial ports over USB, sorted.
+std::vector<std::string> serial_ports();
+
+/// Throws Error(bad_input) for what is neither the name of a board, a file, nor HOST:PORT.
+void check_board_name(const std::string& name);
+
+}  // namespace lamplock::cli

@@ -1,0 +1,45 @@
+#include "host/cli/job_board.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+
+#include "host/error.hpp"
+#include "host/link/board_text.hpp"
+#include "host/link/line_port.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::microseconds patience = 500ms, slice = 5ms;
+/// As in the answer to `$I` of this firmware (firmware/machine/controller_text.cpp).
+constexpr std::string_view product = "lamplock";
+
+/// The version of grbl that a board has told; empty if it has told none.
+std::string version_of(link::Transport& board) {
+  link::LinePort port(board);
+  port.send_line("$I");
+  link::BoardIdentity identity;
+  for (const auto end = board.now() + patience; board.now() < end && board.connected();) {
+    port.flush();
+    while (const auto line = port.receive()) {
+      link::take_identity(*line, identity);
+      if (link::parse_answer(*line)) return identity.version;
+    }
+    board.wait(std::min(slice, end - board.now()));
+  }
+  return identity.version;
+}
+
+}  // namespace
+
+void require_lamplock(link::Transport& board, const std::string& name) {
+  const std::string version = version_of(board);
+  if (version.empty() || version.find(product) != std::string::npos) return;
+  throw Error(Exit::bad_input, name, "this is a grbl board (" + version + "), it takes no jobs",
+              "use lamplock send FILE.ngc");
+}
+
+}  // namespace lamplock::cli
