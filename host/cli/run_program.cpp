@@ -21,6 +21,8 @@
 #include "host/link/board_settings.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/program/program_run.hpp"
+#include "host/program/start_at.hpp"
+#include "host/program/without_laser.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::cli {
@@ -40,11 +42,9 @@ struct Program {
 
 /// What belongs to jobs makes no sense here.
 void check_options(const BoardOptions& options) {
-  const std::array<std::pair<const char*, bool>, 11> of_jobs{
-      {{"--from", options.from != 0},
-       {"--fired", options.fired != 0},
+  const std::array<std::pair<const char*, bool>, 9> of_jobs{
+      {{"--fired", options.fired != 0},
        {"--job-speed", options.job_speed != 100},
-       {"--dry", options.dry},
        {"--auto-resume", options.auto_resume},
        {"--discard", options.discard},
        {"--hold-at", options.hold_at != 0},
@@ -59,7 +59,7 @@ void check_options(const BoardOptions& options) {
 
 /// A machine that moves, and a laser, need somebody's word.
 void ask_permission(const Program& program, const BoardOptions& options) {
-  if (options.yes || options.is_simulated()) return;
+  if (options.yes || options.dry || options.is_simulated()) return;
   fmt::print(stderr,
              "{}: {} lines on {}: the machine will move, its laser may fire. Type yes to start: ",
              program.file, program.lines.size(), options.board);
@@ -244,6 +244,13 @@ Program read_program(const std::string& file) {
   return program;
 }
 
+/// The part of the program that --from and --dry leave.
+void choose_lines(Program& program, const BoardOptions& options, const settings::Values& values) {
+  if (options.from != 0)
+    program.lines = program_run::start_at(program.lines, options.from, values, program.file);
+  if (options.dry) program.lines = program_run::without_laser(program.lines, program.file);
+}
+
 }  // namespace
 
 bool is_program(const std::string& file) {
@@ -262,8 +269,9 @@ Exit send_program(const std::string& file, const BoardOptions& options,
   BoardLink board(options, values);
   ask_permission(program, options);
   link::greet(board.port());
-  if (const auto of_board = settings_of(board.port()))
-    program.planned_s = foresee(program, *of_board, asked.go_on);
+  const auto of_board = settings_of(board.port());
+  choose_lines(program, options, of_board.value_or(values));
+  if (of_board) program.planned_s = foresee(program, *of_board, asked.go_on);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
   const auto [result, ended_by] = send(program, board, options, asked.go_on);

@@ -92,6 +92,48 @@ TEST(SendProgram, the_time_is_planned_from_what_is_sent) {
   EXPECT_NEAR(document["planned_seconds"].get<double>(), 1, 0.01);
 }
 
+TEST(SendProgram, a_dry_one_moves_and_has_no_word_of_the_laser) {
+  const Folder folder;
+  const std::string file = folder.write("a.ngc", "G21 M4 S500\nG1 X1 F100 S3\nM3\nX2\nM30\n");
+  Served board;
+  const Finished done = run({"send", file, "--board", board.address(), "--dry"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(board.stop().lines, (std::vector<std::string>{"M5", "G21", "G1 X1 F100", "X2", "M30"}));
+}
+
+TEST(SendProgram, begins_at_a_line_after_a_dark_approach) {
+  const Folder folder;
+  const std::string file =
+      folder.write("a.ngc", "G20 G90 G0 X1 Y0 Z2\nM4 S500 F10\n(middle)\nG1 X2\nX3\nM30\n");
+  Served board;
+  const Finished done = run({"send", file, "--board", board.address(), "--yes", "--from", "5"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(board.stop().lines,
+            (std::vector<std::string>{"M5", "G21 G90 G94 G80 G17 G54", "G0 X50.8000000 Y0.0000000",
+                                      "G0 Z50.8000000", "F254.000", "G20", "G1 S500.000 M4", "X3",
+                                      "M30"}));
+}
+
+TEST(SendProgram, jobs_are_refused_by_the_name_of_a_grbl_board) {
+  const Folder folder;
+  const std::string points = folder.write("a.xyz", "0 0 0\n1 0 0\n");
+  Served board;
+  const Finished refused = run({"engrave", points, "--board", board.address(), "--yes"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("this is a grbl board"));
+  EXPECT_THAT(refused.err, HasSubstr("use lamplock send FILE.ngc"));
+}
+
+TEST(SendProgram, a_board_that_is_written_wrong_is_told_the_nearest_name) {
+  const Folder folder;
+  const std::string file = folder.write("a.ngc", "G21\n");
+  const Finished refused = run({"send", file, "--board", "virtal"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("error: --board: there is no board 'virtal'; "
+                                     "did you mean 'virtual'?"));
+  EXPECT_THAT(refused.err, HasSubstr("serial port"));
+}
+
 TEST(SendProgram, tells_the_line_of_an_error) {
   const Folder folder;
   const std::string file = folder.write("a.nc", "G21\n\nG1 X2\n" + many_moves(100));
@@ -195,8 +237,10 @@ TEST(SendProgram, what_cannot_be_sent) {
   EXPECT_THAT(refused({folder / "none.ngc"}), HasSubstr("no such file"));
   EXPECT_THAT(refused({folder.write("e.ngc", "(nothing)\n")}), HasSubstr("no line to send"));
   EXPECT_THAT(refused({folder.write("x.ngc", "G21\nG1 !\n")}), HasSubstr("x.ngc:2: "));
-  EXPECT_THAT(refused({good, "--from", "3"}), HasSubstr("--from: is for jobs"));
-  EXPECT_THAT(refused({good, "--dry"}), HasSubstr("--dry: is for jobs"));
+  EXPECT_THAT(refused({good, "--from", "3"}), HasSubstr("--from 3: "));
+  EXPECT_THAT(refused({good, "--fired", "3"}), HasSubstr("--fired: is for jobs"));
+  EXPECT_THAT(refused({folder.write("b.ngc", "G1 X1\nM130 P0\n"), "--dry"}),
+              HasSubstr("b.ngc:2: --dry cannot leave 'M130' out"));
   EXPECT_THAT(refused({folder.write("a.llj", "x"), "--go-on"}), HasSubstr("--go-on: is for prog"));
 }
 

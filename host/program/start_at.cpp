@@ -1,0 +1,186 @@
+#include "host/program/start_at.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "firmware/machine/program_reader.hpp"
+#include "firmware/program/interpreter.hpp"
+#include "host/error.hpp"
+#include "host/link/board_text.hpp"
+#include "host/program/program_words.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::program_run {
+namespace {
+
+using program::FeedMode;
+using program::Motion;
+using program::PathMode;
+using program::Plane;
+using program::Spindle;
+
+/// Codes whose effect the preamble can put into force, or that have none on what comes later.
+constexpr std::array known_g{0.,   1.,   2.,   3.,  4.,   5.,  5.1, 9.,  17., 18.,
+                             19.,  20.,  21.,  40., 54.,  55., 56., 57., 58., 59.,
+                             59.1, 59.2, 59.3, 61., 61.1, 64., 73., 80., 81., 82.,
+                             83.,  90.,  90.1, 91., 91.1, 93., 94., 95., 98., 99.};
+constexpr std::array known_m{0., 1., 3., 4., 5., 6., 7., 8., 9., 60.};
+
+/// The lines that are left out: what they leave in force, and which axes they have placed.
+class Skipped {
+ public:
+  Skipped(const settings::Values& values, const std::string& file)
+      : file_(file),
+        options_(machine::program_options(values, true, {})),
+        interpreter_(parameters_, options_) {}
+
+  void pass(const link::ProgramLine& line) {
+    const auto words = words_of(line.text);
+    check(line, words);
+    if (const program::Fault fault = interpreter_.run(line.text))
+      refuse(line.number, link::error_text(static_cast<int>(fault.error)), "correct the line");
+    for (program::Action action; interpreter_.next(action);) {
+    }
+    for (const ProgramWord& word : words) note_axis(line, word);
+  }
+
+  /// Motions that need more than their code, at the first line that is run.
+  void require_motion(const link::ProgramLine& first) const {
+    const Motion motion = interpreter_.modal().motion;
+    if (motion == Motion::rapid || motion == Motion::line || motion == Motion::none) return;
+    for (const ProgramWord& word : words_of(first.text))
+      if (word.is('G', 0) || word.is('G', 1) || word.is('G', 2) || word.is('G', 3)) return;
+    refuse(first.number, "goes on with a curve or cycle of the lines before",
+           "begin at a line with G0, G1, G2 or G3");
+  }
+
+  std::vector<std::string> preamble() const {
+    std::vector<std::string> lines{"M5", "G21 G90 G94 G80" + codes()};
+    for (const std::string_view axes : {"XYA", "Z"})
+      if (const std::string place = place_of(axes); !place.empty()) lines.push_back("G0" + place);
+    add_modes(lines);
+    add_spindle(lines);
+    return lines;
+  }
+
+ private:
+  [[noreturn]] void refuse(std::size_t line, const std::string& what,
+                           const std::string& remedy) const {
+    throw Error(Exit::bad_input, fmt::format("{}:{}", file_, line), what, remedy);
+  }
+
+  void check(const link::ProgramLine& line, const std::vector<ProgramWord>& words) const {
+    const auto known = [](const auto& codes, const ProgramWord& word) {
+      return std::find(codes.begin(), codes.end(), word.number().value_or(-1)) != codes.end();
+    };
+    for (const ProgramWord& word : words) {
+      const bool may_be_left_out = word.letter == 'G'   ? known(known_g, word)
+                                   : word.letter == 'M' ? known(known_m, word)
+                                                        : true;
+      if (!may_be_left_out)
+        refuse(line.number, fmt::format("--from cannot leave '{}' out", trimmed(word.text)),
+               "begin at this line or before it");
+    }
+    if (line.text.starts_with('$'))
+      refuse(line.number, "--from cannot leave a line for the board out",
+             "begin at this line or before it");
+  }
+
+  void note_axis(const link::ProgramLine& line, const ProgramWord& word) {
+    const auto axis = axis_letters.find(word.letter);
+    if (axis == std::string_view::npos || placed_[axis]) return;
+    if (interpreter_.modal().relative)
+      refuse(line.number,
+             fmt::format("moves {} by a distance, from a place that is not known", word.letter),
+             "begin at this line or before it");
+    placed_[axis] = true;
+  }
+
+  /// In millimetres; offsets are the board's, so these are those that the program has written.
+  std::string place_of(std::string_view axes) const {
+    std::string text;
+    for (const char letter : axes) {
+      const auto axis = axis_letters.find(letter);
+      if (axis == std::string_view::npos || !placed_[axis]) continue;
+      const double mm = static_cast<double>(interpreter_.programmed_e7()[axis]) /
+                        static_cast<double>(program::one_e7);
+      text += fmt::format(" {}{:.7f}", letter, mm);
+    }
+    return text;
+  }
+
+  /// Words that every grbl knows, and others where the program has used them.
+  std::string codes() const {
+    const program::Modal& modal = interpreter_.modal();
+    std::string text = fmt::format(" G{}", static_cast<int>(modal.plane) / 10);
+    constexpr int first_of_grbl = 54, systems_of_grbl = 6;
+    text += modal.system < systems_of_grbl
+                ? fmt::format(" G{}", first_of_grbl + modal.system)
+                : fmt::format(" G59.{}", modal.system - systems_of_grbl + 1);
+    if (modal.path == PathMode::stop) text += " G61.1";
+    if (modal.path == PathMode::blend) text += fmt::format(" G64 P{:.3f}", modal.blend_um / 1e3);
+    return text;
+  }
+
+  /// After the approach, for they change what its words mean.
+  void add_modes(std::vector<std::string>& lines) const {
+    const program::Modal& modal = interpreter_.modal();
+    constexpr double um_per_mm = 1e3, nm_per_mm = 1e6;
+    if (modal.feed_mode == FeedMode::inverse_time) lines.emplace_back("G93");
+    if (modal.feed_mode == FeedMode::per_turn)
+      lines.push_back(fmt::format("G95 F{:.6f}", modal.feed / nm_per_mm));
+    if (modal.feed_mode == FeedMode::per_minute && modal.feed != 0)
+      lines.push_back(fmt::format("F{:.3f}", modal.feed / um_per_mm));
+    std::string modes;
+    if (modal.inches) modes += " G20";
+    if (modal.relative) modes += " G91";
+    if (modal.centres_absolute) modes += " G90.1";
+    if (modal.retract_to_r) modes += " G99";
+    if (!modes.empty()) lines.push_back(modes.substr(1));
+    if (modal.mist) lines.emplace_back("M7");
+    if (modal.flood) lines.emplace_back("M8");
+  }
+
+  /// The last line: a laser with constant power shines as soon as it is switched on.
+  void add_spindle(std::vector<std::string>& lines) const {
+    const program::Modal& modal = interpreter_.modal();
+    constexpr double milli = 1e3;
+    std::string text;
+    if (modal.motion == Motion::rapid) text += " G0";
+    if (modal.motion == Motion::line) text += " G1";
+    if (modal.speed_milli != 0) text += fmt::format(" S{:.3f}", modal.speed_milli / milli);
+    if (modal.spindle != Spindle::off) text += modal.spindle == Spindle::constant ? " M3" : " M4";
+    if (!text.empty()) lines.push_back(text.substr(1));
+  }
+
+  const std::string& file_;
+  program::Parameters parameters_;
+  const program::Options options_;
+  program::Interpreter interpreter_;
+  std::array<bool, max_axes> placed_{};
+};
+
+}  // namespace
+
+std::vector<link::ProgramLine> start_at(const std::vector<link::ProgramLine>& lines,
+                                        std::size_t first, const settings::Values& values,
+                                        const std::string& file) {
+  const auto begin = std::find_if(lines.begin(), lines.end(),
+                                  [first](const auto& line) { return line.number >= first; });
+  if (begin == lines.end())
+    throw Error(Exit::bad_input, fmt::format("--from {}", first),
+                fmt::format("{} has no line to run there", file),
+                "give the number of a line of it");
+  if (begin == lines.begin()) return lines;
+  Skipped skipped(values, file);
+  std::for_each(lines.begin(), begin, [&](const link::ProgramLine& line) { skipped.pass(line); });
+  skipped.require_motion(*begin);
+  std::vector<link::ProgramLine> rest;
+  for (std::string& text : skipped.preamble()) rest.push_back({begin->number, std::move(text)});
+  rest.insert(rest.end(), begin, lines.end());
+  return rest;
+}
+
+}  // namespace lamplock::program_run

@@ -1,0 +1,132 @@
+// Programs that begin in their middle (--from) and that never shine (--dry), against the whole
+// ones.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "host/job/profile.hpp"
+#include "host/program/program_run.hpp"
+#include "host/program/start_at.hpp"
+#include "host/program/without_laser.hpp"
+#include "tests/error_of.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::test {
+namespace {
+
+using program_run::Piece;
+using testing::HasSubstr;
+
+settings::Values laser_settings() {
+  settings::Values values = job::default_profile().settings;
+  values.set_milli(settings::Id::laser_mode, 1000);
+  return values;
+}
+
+std::string text_of(const std::vector<link::ProgramLine>& lines) {
+  std::string text;
+  for (const link::ProgramLine& line : lines) text += line.text + "\n";
+  return text;
+}
+
+std::vector<Piece> pieces_of(const std::string& text) {
+  const auto run = program_run::run_program(text, laser_settings(), 10);
+  for (const auto& problem : run.problems)
+    ADD_FAILURE() << problem.line << ": " << problem.text << "\n" << text;
+  return run.pieces;
+}
+
+/// Every axis is placed in the first line; then units, distances, planes, feeds, power by chance.
+std::string random_program(std::mt19937_64& random, int lines) {
+  const auto mm = [&random] { return static_cast<double>(random() % 2000) / 1000 - 1; };
+  std::string text = "G21 G90 G0 X0 Y0 Z0\nG1 F600 S100\n";
+  for (int i = 0; i < lines; ++i) {
+    switch (random() % 8) {
+      case 0:
+        text += random() % 2 == 0 ? "G20\n" : "G21\n";
+        break;
+      case 1:
+        text += random() % 2 == 0 ? "G91\n" : "G90\n";
+        break;
+      case 2:
+        text += random() % 3 == 0 ? "M5\n" : random() % 2 == 0 ? "M3\n" : "M4\n";
+        break;
+      case 3:
+        text += fmt::format("S{} F{}\n", random() % 1000, 20 + random() % 600);
+        break;
+      case 4:
+        text += random() % 2 == 0 ? "G0\n" : "G1\n";
+        break;
+      default:
+        // Small, for inches and distances that add up.
+        text += fmt::format("X{:.3f} Y{:.3f} Z{:.3f}\n", 0.2 * mm(), 0.2 * mm(), 0.2 * mm());
+    }
+  }
+  return text;
+}
+
+void expect_same(const std::vector<Piece>& all, const std::vector<Piece>& part) {
+  // The whole of the rest is the end of the program.
+  ASSERT_GE(all.size(), part.size());
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    const Piece &wanted = all[all.size() - part.size() + i], &made = part[i];
+    for (std::size_t a = 0; a < 3; ++a) ASSERT_NEAR(made.to[a], wanted.to[a], 1e-6);
+    ASSERT_EQ(made.rapid, wanted.rapid);
+    ASSERT_NEAR(made.power, wanted.power, 1e-9);
+  }
+}
+
+TEST(ProgramParts, BeginInTheMiddleAsIfTheyHadRunFromTheBeginning) {
+  std::mt19937_64 random(8);
+  for (int round = 0; round < scaled(200); ++round) {
+    const auto lines = link::program_lines(random_program(random, 30), "part.ngc");
+    const std::size_t first = 3 + random() % 30;
+    const auto part = program_run::start_at(lines, first, laser_settings(), "part.ngc");
+    SCOPED_TRACE(fmt::format("from {}\n{}", first, text_of(part)));
+    std::size_t approach = 0;
+    while (approach < part.size() && part[approach].text != lines[first - 1].text) ++approach;
+    const auto pieces = pieces_of(text_of(part));
+    const auto rest =
+        std::find_if(pieces.begin(), pieces.end(), [](const Piece& piece) { return !piece.rapid; });
+    // The approach is dark, and shorter than all that was left out needs not be.
+    for (auto piece = pieces.begin(); piece != rest; ++piece) EXPECT_EQ(piece->power, 0);
+    ASSERT_NO_FATAL_FAILURE(
+        expect_same(pieces_of(text_of(lines)), std::vector<Piece>(rest, pieces.end())));
+  }
+}
+
+TEST(ProgramParts, RefuseToLeaveOutWhatCannotBePutIntoForce) {
+  const auto refusal = [](const std::string& text, std::size_t first) {
+    return error_of([&] {
+      program_run::start_at(link::program_lines(text, "part.ngc"), first, laser_settings(),
+                            "part.ngc");
+    });
+  };
+  EXPECT_THAT(refusal("G92 X0\nG0 X1\n", 2),
+              HasSubstr("part.ngc:1: --from cannot leave 'G92' out"));
+  EXPECT_THAT(refusal("$H\nG0 X1\n", 2), HasSubstr("line for the board"));
+  EXPECT_THAT(refusal("G91\nG0 X1\nG0 X1\n", 3), HasSubstr("part.ngc:2: moves X by a distance"));
+  EXPECT_THAT(refusal("G0 X1\n", 9), HasSubstr("--from 9"));
+  EXPECT_THAT(refusal("G0 X0 Y0\nG2 X1 I0.5 F100\nX0 I-0.5\n", 3), HasSubstr("curve or cycle"));
+  EXPECT_THAT(refusal("G0 X0 Y0\nG1 X1\nX0\n", 3), HasSubstr("part.ngc:2"));  // no feed
+}
+
+TEST(ProgramParts, NeverShineWhenTheyAreDry) {
+  std::mt19937_64 random(9);
+  for (int round = 0; round < scaled(100); ++round) {
+    const auto lines =
+        link::program_lines(random_program(random, 30) + "G1 X0 S5:0:7*2\n", "p.ngc");
+    const auto dark = program_run::without_laser(lines, "p.ngc");
+    const auto pieces = pieces_of(text_of(dark));
+    for (const Piece& piece : pieces) ASSERT_EQ(piece.power, 0) << text_of(dark);
+    ASSERT_EQ(pieces.back().to, pieces_of(text_of(lines)).back().to);
+  }
+  EXPECT_THAT(error_of([] {
+                program_run::without_laser(link::program_lines("M130 P0\n", "p.ngc"), "p.ngc");
+              }),
+              HasSubstr("p.ngc:1: --dry cannot leave 'M130' out"));
+}
+
+}  // namespace
+}  // namespace lamplock::test
