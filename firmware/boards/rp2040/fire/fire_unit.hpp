@@ -21,9 +21,13 @@
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
+#include "firmware/lamp/shot_delay.hpp"
 #include "firmware/machine/controller.hpp"
 
 namespace lamplock::rp2040 {
+
+static_assert(lamp::shot_delay_clocks(settings::range(settings::Id::q_switch_delay).min_milli) >=
+              pio::least_delay_clocks);
 
 /// Delay and width in the words of FIRE.
 constexpr std::uint32_t token_word(const machine::FireTiming& timing) {
