@@ -2,10 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/printable.hpp"
+
 namespace lamplock::cli {
 
 void Console::line(const std::string& text) {
-  fmt::print(out_, "{}\n", text);
+  fmt::print(out_, "{}\n", printable(text));
   std::fflush(out_);
 }
 

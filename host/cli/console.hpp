@@ -27,7 +27,7 @@ class Console {
   void say(fmt::format_string<Args...> format, Args&&... args) {
     line(fmt::format(format, std::forward<Args>(args)...));
   }
-  /// Prints text and a line end.
+  /// Prints one line, printable whatever is in it, and a line end.
   void line(const std::string& text);
   /// Prints text as it is.
   void text(const std::string& text);

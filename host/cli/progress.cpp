@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "host/printable.hpp"
+
 namespace lamplock::cli {
 namespace {
 
@@ -73,7 +75,7 @@ void Progress::update(std::size_t done) {
 
 void Progress::note(const std::string& line) {
   clear();
-  fmt::print(stderr, "{}\n", line);
+  fmt::print(stderr, "{}\n", printable(line));
 }
 
 std::string Progress::left(std::size_t done) const {

@@ -46,7 +46,7 @@ std::vector<Reader> readers() {
           {{"raster", "disc.bmp", "--feed", "900", "-o", "=", "--machine", "@"}, {"toml"}},
           {{"settings", "restore", "@"}, {"toml", "txt"}},
           {{"lines", "show", "--lines", "@"}, {"toml"}},
-          {{"jog", "--keys", "@"}, {"toml"}}};
+          {{"jog", "--machine", "@"}, {"toml"}}};
 }
 
 /// What every reader must refuse: none of these is a file of any kind.
