@@ -112,7 +112,8 @@ TEST_P(LongJob, KeepsTheLatticeAndTheShotsWithABusyLink) {
   const sim::TimingTable table =
       timing.table(profile.settings.milli(Id::q_switch_delay) * ps_per_us / 1000);
   std::printf("%s", sim::timing_text(table).c_str());
-  EXPECT_LE(table.phase_worst_ns, 2 * cycle_ns);
+  // Two clocks are taken off the setting, and a part of one is rounded off (lamp/shot_delay.hpp).
+  EXPECT_LE(table.phase_worst_ns, 3 * cycle_ns);
   EXPECT_LE(table.step_error_worst_ns, cycle_ns);
   for (const sim::TimingTable::Stack& stack : table.stacks) {
     EXPECT_GT(stack.used, 0u);
