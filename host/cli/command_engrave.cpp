@@ -1,7 +1,6 @@
 // `lamplock engrave`: from a file to shots, all in one.
 #include <memory>
 
-#include "host/cli/board_port.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -25,8 +24,7 @@ Exit engrave(EngraveOptions options) {
   Console console(options.board.json);
   options.board.check(options.engraving.input, options.engraving.save_file());
   options.engraving.check_save();
-  auto port = open_port(options.board);
-  if (port) require_lamplock(*port, options.board.board);
+  auto port = open_job_port(options.board);
   Work work =
       make_work(options.engraving, options.board.dry, console, options.origin.ask(port.get()));
   take_off_fired(work, options.board);

@@ -3,11 +3,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/cli/board_port.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/engraving.hpp"
+#include "host/cli/job_board.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/origin.hpp"
 #include "host/cli/prepare.hpp"
@@ -59,7 +59,7 @@ Exit frame(FrameOptions options) {
   options.board.profile = description.machine.profile;
   Console console(options.board.json);
   options.board.check(options.engraving.input);
-  auto port = open_port(options.board);
+  auto port = open_job_port(options.board);
   const job::Profile profile = frame_profile(options, description);
   const std::optional<points::Point> origin = options.origin.ask(port.get());
   glass::Volume volume = volume_at(origin, description, profile.settings);

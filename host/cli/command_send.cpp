@@ -2,7 +2,6 @@
 #include <memory>
 #include <utility>
 
-#include "host/cli/board_port.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -36,8 +35,7 @@ Exit send_file(const SendOptions& options) {
   check_job_options(options.program);
   Console console(options.board.json);
   options.board.check(options.file);
-  auto port = open_port(options.board);
-  if (port) require_lamplock(*port, options.board.board);
+  auto port = open_job_port(options.board);
   Work work{options.file, {}, job::read_job_file(options.file), {}};
   work.job.header.dry = work.job.header.dry || options.board.dry;
   if (work.job.is_rows()) return send_rows(work, options.board, std::move(port), console);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 #include <string_view>
 
+#include "host/cli/board_port.hpp"
 #include "host/error.hpp"
 #include "host/link/board_text.hpp"
 #include "host/link/line_port.hpp"
@@ -35,10 +37,13 @@ std::string version_of(link::Transport& board) {
 
 }  // namespace
 
-void require_lamplock(link::Transport& board, const std::string& name) {
-  const std::string version = version_of(board);
-  if (version.empty() || version.find(product) != std::string::npos) return;
-  throw Error(Exit::bad_input, name, "this is a grbl board (" + version + "), it takes no jobs",
+std::unique_ptr<link::Transport> open_job_port(const BoardOptions& options) {
+  auto port = open_port(options);
+  if (!port) return port;
+  const std::string version = version_of(*port);
+  if (version.empty() || version.find(product) != std::string::npos) return port;
+  throw Error(Exit::bad_input, options.board,
+              "this is a grbl board (" + version + "), it takes no jobs",
               "use lamplock send FILE.ngc");
 }
 

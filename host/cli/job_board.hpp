@@ -1,17 +1,20 @@
 // Jobs need this firmware: a board of grbl takes programs alone, and never answers a job.
 //
-// In:  an open board. Out: nothing, or an error that says what to do. Who: commands that send jobs,
-//      before anything else is said to the board.
+// In:  a choice of a board. Out: the open port, or an error that says what to do. Who: commands
+// that
+//      send jobs.
 #pragma once
 
-#include <string>
+#include <memory>
 
+#include "host/cli/board_options.hpp"
 #include "host/link/transport.hpp"
 
 namespace lamplock::cli {
 
-/// Throws Error(bad_input) if the board says that it is grbl without lamplock. One that says
-/// nothing in half a second, as one in the middle of a job may, is left to the sender.
-void require_lamplock(link::Transport& board, const std::string& name);
+/// As open_port(); throws Error(bad_input) as well if the board says that it is grbl without
+/// lamplock. One that says nothing in half a second, as one in the middle of a job may, is left to
+/// the sender.
+std::unique_ptr<link::Transport> open_job_port(const BoardOptions& options);
 
 }  // namespace lamplock::cli
