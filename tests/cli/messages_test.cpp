@@ -51,9 +51,9 @@ std::vector<Reader> readers() {
 
 /// What every reader must refuse: none of these is a file of any kind.
 std::string random_bytes(std::mt19937_64& random) {
-  std::string bytes(1 + random() % 300, '\0');
+  std::string bytes(60 + random() % 300, '\0');
   for (char& byte : bytes) byte = static_cast<char>(random());
-  return bytes;
+  return bytes + "\n\xff\x01\n";  // no text of any kind, should the rest be one
 }
 std::string utf_16(std::string_view text) {
   std::string bytes = "\xff\xfe";
@@ -76,13 +76,14 @@ std::string broken_text(std::mt19937_64& random) {
       return text + std::string(trouble[random() % trouble.size()]) + "\n";
   }
 }
-/// The beginning of a file that is right.
+/// The beginning of a file that is right, of kinds that are wrong without their end.
 std::string truncated(std::mt19937_64& random, const std::string& extension) {
   const std::string whole = extension == "bmp"   ? disc_bmp(20)
                             : extension == "stl" ? octahedron_stl()
                             : extension == "png" ? "\x89PNG\r\n\x1a\n" + std::string(40, '\1')
                             : extension == "llj" ? "LLJ1" + std::string(90, '\2')
-                                                 : random_bytes(random);
+                                                 : std::string();
+  if (whole.empty()) return random_bytes(random);
   return whole.substr(0, random() % (whole.size() / 2 + 1));
 }
 std::string content(std::mt19937_64& random, const std::string& extension) {
