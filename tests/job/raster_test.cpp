@@ -205,8 +205,9 @@ TEST(RowGcode, IsTheSameLightAndTheTimeIsThatOfThePlanner) {
     const job::Job job = make_rows(pixels, options, profile);
     const PowerForm form = i % 2 == 0 ? PowerForm::plain : PowerForm::lists;
     const std::string text = row_gcode(job, form);
-    if (form == PowerForm::plain)
+    if (form == PowerForm::plain) {
       EXPECT_EQ(text.find_first_of("*:"), std::string::npos) << "words of this firmware alone";
+    }
     const auto run = program_run::run_program(text, profile.settings, 10);
     SCOPED_TRACE(testing::Message() << "picture " << i);
     for (const auto& problem : run.problems) ADD_FAILURE() << problem.line << problem.text;
@@ -226,8 +227,9 @@ TEST(RowGcode, IsTheSameLightAndTheTimeIsThatOfThePlanner) {
     ASSERT_EQ(lit.size(), burnt.lit.size());
     for (const auto& [place, light] : burnt.lit) ASSERT_EQ(lit.at(place), light.power);
     // Longer lines are planned a little farther ahead, and those of one pixel less far.
-    if (form == PowerForm::lists)
+    if (form == PowerForm::lists) {
       EXPECT_NEAR(seconds_of(job), run.seconds(), 0.01 * run.seconds() + 0.02);
+    }
   }
 }
 
