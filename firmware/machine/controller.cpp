@@ -437,7 +437,8 @@ void Controller::stop() {
 void Controller::stop_activity() {
   if (homing_.active()) return break_off_homing(alarm_homing_reset);
   if (jogging_) return cancel_jog();
-  if (framed_job() || (!program_.begun() && !beat_locked())) return stop();
+  // A job of rows that comes to rest is no program: a second stop is the first one again.
+  if (framed_job() || rows_.active() || (!program_.begun() && !beat_locked())) return stop();
   stop_program();
 }
 

@@ -317,6 +317,29 @@ TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
   }
 }
 
+/// A second stop while the first one brakes ends nothing else: the next job has its light.
+TEST(Rows, AreStoppedTwiceAndTheNextJobShines) {
+  const auto light = [](RowRig& rows) {
+    return rows.rig.board.world().beam().energy(0, rows.rig.board.now());
+  };
+  const Raster raster(70, 4, 200, 5);
+  RowRig whole(raster);
+  ASSERT_TRUE(whole.host.run(30));
+  RowRig rows(raster);
+  rows.host.do_not_resume();
+  while (rows.rig.status().first_unfired < 2) rows.host.step();
+  for (int stops = 0; stops < 2; ++stops) {
+    rows.host.command(wire::Command::stop);
+    while (!rows.host.command_taken()) rows.host.step(std::chrono::microseconds(250));
+  }
+  for (int k = 0; k < 1000; ++k) rows.host.step();
+  ASSERT_EQ(rows.rig.state(), MachineState::idle);
+  const double before = light(rows);
+  RowHost again(rows.cable, rows.lines, row_header(rows.machine), 78);
+  ASSERT_TRUE(again.run(30));
+  EXPECT_NEAR(light(rows) - before, light(whole), 0.01 * light(whole));
+}
+
 /// Another job goes on at the line that was told: those before it were burnt, once.
 TEST(Rows, GoOnAtTheFirstLineNotRun) {
   for (int i = 0; i < scaled(12); ++i) {
