@@ -34,6 +34,8 @@ constexpr int most_soft_refusals = 20;
 constexpr microseconds max_frame_wait{10'000};
 constexpr microseconds min_frame_wait{500};
 constexpr std::int64_t us_per_ms = 1'000;
+/// Progress without new points is told this often: a record on a disk takes some 10 ms.
+constexpr microseconds progress_interval{500'000};
 
 std::uint32_t choose_session(std::uint32_t wanted) {
   if (wanted != 0) return wanted;
@@ -62,11 +64,6 @@ std::string describe_setting(std::uint32_t number) {
 
 }  // namespace
 
-std::string go_on_options(std::uint32_t first_unfired, std::uint32_t flashes_fired) {
-  const std::string from = fmt::format("--from {}", first_unfired);
-  return flashes_fired == 0 ? from : from + fmt::format(" --fired {}", flashes_fired);
-}
-
 JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions options)
     : transport_(transport),
       job_(check_first(job, options.first_index)),
@@ -74,6 +71,7 @@ JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions op
       connection_(transport),
       encoder_(job, options_.first_index),
       session_(choose_session(options_.session)),
+      handed_over_(options_.first_index + options_.run_up_lines),
       // Tags start anywhere, so that an answer to somebody else is not taken for one to us.
       tag_(session_ & 0x7FFFFFFFu),
       job_speed_(options_.job_speed) {
@@ -86,6 +84,7 @@ JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions op
   const Time now = transport_.now();
   started_at_ = heard_at_ = now;
   asked_at_ = now - options_.reply_timeout;
+  job_status_.first_unfired = static_cast<std::uint32_t>(handed_over_);
 }
 
 JobResult JobSender::run() {
@@ -113,6 +112,7 @@ void JobSender::advance() {
   if (phase_ == Phase::stream) {
     steer();
     stream();
+    tell_progress_in_time();
     check_end();
   } else if (phase_ == Phase::begin) {
     begin();
@@ -124,25 +124,38 @@ void JobSender::advance() {
   transport_.wait(pause_length());
 }
 
-std::size_t JobSender::points_fired() const {
-  const bool begun = phase_ != Phase::hello && phase_ != Phase::begin;
-  return begun ? status_.first_unfired : options_.first_index;
+/// Lines of the run-up were done in an earlier run, whatever the machine tells of them.
+void JobSender::keep(const wire::Status& status) {
+  const std::uint32_t done = job_status_.first_unfired;
+  job_status_ = status;
+  job_status_.first_unfired = std::max(done, status.first_unfired);
 }
 
 /// The machine counts shots, and which point is done; what is over was fired at the next one.
 std::uint32_t JobSender::flashes_fired() const {
-  if (job_.header.dry || status_.session != session_) return 0;
-  const std::size_t next = std::min<std::size_t>(status_.first_unfired, job_.targets.size());
-  std::uint64_t done = 0;
-  for (std::size_t i = options_.first_index; i < next; ++i) done += job_.targets[i].shots;
-  if (next == job_.targets.size()) return 0;
+  if (job_.header.dry) return 0;
+  const std::size_t next = job_status_.first_unfired;
   const std::uint32_t before = next == options_.first_index ? options_.first_fired : 0;
-  return before + (status_.shots > done ? static_cast<std::uint32_t>(status_.shots - done) : 0);
+  return before + flashes_of(job_.targets, options_.first_index, next, job_status_.shots);
+}
+
+/// A dry run fires nothing: it goes on wherever it is thought to be.
+Continuation JobSender::rest() const {
+  const std::size_t first = job_status_.first_unfired;
+  if (handed_over_ <= first) return {first, flashes_fired(), first, true};
+  if (job_.header.dry || stands(job_status_.state)) return at_rest(job_, first, flashes_fired());
+  if (mark_) return after_restart(job_, *mark_);
+  return {first, 0, std::max(first, handed_over_), false};
+}
+
+std::string JobSender::advice() const {
+  return go_on_text(rest(), job_.item(), static_cast<bool>(options_.on_progress));
 }
 
 JobResult JobSender::result() const {
   const Time elapsed = phase_ == Phase::ended ? elapsed_ : transport_.now() - started_at_;
-  return {end_, status_, flashes_fired(), resent_, connection_.bad_frames(), reconnects_, elapsed};
+  return {end_,        job_status_, flashes_fired(), rest(), resent_, connection_.bad_frames(),
+          reconnects_, elapsed};
 }
 
 void JobSender::receive() {
@@ -152,6 +165,7 @@ void JobSender::receive() {
 
 void JobSender::handle(const std::string& text) {
   if (text_seen_.empty()) text_seen_ = text;
+  if (const auto mark = parse_restart_mark(text); mark && mark->session == session_) mark_ = mark;
   if (options_.on_text) options_.on_text(text);
 }
 
@@ -179,11 +193,14 @@ void JobSender::handle(const wire::Status& status) {
     const std::size_t most = job_.is_rows() ? wire::most_lines_a_frame : most_points_per_frame;
     frame_points_ = std::clamp<std::size_t>(status.free_points / 4, 1, most);
   }
+  if (phase_ == Phase::stopping && stop_end_ != JobEnd::restarted && status.session == session_)
+    keep(status);
   if (phase_ != Phase::stream) return;
   const std::uint32_t acknowledged = built_ - static_cast<std::uint32_t>(frames_.size());
   if (status.session != session_ || status.next_number > built_ + 1 ||
       status.next_number <= acknowledged)
     return begin_stop(JobEnd::restarted);
+  keep(status);
   acknowledge(status);
 }
 
@@ -234,16 +251,17 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
   const bool of_point = refused.type != wire::FrameType::begin;
   const std::string where = of_point ? fmt::format("{} {}", job_.item(), refused.value) : "machine";
   // In mid-job nobody shall begin anew: points would be fired twice.
-  const std::string go_on = "go on with " + go_on_options(status_.first_unfired, flashes_fired());
+  const std::string go_on = advice();
   const std::string then = of_point ? ", then " + go_on : "";
   switch (refused.result) {
     case Result::busy:
       if (status_.session != 0 && status_.session != session_)
-        throw Error(Exit::job_failed, where,
-                    fmt::format("holds an unfinished job of another program (session {:08x}, first "
-                                "{} not done {})",
-                                status_.session, job_.item(), status_.first_unfired),
-                    "finish it there, or give it up with --discard" + then);
+        throw Error(
+            Exit::job_failed, where,
+            fmt::format("holds an unfinished job of another program (session {:08x}, first "
+                        "{} not done {})",
+                        status_.session, job_.item(), status_.first_unfired),
+            "finish it there, go on with it by --resume, or give it up with --discard" + then);
       throw Error(Exit::job_failed, where, "another job is running",
                   "wait for it or stop it" + then);
     case Result::no_job:
@@ -285,7 +303,7 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
 
 /// The machine does nothing and we have not told it to: what it has said of the reason is lost.
 void JobSender::throw_ended() const {
-  refuse_job({0, {wire::FrameType::end, Result::no_job, status_.first_unfired}});
+  refuse_job({0, {wire::FrameType::end, Result::no_job, job_status_.first_unfired}});
 }
 
 /// Notices a cut connection and tries to make a new one.
@@ -429,6 +447,9 @@ void JobSender::stream() {
     if (cursor_ == frames_.size() && !build_frame()) return;
     const Frame& frame = frames_[cursor_];
     if (!has_room(frame)) return;
+    if (frame.end_index > progress_.may_have_fired || progress_.session == 0)
+      tell_progress(end_of_room());
+    handed_over_ = std::max(handed_over_, frame.end_index);
     connection_.send(frame.bytes);
     if (frame.number <= written_) ++resent_;
     written_ = std::max(written_, frame.number);
@@ -441,8 +462,15 @@ bool JobSender::has_room(const Frame& frame) const {
   std::size_t on_the_way = frame.bytes.size();
   for (std::size_t i = 0; i < cursor_; ++i) on_the_way += frames_[i].bytes.size();
   if (on_the_way > most_on_the_way) return false;
-  if (frame.end_index > std::size_t{status_.received} + status_.free_points) return false;
+  if (frame.end_index > end_of_room()) return false;
   return frame.end_places <= places_ + status_.free_runs || !job_.is_rows();
+}
+
+/// Index up to which points, or lines, may be sent.
+std::size_t JobSender::end_of_room() const {
+  const std::size_t of_machine = std::size_t{status_.received} + status_.free_points;
+  const std::size_t ahead = std::max(options_.points_ahead, frame_points_);
+  return std::min(of_machine, job_status_.first_unfired + std::min(ahead, job_.size()));
 }
 
 /// Builds the next frame; false if the window is full or everything has been built.
@@ -463,6 +491,22 @@ bool JobSender::build_frame() {
   frames_.push_back(std::move(frame));
   ++built_;
   return true;
+}
+
+/// Points up to there will be handed over before the next time.
+void JobSender::tell_progress(std::size_t may_have_fired) {
+  if (!options_.on_progress) return;
+  progress_ = {session_, job_status_.first_unfired,
+               static_cast<std::uint32_t>(std::clamp(may_have_fired, handed_over_, job_.size()))};
+  progress_at_ = transport_.now();
+  options_.on_progress(progress_);
+}
+
+/// The lower bound follows what is fired, also when all points are handed over.
+void JobSender::tell_progress_in_time() {
+  const bool is_behind = job_status_.first_unfired > progress_.first_unfired;
+  if (progress_.session != 0 && is_behind && transport_.now() - progress_at_ >= progress_interval)
+    tell_progress(progress_.may_have_fired);
 }
 
 void JobSender::check_end() {
@@ -510,13 +554,8 @@ void JobSender::begin_stop(JobEnd how, std::exception_ptr error) {
 
 /// A stop that nobody has acknowledged is sent again: the machine executes it once.
 void JobSender::insist_on_stop() {
-  using wire::MachineState;
   const Time now = transport_.now();
-  const MachineState state = status_.state;
-  // Out of these only another job or the user at the machine leads to motion.
-  const bool stands =
-      state == MachineState::idle || state == MachineState::alarm || state == MachineState::estop;
-  if (stands || status_.session != session_) return finish_stop();
+  if (stands(status_.state) || status_.session != session_) return finish_stop();
   if (now >= stop_by_) throw_not_stopped();
   if (!cut_ && !command_taken() && now - command_at_ >= options_.reply_timeout) send_command();
 }
@@ -538,7 +577,7 @@ void JobSender::throw_reason() const {
   if (stop_error_) std::rethrow_exception(stop_error_);
   if (was_reset_ && end_ == JobEnd::stopped)
     throw Error(Exit::job_failed, "machine", "was stopped by a reset (0x18), not by this program",
-                "go on with " + go_on_options(status_.first_unfired, flashes_fired()));
+                advice());
 }
 
 /// The first error stays to be read.
@@ -553,9 +592,9 @@ void JobSender::throw_not_stopped() {
   } catch (const std::exception& error) {
     throw Error(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.what()), remedy);
   }
-  throw Error(
-      Exit::job_failed, where, what,
-      fmt::format("{}; the last {} heard of is {}", remedy, job_.item(), status_.first_unfired));
+  throw Error(Exit::job_failed, where, what,
+              fmt::format("{}; all {}s before {} are done, maybe more; then {}", remedy,
+                          job_.item(), job_status_.first_unfired, advice()));
 }
 
 JobSender::Time JobSender::pause_length() const {

@@ -25,6 +25,8 @@
 
 #include "host/job/job.hpp"
 #include "host/link/connection.hpp"
+#include "host/link/continuation.hpp"
+#include "host/link/restart_mark.hpp"
 #include "host/link/transport.hpp"
 #include "shared/wire/status.hpp"
 
@@ -34,6 +36,14 @@ namespace lamplock::link {
 inline constexpr std::uint32_t full_job_speed = 100;
 inline constexpr std::uint32_t highest_job_speed = 140;
 
+/// How far a job is, as a journal has to keep it.
+struct JobProgress {
+  std::uint32_t session = 0;
+  std::uint32_t first_unfired = 0;   ///< all points, or lines, before it are fired
+  std::uint32_t may_have_fired = 0;  ///< none from here on is handed to the machine before the next
+                                     ///< progress
+};
+
 /// How patient the sender is, and where it starts. All times are times of the transport.
 struct SenderOptions {
   std::chrono::microseconds hello_timeout{3'000'000};  ///< until the first answer
@@ -42,7 +52,9 @@ struct SenderOptions {
   std::chrono::microseconds give_up{60'000'000};       ///< without connection until the end
   std::chrono::microseconds status_interval{100'000};  ///< between questions when all is well
   std::size_t window_frames = 16;                      ///< frames sent and not acknowledged
+  std::size_t points_ahead = ~std::size_t{0};          ///< sent before those before them are fired
   std::size_t first_index = 0;                         ///< go on with a job at this point or line
+  std::size_t run_up_lines = 0;   ///< the first lines are dark and were done in an earlier run
   std::uint32_t first_fired = 0;  ///< flashes of it fired before, not among those of the job
   std::uint32_t session = 0;      ///< 0 = choose at random
   std::uint32_t job_speed = full_job_speed;  ///< percent, before anything moves
@@ -50,6 +62,9 @@ struct SenderOptions {
   /// Go on after `!`, 0x84 and 0x18 that are not ours: noise of a serial line may be one of them.
   bool auto_resume = false;
   std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
+  /// Called before points are handed to the machine, and now and then while it fires. An exception
+  /// stops the job.
+  std::function<void(const JobProgress&)> on_progress;
 };
 
 /// How a job ended.
@@ -64,16 +79,14 @@ enum class JobEnd : std::uint8_t {
 /// Result of a job that was begun.
 struct JobResult {
   JobEnd end = JobEnd::done;
-  wire::Status status;              ///< last one received; first_unfired is where to go on
-  std::uint32_t flashes_fired = 0;  ///< at that point, if it wants several
+  wire::Status status;  ///< last one of this job; what another session or a restart shows is not
+  std::uint32_t flashes_fired = 0;  ///< of the point status.first_unfired
+  Continuation rest;                ///< where to go on
   std::uint64_t resent = 0;         ///< frames sent again
   std::uint64_t bad_frames = 0;     ///< frames from the machine that came in broken
   std::uint64_t reconnects = 0;
   std::chrono::microseconds elapsed{0};
 };
-
-/// Options of the command line with which a job goes on.
-std::string go_on_options(std::uint32_t first_unfired, std::uint32_t flashes_fired);
 
 /// Sends one job. Construct, run(), read the result.
 class JobSender {
@@ -106,9 +119,12 @@ class JobSender {
   std::uint32_t job_speed() const noexcept { return job_speed_.load(); }
 
   /// All points, or lines, before this index are done.
-  std::size_t points_fired() const;
+  std::size_t points_fired() const { return job_status_.first_unfired; }
   JobResult result() const;
+  /// The last one received, whatever session it is of.
   const wire::Status& status() const { return status_; }
+  /// The last one of this job; of no session before the machine has taken the job.
+  const wire::Status& job_status() const { return job_status_; }
   std::uint32_t session() const { return session_; }
   bool auto_resume() const { return options_.auto_resume; }
 
@@ -140,7 +156,10 @@ class JobSender {
   void handle(const std::string& text);
   void refuse_job(const RefusedFrame& frame) const;
   void throw_ended() const;
+  void keep(const wire::Status& status);
   std::uint32_t flashes_fired() const;
+  Continuation rest() const;
+  std::string advice() const;
   bool take_barrier(const wire::Status& status);
   void acknowledge(const wire::Status& status);
 
@@ -156,7 +175,10 @@ class JobSender {
   void send_command();
   void stream();
   bool has_room(const Frame& frame) const;
+  std::size_t end_of_room() const;
   bool build_frame();
+  void tell_progress(std::size_t may_have_fired);
+  void tell_progress_in_time();
   void check_end();
   void end(JobEnd how);
 
@@ -179,6 +201,8 @@ class JobSender {
   Phase phase_ = Phase::hello;
   JobEnd end_ = JobEnd::done;
   wire::Status status_;
+  wire::Status job_status_;  ///< last one of our session
+  std::optional<RestartMark> mark_;
   bool synced_ = false;  ///< a question asked over this connection was answered
   std::string text_seen_;
 
@@ -189,6 +213,9 @@ class JobSender {
   std::uint32_t written_ = 0;  ///< highest number ever written
   bool end_built_ = false;
   std::size_t frame_points_ = 1;
+  std::size_t handed_over_;  ///< behind the last point or line ever written
+  JobProgress progress_;     ///< told last
+  Time progress_at_{};
 
   std::deque<Barrier> barriers_;
   std::uint32_t tag_;

@@ -372,8 +372,53 @@ TEST(Sender, AMachineThatForgotTheJobIsNotFedAgain) {
   JobSender sender(*board, job, fixed_session());
   for (int i = 0; i < 20; ++i) sender.step();
   board->link.forget_session();
-  EXPECT_EQ(sender.run().end, JobEnd::restarted);
+  const std::size_t seen = sender.points_fired();
+  const JobResult result = sender.run();
+  EXPECT_EQ(result.end, JobEnd::restarted);
   EXPECT_EQ(board->machine.begins, 1);
+  // What the machine has told last of this job is a lower bound, what was sent an upper one.
+  EXPECT_FALSE(result.rest.settled);
+  EXPECT_GE(result.rest.first, seen);
+  EXPECT_LE(result.rest.first, board->machine.fired.size());
+  EXPECT_GE(result.rest.from, board->machine.fired.size());
+}
+
+/// Progress is told before points are sent: nothing comes to the machine that was not announced.
+TEST(Sender, TellsItsProgressBeforeItSends) {
+  for (int seed = 0; seed < test::scaled(10); ++seed) {
+    auto board = cable({.drop = 5e-4, .flip = 5e-4, .cuts = 3}, static_cast<std::uint64_t>(seed));
+    const job::Job job = random_job(5000, 14);
+    SenderOptions options = with_auto_resume();
+    options.first_index = 100;
+    std::vector<JobProgress> told;
+    options.on_progress = [&](const JobProgress& progress) {
+      ASSERT_LE(progress.first_unfired, 100 + board->machine.fired.size());
+      told.push_back(progress);
+    };
+    JobSender sender(*board, job, options);
+    while (sender.step()) {
+      ASSERT_TRUE(board->machine.received.empty() || !told.empty());
+      ASSERT_TRUE(told.empty() ||
+                  100 + board->machine.received.size() <= told.back().may_have_fired);
+    }
+    EXPECT_EQ(sender.result().end, JobEnd::done);
+    EXPECT_EQ(told.front().session, sender.session());
+    EXPECT_EQ(told.front().first_unfired, 100u);
+    EXPECT_EQ(told.back().may_have_fired, job.size());
+    EXPECT_LT(told.size(), 200u) << "each one is a record on the disk";
+  }
+}
+
+TEST(Sender, ProgressThatCannotBeKeptStopsTheJob) {
+  auto board = cable();
+  SenderOptions options = fixed_session();
+  int records = 0;
+  options.on_progress = [&](const JobProgress&) {
+    if (++records == 5) throw Error(Exit::job_failed, "a.progress", "cannot be written", "look");
+  };
+  const Failure failure = failure_of(*board, random_job(20'000, 15), options);
+  EXPECT_THAT(failure.text, HasSubstr("cannot be written"));
+  EXPECT_EQ(board->machine.state, wire::MachineState::idle);
 }
 
 TEST(Sender, GivesUpOnACableThatStaysCut) {
@@ -525,8 +570,6 @@ TEST(Sender, TheJobSpeedFollowsTheUserThroughHoldsAndABadCable) {
 }
 
 TEST(Sender, HowManyFlashesOfTheNextPointWereFired) {
-  EXPECT_EQ(go_on_options(12, 0), "--from 12");
-  EXPECT_EQ(go_on_options(12, 3), "--from 12 --fired 3");
   LosesCommands board(0);
   job::Job job = random_job(3000, 8);
   for (motion::Target& target : job.targets) target.shots = 4;

@@ -1,0 +1,166 @@
+#include "host/job/progress_journal.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <span>
+#include <system_error>
+#include <vector>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/job/job.hpp"
+#include "shared/wire/crc32.hpp"
+
+namespace lamplock::job {
+namespace {
+
+constexpr std::string_view heading =
+    "# kind session job first_unfired flashes may_have_fired check\n";
+constexpr std::array<std::string_view, 3> names{"begun", "running", "ended"};
+constexpr int hexadecimal = 16, decimal = 10;
+constexpr mode_t for_all_to_read = 0644;
+
+std::uint32_t check_of(std::string_view text) {
+  return wire::crc32({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+/// Takes a word and the space after it from the text.
+std::string_view take_word(std::string_view& text) {
+  const std::string_view word = text.substr(0, text.find(' '));
+  text.remove_prefix(std::min(text.size(), word.size() + 1));
+  return word;
+}
+
+bool take_number(std::string_view& text, std::uint32_t& value, int base = decimal) {
+  const std::string_view word = take_word(text);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value, base);
+  return error == std::errc{} && end == word.data() + word.size();
+}
+
+std::string without_check(const ProgressRecord& record) {
+  return fmt::format("{} {:08x} {:08x} {} {} {}", names[static_cast<std::size_t>(record.progress)],
+                     record.session, record.job, record.first_unfired, record.flashes,
+                     record.may_have_fired);
+}
+
+/// The record of a line; nothing if the line is damaged or no record.
+std::optional<ProgressRecord> parse(std::string_view line) {
+  const auto found = std::find(names.begin(), names.end(), take_word(line));
+  if (found == names.end()) return std::nullopt;
+  ProgressRecord record;
+  record.progress = static_cast<Progress>(found - names.begin());
+  std::uint32_t check = 0;
+  const bool whole = take_number(line, record.session, hexadecimal) &&
+                     take_number(line, record.job, hexadecimal) &&
+                     take_number(line, record.first_unfired) && take_number(line, record.flashes) &&
+                     take_number(line, record.may_have_fired) &&
+                     take_number(line, check, hexadecimal);
+  if (!whole || !line.empty() || check != check_of(without_check(record))) return std::nullopt;
+  return record;
+}
+
+bool write_all(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// A file is found after a power loss only if its folder is on the disk too.
+void sync_folder(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);  // some file systems cannot, and need not
+  ::close(descriptor);
+}
+
+}  // namespace
+
+std::uint32_t hash_of(const Job& job) {
+  std::array<std::uint8_t, wire::max_job_header_size> bytes{};
+  wire::ByteWriter out(bytes);
+  wire::write_job_header(out, job.header);
+  std::uint32_t hash = wire::crc32(out.written());
+  constexpr std::size_t piece = 1 << 16;
+  RecordEncoder encoder(job, 0);
+  for (auto records = encoder.next(piece, piece); !records.empty();
+       records = encoder.next(piece, piece))
+    hash = wire::crc32(records, hash);
+  return hash;
+}
+
+std::string progress_line(const ProgressRecord& record) {
+  const std::string text = without_check(record);
+  return fmt::format("{} {:08x}\n", text, check_of(text));
+}
+
+std::optional<KeptRun> last_run(std::string_view text) {
+  std::optional<KeptRun> run;
+  for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
+    const auto record = parse(text.substr(0, end));
+    text.remove_prefix(end + 1);
+    if (!record) continue;
+    if (record->progress == Progress::begun || !run || run->begun.session != record->session)
+      run = {*record, *record};
+    run->last = *record;
+  }
+  return run;
+}
+
+std::optional<KeptRun> ProgressJournal::read() const {
+  std::error_code ignored;
+  const auto size = std::filesystem::file_size(file_, ignored);
+  if (ignored || size == 0) return std::nullopt;
+  return last_run(read_file(file_));
+}
+
+void ProgressJournal::append(const ProgressRecord& record) {
+  if (descriptor_ < 0) open();
+  if (!write_all(descriptor_, progress_line(record)) || ::fsync(descriptor_) != 0)
+    fail("cannot be written");
+}
+
+void ProgressJournal::remove() {
+  close();
+  std::error_code error;
+  std::filesystem::remove(file_, error);
+  if (error) fail("cannot be removed");
+}
+
+/// The end of a torn line must not become the beginning of ours.
+void ProgressJournal::open() {
+  descriptor_ = ::open(file_.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, for_all_to_read);
+  if (descriptor_ < 0) fail("cannot be opened");
+  const off_t size = ::lseek(descriptor_, 0, SEEK_END);
+  if (size <= 0) {
+    sync_folder(file_);
+    if (!write_all(descriptor_, heading)) fail("cannot be written");
+    return;
+  }
+  char last = '\n';
+  const bool is_read = ::pread(descriptor_, &last, 1, size - 1) == 1;
+  if (!is_read || (last != '\n' && !write_all(descriptor_, "\n"))) fail("cannot be written");
+}
+
+void ProgressJournal::close() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+}
+
+void ProgressJournal::fail(const char* what) const {
+  const std::string reason = std::generic_category().message(errno);
+  throw Error(Exit::job_failed, file_.string(), fmt::format("{} ({})", what, reason),
+              "check folder and free space, or keep the progress elsewhere with --progress FILE");
+}
+
+}  // namespace lamplock::job

@@ -1,0 +1,81 @@
+#include "host/link/job_inquiry.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <random>
+#include <string>
+#include <variant>
+
+#include "host/error.hpp"
+#include "host/link/continuation.hpp"
+
+namespace lamplock::link {
+namespace {
+
+using Time = std::chrono::microseconds;
+
+constexpr Time answer_timeout{3'000'000};  ///< until an answer
+constexpr Time ask_again{250'000};         ///< when a question or its answer may be lost
+constexpr Time look_interval{5'000};       ///< of waiting
+constexpr Time stop_timeout{10'000'000};   ///< for the board to come to rest
+constexpr std::uint32_t no_session = 0;
+
+}  // namespace
+
+JobInquiry::JobInquiry(Transport& transport)
+    : transport_(transport), connection_(transport), tag_(std::random_device()()) {}
+
+wire::Status JobInquiry::end_job(std::uint32_t session) {
+  const Time give_up = transport_.now() + stop_timeout;
+  std::uint32_t number = 0;  // of the command: the board executes it once
+  for (;;) {
+    const wire::Status status = ask();
+    if (status.session != session || stands(status.state)) return status;
+    if (number == 0) number = status.last_command + 1;
+    if (status.last_command >= number && transport_.now() < give_up) continue;
+    if (transport_.now() >= give_up)
+      throw Error(Exit::job_failed, "machine", "could not be stopped, it may still move and fire",
+                  "press its emergency stop or switch it off");
+    const std::array payload{static_cast<std::uint8_t>(wire::Command::stop)};
+    connection_.send({wire::FrameType::command, session, number}, payload);
+  }
+}
+
+wire::Status JobInquiry::ask() {
+  const Time give_up = transport_.now() + answer_timeout;
+  while (transport_.now() < give_up) {
+    const bool cut = !transport_.connected() && !connection_.reconnect();
+    if (!cut) connection_.send_query(no_session, ++tag_);
+    if (const auto status = wait_for_answer(transport_.now() + ask_again)) return *status;
+  }
+  throw Error(Exit::no_device, "machine", "does not answer", "check port, power and firmware");
+}
+
+std::optional<wire::Status> JobInquiry::wait_for_answer(Time until) {
+  while (transport_.now() < until) {
+    connection_.flush();
+    if (const auto status = receive()) return status;
+    transport_.wait(look_interval);
+  }
+  return std::nullopt;
+}
+
+/// The answer to the last question, if it has come.
+std::optional<wire::Status> JobInquiry::receive() {
+  while (const auto message = connection_.receive()) {
+    if (const auto* text = std::get_if<std::string>(&*message))
+      if (const auto mark = parse_restart_mark(*text)) mark_ = mark;
+    const auto* status = std::get_if<wire::Status>(&*message);
+    if (status == nullptr) continue;
+    if (status->version != wire::protocol_version)
+      throw Error(Exit::no_device, "machine",
+                  fmt::format("its firmware speaks protocol version {}, this program {}",
+                              status->version, wire::protocol_version),
+                  "install firmware and program of one release");
+    if (status->echo == tag_) return *status;
+  }
+  return std::nullopt;
+}
+
+}  // namespace lamplock::link

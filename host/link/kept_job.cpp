@@ -1,0 +1,98 @@
+#include "host/link/kept_job.hpp"
+
+#include <algorithm>
+
+#include "host/error.hpp"
+#include "host/link/job_inquiry.hpp"
+#include "host/units.hpp"
+
+namespace lamplock::link {
+
+using job::Progress;
+
+namespace {
+
+/// A board whose host is silent holds after the time of the dead man (2 s): more points than it
+/// fires until then are of no use to it, and after a power loss all of them are in doubt.
+constexpr double ahead_s = 2.5;
+constexpr double min_points_ahead = 256;  ///< four times what the planner looks at
+
+}  // namespace
+
+KeptJob::KeptJob(const std::filesystem::path& journal, const job::Job& job)
+    : journal_(journal), job_(job), hash_(job::hash_of(job)) {}
+
+void KeptJob::require_ended() const {
+  const auto run = journal_.read();
+  if (!run || run->last.job != hash_ || run->last.progress == Progress::ended) return;
+  throw Error(Exit::job_failed, file().string(),
+              "the last run of this job has no known end, begun anew it fires points twice",
+              "go on with it by --resume, or give it up with --discard");
+}
+
+job::KeptRun KeptJob::last_run() const {
+  const auto run = journal_.read();
+  if (!run)
+    throw Error(Exit::bad_input, file().string(), "keeps no run to go on with",
+                "begin the job without --resume");
+  if (run->last.job != hash_)
+    throw Error(Exit::bad_input, file().string(), "keeps the run of another job",
+                "make the job as it was, or begin this one without --resume");
+  return *run;
+}
+
+Continuation KeptJob::find(Transport& port) {
+  const job::KeptRun run = last_run();
+  JobInquiry inquiry(port);
+  const wire::Status status = inquiry.end_job(run.last.session);
+  const auto& mark = inquiry.restart_mark();
+  Continuation rest{run.last.first_unfired, run.last.flashes, run.last.may_have_fired,
+                    run.last.progress == Progress::ended};
+  if (status.session == run.last.session)
+    rest = told_by_board(run, status);
+  else if (mark && mark->session == run.last.session)
+    rest = after_restart(job_, *mark);
+  rest.settled = true;  // nothing else can be asked
+  // What the board has told is lost as soon as it takes another job.
+  session_ = run.last.session;
+  append(Progress::ended, rest);
+  session_ = 0;
+  return rest;
+}
+
+Continuation KeptJob::told_by_board(const job::KeptRun& run, const wire::Status& status) const {
+  const std::size_t from = run.begun.first_unfired;
+  const std::size_t next = std::max<std::size_t>(status.first_unfired, from);
+  const std::uint64_t shots = std::uint64_t{status.shots} + run.begun.flashes;
+  const std::uint32_t flashes = flashes_of(job_.targets, from, next, shots);
+  if (next >= run.last.may_have_fired) return {next, flashes, next, true};
+  return at_rest(job_, next, flashes);
+}
+
+void KeptJob::keep(SenderOptions& options) {
+  options.on_progress = [this](const JobProgress& progress) { note(progress); };
+  if (job_.is_rows()) return;
+  const double lamp_hz = in_units(job_.settings, settings::Id::lamp_frequency);
+  options.points_ahead = static_cast<std::size_t>(std::max(min_points_ahead, ahead_s * lamp_hz));
+}
+
+void KeptJob::note(const JobProgress& progress) {
+  if (session_ == 0) {
+    session_ = progress.session;
+    append(Progress::begun, {from_, fired_, from_, true});
+  }
+  append(Progress::running, {progress.first_unfired, 0, progress.may_have_fired, false});
+}
+
+void KeptJob::finish(const JobResult& result) {
+  if (session_ == 0) return;
+  if (result.end == JobEnd::done) return journal_.remove();
+  append(result.rest.settled ? Progress::ended : Progress::running, result.rest);
+}
+
+void KeptJob::append(Progress progress, const Continuation& rest) {
+  journal_.append({progress, session_, hash_, static_cast<std::uint32_t>(rest.first), rest.flashes,
+                   static_cast<std::uint32_t>(rest.from)});
+}
+
+}  // namespace lamplock::link

@@ -1,0 +1,22 @@
+// What a board says of the job in which it has crashed (firmware/boards/rp2040/last_run.hpp).
+//
+// In:  lines of text from the board. Out: the job and how far it was. Who: JobSender, JobInquiry.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace lamplock::link {
+
+/// A watchdog or a fault has restarted the board in this job.
+struct RestartMark {
+  std::uint32_t session = 0;
+  std::uint32_t first_unfired = 0;
+  bool may_have_fired = false;  ///< that point: the shot was given out
+};
+
+/// The mark in "[MSG:Started by watchdog, job 7 first point not fired 12, which may have been]".
+std::optional<RestartMark> parse_restart_mark(std::string_view line);
+
+}  // namespace lamplock::link

@@ -1,0 +1,124 @@
+// The journal of a job: what is read back after a power loss at every byte, torn and damaged lines.
+#include "host/job/progress_journal.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/job/job.hpp"
+#include "tests/job/random_rows.hpp"
+#include "tests/link/random_job.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace lamplock::job::progress_journal_test {
+namespace {
+
+constexpr std::uint32_t job_hash = 0x9f3c11aa;
+
+/// Two runs, the second one from where the first one ended.
+const std::vector<ProgressRecord> two_runs{
+    {Progress::begun, 0x5eed, job_hash, 0, 0, 0},
+    {Progress::running, 0x5eed, job_hash, 0, 0, 1024},
+    {Progress::running, 0x5eed, job_hash, 503, 0, 1527},
+    {Progress::ended, 0x5eed, job_hash, 687, 2, 687},
+    {Progress::begun, 0xfeedbeef, job_hash, 687, 2, 687},
+    {Progress::running, 0xfeedbeef, job_hash, 700, 0, 4'000'000'000},
+};
+
+std::string text_of(const std::vector<ProgressRecord>& records) {
+  std::string text = "# heading\n";
+  for (const ProgressRecord& record : records) text += progress_line(record);
+  return text;
+}
+
+/// What is known when so many records were written.
+std::optional<KeptRun> run_after(std::size_t records) {
+  if (records == 0) return std::nullopt;
+  const std::size_t begun = records > 4 ? 4 : 0;
+  return KeptRun{two_runs[begun], two_runs[records - 1]};
+}
+
+std::size_t lines_in(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(ProgressJournal, PowerLostAtEveryByteLosesTheUnfinishedRecordAlone) {
+  const std::string text = text_of(two_runs);
+  for (std::size_t size = 0; size <= text.size(); ++size) {
+    const std::string kept = text.substr(0, size);
+    const std::size_t lines = lines_in(kept);
+    EXPECT_EQ(last_run(kept), run_after(lines == 0 ? 0 : lines - 1)) << size;
+  }
+}
+
+TEST(ProgressJournal, GoesOnBehindATornLine) {
+  const test::TemporaryFolder folder;
+  const std::string text = text_of(two_runs);
+  const ProgressRecord next{Progress::begun, 7, job_hash, 5, 0, 5};
+  for (std::size_t size = 0; size <= text.size(); size += 5) {
+    const auto file = folder.write("a.llj.progress", text.substr(0, size));
+    ProgressJournal(file).append(next);
+    EXPECT_EQ(ProgressJournal(file).read(), (KeptRun{next, next})) << size;
+  }
+}
+
+TEST(ProgressJournal, AnyDamagedCharacterVoidsItsLine) {
+  const std::string text = progress_line(two_runs[3]);
+  for (std::size_t i = 0; i + 1 < text.size(); ++i)
+    for (const char other : {'0', '7', 'f', ' ', 'x', '\0'}) {
+      std::string damaged = text;
+      if (damaged[i] == other) continue;
+      damaged[i] = other;
+      EXPECT_EQ(last_run(damaged), std::nullopt) << damaged;
+    }
+}
+
+TEST(ProgressJournal, IsWrittenReadAndRemoved) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.file("a.llj.progress");
+  EXPECT_EQ(ProgressJournal(file).read(), std::nullopt);
+  EXPECT_FALSE(std::filesystem::exists(file)) << "nothing is created by reading";
+  ProgressJournal journal(file);
+  for (std::size_t i = 0; i < two_runs.size(); ++i) {
+    journal.append(two_runs[i]);
+    EXPECT_EQ(ProgressJournal(file).read(), run_after(i + 1));
+  }
+  EXPECT_THAT(read_file(file), testing::StartsWith("# "));
+  journal.remove();
+  EXPECT_FALSE(std::filesystem::exists(file));
+  journal.append(two_runs[0]);
+  EXPECT_EQ(journal.read(), run_after(1));
+}
+
+TEST(ProgressJournal, ThatCannotBeWrittenIsAnErrorInOneLine) {
+  const test::TemporaryFolder folder;
+  try {
+    ProgressJournal(folder.file("none/a.progress")).append(two_runs[0]);
+    FAIL() << "written into a folder that is not there";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit(), Exit::job_failed);
+    EXPECT_THAT(error.what(),
+                testing::MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+--progress[^\n]+"));
+  }
+}
+
+TEST(JobHash, TellsJobsApart) {
+  const Job points = test::random_job(300, 1);
+  EXPECT_EQ(hash_of(points), hash_of(test::random_job(300, 1)));
+  EXPECT_NE(hash_of(points), hash_of(test::random_job(300, 2)));
+  Job other = points;
+  ++other.targets[299].steps[1];
+  EXPECT_NE(hash_of(points), hash_of(other));
+  other = points;
+  other.header.points_total += 1;
+  EXPECT_NE(hash_of(points), hash_of(other));
+  EXPECT_NE(hash_of(test::random_row_job(50, 1)), hash_of(test::random_row_job(50, 2)));
+}
+
+}  // namespace
+}  // namespace lamplock::job::progress_journal_test
