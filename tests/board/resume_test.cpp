@@ -1,0 +1,509 @@
+// Jobs that end at random moments, and are gone on with as the program says: no point is fired more
+// often than ordered, none is left out but those that are listed as doubtful.
+#include <gmock/gmock.h>
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/link/kept_job.hpp"
+#include "tests/board/rig.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace lamplock::test::resume_test {
+namespace {
+
+using link::Continuation;
+using link::JobEnd;
+using sim::Picoseconds;
+
+/// A board at a cable: both may go, and the board may come back as one that knows nothing.
+class Bench final : public link::Transport {
+ public:
+  explicit Bench(const job::Profile& profile)
+      : rig(std::make_unique<Rig>(profile)), profile_(profile) {}
+
+  std::size_t write(std::span<const std::uint8_t> bytes) override {
+    if (killed) return bytes.size();  // a program that is no more has sent nothing
+    return connected_ ? rig->board.write(bytes) : 0;
+  }
+  std::size_t read(std::span<std::uint8_t> bytes) override {
+    return connected_ ? rig->board.read(bytes) : 0;
+  }
+  void wait(std::chrono::microseconds time) override {
+    const Picoseconds until = clock() + time.count() * ps_per_us;
+    while (!killed && clock() < until && !(connected_ && rig->board.has_output()))
+      run_to(std::min(until, clock() + ps_per_ms));
+  }
+  std::chrono::microseconds now() const override {
+    return std::chrono::microseconds(clock() / ps_per_us);
+  }
+  bool connected() const override { return connected_; }
+  bool reconnect() override {
+    if (connected_) rig->board.reconnect();
+    connected_ = !unplugged;
+    return connected_;
+  }
+
+  Picoseconds clock() const { return before_ + rig->board.now(); }
+  void run(Picoseconds time) { run_to(clock() + time); }
+  /// Once, at this time of the clock.
+  void at(Picoseconds time, std::function<void()> event) {
+    event_at_ = time;
+    event_ = std::move(event);
+  }
+  void forget_event() { event_ = nullptr; }
+  void pull_cable() {
+    unplugged = true;
+    connected_ = false;
+  }
+  /// The board loses its power, or is reset by its watchdog; `gone` sees it before.
+  void restart(Picoseconds outage, const std::function<void()>& gone) {
+    gone();
+    before_ += rig->board.now() + outage;
+    rig = std::make_unique<Rig>(profile_);
+    connected_ = false;
+  }
+  void type(std::string_view text) {
+    rig->board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+
+  std::unique_ptr<Rig> rig;
+  bool unplugged = false;
+  bool killed = false;  ///< the program
+
+ private:
+  void run_to(Picoseconds until) {
+    while (clock() < until) {
+      const bool due = event_ && event_at_ <= until;
+      const Picoseconds stop = due ? std::max(event_at_, clock()) : until;
+      rig->board.run_until(stop - before_);
+      if (due) std::exchange(event_, nullptr)();
+    }
+  }
+
+  const job::Profile& profile_;
+  Picoseconds before_ = 0;  ///< of earlier boards
+  bool connected_ = true;
+  Picoseconds event_at_ = 0;
+  std::function<void()> event_;
+};
+
+/// A job and what has come of its items.
+class Workpiece {
+ public:
+  virtual ~Workpiece() = default;
+  /// A run begins on this board.
+  virtual void begin(const Rig& rig, std::size_t from, std::uint32_t fired) = 0;
+  /// The board is about to vanish, or the job is over.
+  virtual void see(const Rig& rig) = 0;
+  /// How much of item `i` was done, of how much.
+  virtual std::pair<double, double> done(std::size_t i) const = 0;
+
+  job::Profile profile;
+  job::Job job;
+};
+
+/// Points of one to three flashes, ways without.
+class Points final : public Workpiece {
+ public:
+  explicit Points(std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    profile = lamp_profile(200, settings::LampMode::slave, 10);
+    job = job_for(histogram_walk(100 + random() % 700, seed), profile, both_modes[seed % 2]);
+    for (motion::Target& target : job.targets)
+      if (random() % 4 == 0) target.shots = static_cast<std::uint8_t>(random() % 4);
+    job.targets.back().shots = 1;
+    fired_.resize(job.size());
+  }
+  void begin(const Rig& rig, std::size_t from, std::uint32_t fired) override {
+    see(rig);
+    at_ = from;
+    flashes_ = fired;
+  }
+  void see(const Rig& rig) override {
+    if (&rig != seen_of_) seen_ = 0;
+    seen_of_ = &rig;
+    for (; seen_ < rig.shots().size(); ++seen_) {
+      while (at_ < job.size() && flashes_ >= job.targets[at_].shots) {
+        ++at_;
+        flashes_ = 0;
+      }
+      ASSERT_LT(at_, job.size()) << "a shot too many";
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        ASSERT_EQ(rig.board.lattice_shots()[seen_].steps[axis], job.targets[at_].steps[axis])
+            << "point " << at_;
+      ++fired_[at_];
+      ++flashes_;
+    }
+  }
+  std::pair<double, double> done(std::size_t i) const override {
+    return {fired_[i], job.targets[i].shots};
+  }
+
+ private:
+  std::vector<int> fired_;
+  const Rig* seen_of_ = nullptr;
+  std::size_t seen_ = 0;
+  std::size_t at_ = 0;  ///< point of the next shot
+  std::uint32_t flashes_ = 0;
+};
+
+/// Rows of two lines of pixels each, one after the other in motion.
+class Rows final : public Workpiece {
+ public:
+  explicit Rows(std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    profile = lamp_profile(100, settings::LampMode::free_beat);
+    profile.settings.set_milli(Id::laser_mode, 1000);
+    job.settings = profile.settings;
+    const int rows = 3 + static_cast<int>(random() % 6);
+    job.header = job::make_header(profile, {}, static_cast<std::size_t>(rows) * lines_of_row);
+    job.header.mode = wire::mode_rows;
+    for (int row = 0; row < rows; ++row) add_row(row, random);
+    light_s_.resize(job.size());
+  }
+  void begin(const Rig&, std::size_t, std::uint32_t) override {}
+  /// Light is found by the line on which the machine was.
+  void see(const Rig& rig) override {
+    const std::vector<sim::BeamChange> light = rig.board.world().beam().changes();
+    const auto &x = rig.monitor.steps(0), &y = rig.monitor.steps(1);
+    std::size_t next_y = 0, change = 0;
+    for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+      while (next_y < y.size() && y[next_y].at <= x[i].at) ++next_y;
+      const int at_y = next_y == 0 ? 0 : y[next_y - 1].position;
+      while (change + 1 < light.size() && light[change + 1].at <= x[i].at) ++change;
+      const double lit_s = light_between(light, change, x[i].at, x[i + 1].at);
+      if (lit_s == 0) continue;
+      const int row = at_y / row_steps - 1;
+      ASSERT_EQ(at_y % row_steps, 0) << "light on the way to a row";
+      const int line = row * lines_of_row + (x[i].position < line_steps ? 1 : 2);
+      ASSERT_LT(static_cast<std::size_t>(line), job.size());
+      light_s_[static_cast<std::size_t>(line)] += lit_s;
+    }
+  }
+  std::pair<double, double> done(std::size_t i) const override {
+    double wanted_s = 0;
+    for (const std::uint16_t run : job.rows.runs_of(job.rows.lines[i]))
+      wanted_s += wire::run_power(run) / 65'535.0 * wire::run_cells(run) * cell_s;
+    if (wanted_s == 0) return {light_s_[i] == 0 ? 0 : 1, 0};
+    // In full lines, to a twentieth.
+    return {std::round(light_s_[i] / wanted_s * 20) / 20, 1};
+  }
+
+ private:
+  static constexpr int lines_of_row = 3, row_steps = 40, cells = 20, cell_steps = 40;
+  static constexpr int line_steps = cells * cell_steps;
+  static constexpr std::uint32_t feed_milli = 3'000'000;  ///< 50 mm/s
+  static constexpr double cell_s = cell_steps / 200.0 / 50.0;
+
+  void add_row(int row, std::mt19937_64& random) {
+    const int y = (row + 1) * row_steps;
+    job.rows.lines.push_back({{{0, y, 0, 0}, false, 0}, job.rows.runs.size(), 0});
+    for (int line = 1; line <= 2; ++line) {
+      const std::size_t first = job.rows.runs.size();
+      for (int cell = 0; cell < cells; ++cell) {
+        // Dark where the machine gains its speed and loses it; the borders between lines too.
+        const bool dark = cell < 4 || cell >= cells - 4;
+        const auto power = static_cast<std::uint16_t>(dark ? 0 : 10'000 + random() % 50'000);
+        job.rows.runs.push_back(wire::longest_run(power, 1));
+      }
+      job.rows.lines.push_back({{{line * line_steps, y, 0, 0}, true, feed_milli}, first, cells});
+    }
+  }
+  static double light_between(const std::vector<sim::BeamChange>& light, std::size_t change,
+                              Picoseconds from, Picoseconds to) {
+    double sum = 0;
+    for (; change < light.size() && light[change].at < to; ++change) {
+      const auto begin = std::max(from, light[change].at);
+      const auto end = change + 1 < light.size() ? std::min(to, light[change + 1].at) : to;
+      if (end > begin) sum += sim::seconds(end - begin) * light[change].light() / 65'535.0;
+    }
+    return sum;
+  }
+
+  std::vector<double> light_s_;
+};
+
+enum class End {
+  none,
+  cable,
+  killed,
+  power,
+  killed_then_power,
+  watchdog,
+  stopped,
+  estop,
+  reset,
+  count
+};
+
+/// What is done next: options of the command line.
+struct Options {
+  bool resume = false;
+  std::size_t from = 0;
+  std::uint32_t fired = 0;
+};
+
+/// The options in what the program tells.
+Options follow(const std::string& text) {
+  Options options;
+  const auto number = [&text](const std::string& name) {
+    const auto at = text.find(name + " ");
+    return at == std::string::npos ? 0ul : std::stoul(text.substr(at + name.size() + 1));
+  };
+  options.resume = text.find("--resume") != std::string::npos;
+  if (options.resume) return options;
+  EXPECT_THAT(text, testing::HasSubstr("--from "));
+  options.from = number("--from");
+  options.fired = static_cast<std::uint32_t>(number("--fired"));
+  return options;
+}
+
+/// One job from its beginning to its end, with ends in between.
+class Story {
+ public:
+  Story(Workpiece& piece, const std::filesystem::path& journal, std::uint64_t seed)
+      : piece_(piece), journal_(journal), random_(seed), bench_(piece.profile) {}
+
+  /// Ends the job so often; counts what ended it.
+  void run(int ends, std::map<End, int>& seen) {
+    Options next;
+    for (int i = 0; !over_ && i < 50; ++i) {
+      const End end = i < ends ? pick_end() : End::none;
+      next = run_once(next, end);
+      if (testing::Test::HasFatalFailure()) return;
+      if (!over_ && end != End::none) ++seen[end];
+    }
+    ASSERT_TRUE(over_) << "the advice leads nowhere";
+    EXPECT_NE(is_done_, std::filesystem::exists(journal_));
+    bench_.run(ps_per_s);
+    piece_.see(*bench_.rig);
+    check();
+  }
+
+ private:
+  End pick_end() { return static_cast<End>(1 + random_() % (static_cast<int>(End::count) - 1)); }
+  Picoseconds up_to(Picoseconds time) {
+    return std::uniform_int_distribution<Picoseconds>(0, time)(random_);
+  }
+  void gone() { piece_.see(*bench_.rig); }
+
+  /// `send` with these options, until it ends; what it advises to do next.
+  Options run_once(const Options& options, End end) {
+    bench_.killed = bench_.unplugged = false;
+    link::KeptJob kept(journal_, piece_.job);
+    Continuation rest{options.from, options.fired, options.from, true};
+    if (options.resume) {
+      EXPECT_EQ(begins_anew(kept), ended_) << "begun anew only after a known end";
+      rest = kept.find(bench_);
+      told_ = {};
+      for (std::size_t i = rest.first; i < rest.from; ++i) doubtful_.insert(i);
+      if (known_exactly_) {
+        EXPECT_LE(rest.from - rest.first, piece_.job.is_rows() ? 1u : 0u);
+      }
+      over_ = rest.from >= piece_.job.size();
+      if (over_) return {};
+    } else {
+      note_doubt(rest);
+    }
+    log_ += fmt::format("\n{} {}..{}+{} at {:.3f} s, then {}", options.resume ? "resume" : "from",
+                        rest.first, rest.from, rest.flashes, sim::seconds(bench_.clock()),
+                        static_cast<int>(end));
+    piece_.begin(*bench_.rig, rest.from, rest.flashes);
+    unlock();
+    kept.begin_at(rest.from, rest.flashes);
+    return send(kept, rest, end);
+  }
+
+  static bool begins_anew(const link::KeptJob& kept) {
+    try {
+      kept.require_ended();
+      return true;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("--resume"));
+      return false;
+    }
+  }
+
+  /// The line or point that the advice has left out, and listed.
+  void note_doubt(const Continuation& rest) {
+    for (std::size_t i = told_.first; i < rest.from && told_.in_doubt(); ++i) doubtful_.insert(i);
+    told_ = {};
+  }
+
+  void unlock() {
+    if (bench_.rig->state() != MachineState::alarm && bench_.rig->state() != MachineState::estop)
+      return;
+    bench_.run(200 * ps_per_ms);  // until the e-stop is released
+    bench_.type("\n$X\n");
+    bench_.run(50 * ps_per_ms);
+  }
+
+  Options send(link::KeptJob& kept, const Continuation& rest, End end) {
+    job::Job part = piece_.job;
+    if (rest.flashes != 0)
+      part.targets[rest.from].shots =
+          static_cast<std::uint8_t>(part.targets[rest.from].shots - rest.flashes);
+    link::SenderOptions options;
+    options.session = ++session_;
+    options.give_up = std::chrono::seconds(3);
+    options.first_fired = rest.flashes;
+    options.first_index = part.is_rows() ? job::go_on_at(part.rows, rest.from) : rest.from;
+    options.run_up_lines = rest.from - options.first_index;
+    kept.keep(options);
+    link::JobSender sender(bench_, part, options);
+    prepare(end, sender);
+    std::string advice;
+    try {
+      while (!bench_.killed && sender.step()) {
+      }
+    } catch (const Error& error) {
+      advice = error.what();
+    }
+    bench_.forget_event();
+    if (bench_.killed) return killed();
+    return ended(kept, sender.result(), advice);
+  }
+
+  /// Nothing is told any more; whether the board has begun the journal knows.
+  Options killed() {
+    bench_.run(up_to(4 * ps_per_s));
+    bench_.killed = false;
+    if (power_follows_) bench_.restart(up_to(ps_per_s), [this] { gone(); });
+    known_exactly_ = !power_follows_ && !restarted_;
+    const auto run = job::ProgressJournal(journal_).read();
+    ended_ = !run || run->last.progress == job::Progress::ended;
+    if (run) return {true, 0, 0};
+    return {};
+  }
+
+  Options ended(link::KeptJob& kept, const link::JobResult& result, std::string advice) {
+    kept.finish(result);
+    log_ += fmt::format(", ended {} at {:.3f} s, {}..{}: {}", static_cast<int>(result.end),
+                        sim::seconds(bench_.clock()), result.rest.first, result.rest.from, advice);
+    over_ = is_done_ = advice.empty() && result.end == JobEnd::done;
+    if (over_) return {};
+    if (advice.empty()) advice = link::go_on_text(result.rest, piece_.job.item(), true);
+    told_ = result.rest;
+    ended_ = result.rest.settled;
+    known_exactly_ = !restarted_ && (ended_ || result.end == JobEnd::lost);
+    bench_.run(up_to(2 * ps_per_s));
+    Options next = follow(advice);
+    // After any end the journal knows as much as what was told.
+    if (next.resume || random_() % 2 == 0) return {true, 0, 0};
+    return next;
+  }
+
+  /// Lets the end come at a random moment.
+  void prepare(End end, link::JobSender& sender) {
+    power_follows_ = end == End::killed_then_power;
+    restarted_ = false;
+    if (end == End::none) return;
+    const Picoseconds at = bench_.clock() + up_to(2 * ps_per_s);
+    bench_.at(at, [this, end, &sender] { come(end, sender); });
+  }
+
+  void come(End end, link::JobSender& sender) {
+    switch (end) {
+      case End::cable:
+        if (random_() % 2 == 0) bench_.rig->board.set_host_present(false);
+        return bench_.pull_cable();
+      case End::killed:
+      case End::killed_then_power:
+        if (random_() % 2 == 0) bench_.rig->board.set_host_present(false);
+        bench_.killed = true;
+        return;
+      case End::power:
+        bench_.killed = random_() % 2 == 0;  // by the same loss
+        restarted_ = true;
+        return bench_.restart(up_to(4 * ps_per_s), [this] { gone(); });
+      case End::watchdog:
+        return restart_with_mark();
+      case End::stopped:
+        return sender.stop();
+      case End::estop:
+        bench_.rig->board.world().schedule(sim::Pin::estop, true, bench_.rig->board.now() + 1);
+        bench_.rig->board.world().schedule(sim::Pin::estop, false,
+                                           bench_.rig->board.now() + 100 * ps_per_ms);
+        return;
+      case End::reset:
+        return bench_.type("\x18");
+      default:
+        return;
+    }
+  }
+
+  /// As firmware/boards/rp2040/last_run.cpp says it.
+  void restart_with_mark() {
+    restarted_ = true;
+    const machine::JobMark mark = bench_.rig->board.controller().job_mark();
+    bench_.restart(150 * ps_per_ms, [this] { gone(); });
+    std::string text = "Started by watchdog";
+    if (mark.session == machine::JobMark::of_program)
+      text += ", programs had run";
+    else if (mark.session != 0)
+      text += ", job " + std::to_string(mark.session) + " first point not fired " +
+              std::to_string(mark.first_unfired) + (mark.shot_out ? ", which may have been" : "");
+    machine::Controller& core = bench_.rig->board.controller();
+    core.say(text);
+    if (mark.session != 0) core.start_in_alarm();
+    bench_.run(ps_per_ms);
+  }
+
+  void check() const {
+    SCOPED_TRACE(log_);
+    for (std::size_t i = 0; i < piece_.job.size(); ++i) {
+      const auto [done, wanted] = piece_.done(i);
+      EXPECT_LE(done, wanted) << piece_.job.item() << " " << i;
+      if (doubtful_.count(i) == 0) {
+        EXPECT_EQ(done, wanted) << piece_.job.item() << " " << i;
+      }
+    }
+  }
+
+  Workpiece& piece_;
+  std::filesystem::path journal_;
+  std::mt19937_64 random_;
+  Bench bench_;
+  std::string log_;  ///< what has happened
+  std::set<std::size_t> doubtful_;
+  Continuation told_;
+  std::uint32_t session_ = 0x5eed;
+  bool over_ = false;
+  bool is_done_ = false;  ///< over, and its end was seen
+  bool ended_ = true;     ///< the last run has a known end
+  bool known_exactly_ = false;
+  bool power_follows_ = false, restarted_ = false;
+};
+
+/// `jobs` of them, each ended three times.
+template <class Piece>
+void run_stories(int jobs) {
+  const TemporaryFolder folder;
+  std::map<End, int> seen;
+  for (int i = 0; i < jobs; ++i) {
+    SCOPED_TRACE(testing::Message() << "seed " << i);
+    Piece piece(static_cast<std::uint64_t>(i));
+    const auto journal = folder.file("job.llj.progress");
+    std::filesystem::remove(journal);
+    Story(piece, journal, static_cast<std::uint64_t>(i)).run(3, seen);
+    if (testing::Test::HasFailure()) return;
+  }
+  for (int end = 1; end < static_cast<int>(End::count); ++end)
+    if (jobs >= 25) {
+      EXPECT_GT(seen[static_cast<End>(end)], 0) << end;
+    }
+}
+
+TEST(Resume, PointsAfterAnyEnd) { run_stories<Points>(scaled(150)); }
+
+TEST(Resume, RowsAfterAnyEnd) { run_stories<Rows>(scaled(50)); }
+
+}  // namespace
+}  // namespace lamplock::test::resume_test
