@@ -168,13 +168,26 @@ void BoardOptions::add_part(Command& app) {
       .group(board_group);
 }
 
+void BoardOptions::add_resume(Command& app) {
+  app.add_option("--resume", &resume,
+                 "Go on after the last run of this job, however it ended: what the machine or the "
+                 "journal says decides where; points that may have been fired are listed and left "
+                 "out")
+      .group(board_group);
+  app.add_option("--progress", &progress,
+                 "Journal of the job on a real board; without it INPUT.progress")
+      .check(file_name())
+      .value_name("FILE")
+      .group(board_group);
+}
+
 void BoardOptions::add_job(Command& app) {
   add_part(app);
   add_job_speed(app);
   app.add_option("--dry", &dry, "Move, never fire; of a program: without M3, M4 and S")
       .group(board_group);
   app.add_option("--discard", &discard,
-                 "Give up an unfinished job that the machine holds for another program")
+                 "Give up an unfinished job that the machine holds, and the last run of this job")
       .group(board_group);
   app.add_option("--auto-resume", &auto_resume,
                  "Go on after a hold or reset byte that this program did not send: for serial "
@@ -213,14 +226,23 @@ void BoardOptions::add_job(Command& app) {
 }
 
 std::vector<Output> BoardOptions::outputs() const {
-  std::vector<Output> all{{"--vcd", vcd},
-                          {"--shots", shots},
-                          {"--timing", timing},
-                          {"--plot", plot.file},
-                          {"--statistics", statistics}};
+  std::vector<Output> all{{"--vcd", vcd},           {"--shots", shots},
+                          {"--timing", timing},     {"--plot", plot.file},
+                          {"--progress", progress}, {"--statistics", statistics}};
   for (const std::filesystem::path& file : files_of_report(report))
     all.push_back({"--report", file.string()});
   return all;
+}
+
+void BoardOptions::check_resume() const {
+  if (!progress.empty()) check_target(progress);
+  const auto refuse = [](const char* what, const char* remedy) {
+    throw Error(Exit::bad_input, "--resume", what, remedy);
+  };
+  if (!resume) return;
+  if (is_simulated()) refuse("a simulated board forgets its job", "begin anew, or give --from");
+  if (dry) refuse("a dry run fires nothing that has to be gone on with", "leave it or --dry out");
+  if (from != 0 || fired != 0) refuse("finds out itself where to go on", "leave out --from");
 }
 
 void BoardOptions::check(const std::string& input, const std::string& save) const {
@@ -249,6 +271,7 @@ void BoardOptions::check(const std::string& input, const std::string& save) cons
     throw Error(Exit::bad_input, "--plot", "only the virtual board tells what its ticks are",
                 "leave it out, or use --board virtual");
   check_image(board, image);
+  check_resume();
   line_table();
   if (is_simulated()) return;
   const auto only_simulated = [](const std::string& option) {

@@ -49,9 +49,12 @@ struct BoardOptions {
   std::string profile{};  ///< of the machine, which may name lines too; the command fills it in
   std::size_t from = 0;
   unsigned baud = boards::uart_baud;
+  std::size_t run_up_lines = 0;  ///< lines from there on that are dark; the command fills it in
   std::uint32_t fired = 0, job_speed = 100;
   bool yes = false, dry = false, json = false, auto_resume = false, discard = false;
   std::string report{}, statistics{}, vcd{}, shots{}, timing{};
+  bool resume = false;
+  std::string progress{};   ///< journal of the job; empty = beside its input
   std::size_t hold_at = 0;  ///< points; 0 = no hold
   PlotOptions plot{};
   LampFaults faults{};
@@ -60,6 +63,7 @@ struct BoardOptions {
   void add_choice(Command& app);     ///< --board, --image, --usb, --lines
   void add_board(Command& app);      ///< these, --yes, --json
   void add_part(Command& app);       ///< --from, --fired
+  void add_resume(Command& app);     ///< --resume, --progress
   void add_job_speed(Command& app);  ///< --job-speed
   /// These, --job-speed, --dry, --hold-at, --report, --statistics, --vcd, --shots,
   /// --timing, --plot and what is simulated
@@ -77,6 +81,7 @@ struct BoardOptions {
 
  private:
   std::vector<Output> outputs() const;
+  void check_resume() const;
 };
 
 }  // namespace lamplock::cli

@@ -6,6 +6,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/engraving.hpp"
 #include "host/cli/job_board.hpp"
+#include "host/cli/kept_progress.hpp"
 #include "host/cli/origin.hpp"
 #include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"
@@ -27,8 +28,9 @@ Exit engrave(EngraveOptions options) {
   auto port = open_job_port(options.board);
   Work work =
       make_work(options.engraving, options.board.dry, console, options.origin.ask(port.get()));
+  const auto kept = keep_progress(work, options.board, port.get(), console);
   take_off_fired(work, options.board);
-  const Outcome outcome = run_job(work, options.board, std::move(port), console);
+  const Outcome outcome = run_job(work, options.board, std::move(port), console, kept.get());
   return report_job(outcome, options.board, console);
 }
 
@@ -43,6 +45,9 @@ void add_engrave(Command& program) {
       "  lamplock engrave examples/block.toml --report report\n"
       "  lamplock engrave points.xyz --board /dev/ttyACM0 --machine machine.toml\n"
       "  lamplock engrave points.xyz --plot motion.svg --plot-beats 0,60 --hold-at 30\n\n"
+      "On a real board the progress is kept in INPUT.progress until the job is done; the same\n"
+      "command with --resume goes on after any end, a loss of power too, and fires no point "
+      "twice.\n"
       "Ctrl-C holds the machine with the laser off, Enter resumes, Ctrl-C again stops. In a\n"
       "terminal a number and Enter is another job speed in percent, + or - and Enter a step.\n"
       "Exit status: 0 done, 1 job failed, 2 bad input, 3 no device, 130 interrupted.");
@@ -51,6 +56,7 @@ void add_engrave(Command& program) {
   options->engraving.add_save(app);
   options->board.add_board(app);
   options->board.add_job(app);
+  options->board.add_resume(app);
   options->origin.add(app);
   app.action([options] { return engrave(*options); });
 }

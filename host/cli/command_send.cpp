@@ -7,6 +7,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/job_board.hpp"
 #include "host/cli/job_points.hpp"
+#include "host/cli/kept_progress.hpp"
 #include "host/cli/report_job.hpp"
 #include "host/cli/run_job.hpp"
 #include "host/cli/run_program.hpp"
@@ -38,14 +39,16 @@ Exit send_file(const SendOptions& options) {
   auto port = open_job_port(options.board);
   Work work{options.file, {}, job::read_job_file(options.file), {}};
   work.job.header.dry = work.job.header.dry || options.board.dry;
-  if (work.job.is_rows()) return send_rows(work, options.board, std::move(port), console);
-  work.points = points_of(work.job);
-  take_off_fired(work, options.board);
+  if (!work.job.is_rows()) work.points = points_of(work.job);
+  BoardOptions board = options.board;
+  const auto kept = keep_progress(work, board, port.get(), console);
+  if (work.job.is_rows()) return send_rows(work, board, std::move(port), console, kept.get());
+  take_off_fired(work, board);
   console.phase("job",
                 fmt::format("{}: {} points, {}{}", options.file, work.points.size(),
                             mode_name(work.job.header.mode), work.job.header.dry ? ", dry" : ""));
-  const Outcome outcome = run_job(work, options.board, std::move(port), console);
-  return report_job(outcome, options.board, console);
+  const Outcome outcome = run_job(work, board, std::move(port), console, kept.get());
+  return report_job(outcome, board, console);
 }
 
 }  // namespace
@@ -57,8 +60,12 @@ void add_send(Command& program) {
       "Programs (.gcode .nc .ngc .gc .tap .cnc) stop at their first error. While one runs: Ctrl-C\n"
       "holds the machine and resets it once it stands; in a terminal ! holds, Enter goes on,\n"
       "+ - = change the feed. Of the --machine of a job only its lines of the computer are used.\n"
+      "The progress of a job is kept in FILE.progress until it is done. --resume goes on after\n"
+      "any end, a loss of power too, and fires no point twice: those that may have been fired it\n"
+      "leaves out and writes to FILE.progress.doubtful-A-B.xyz; --from A fires them.\n"
       "Example:\n  lamplock send model.llj --board /dev/ttyACM0\n"
       "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # go on after a stop\n"
+      "  lamplock send model.llj --board /dev/ttyACM0 --resume        # after any other end\n"
       "  lamplock send part.ngc --board /dev/ttyACM0\n"
       "  lamplock send part.ngc --board /dev/ttyUSB0 --baud 115200 --from 310 --dry");
   const auto options = std::make_shared<SendOptions>();
@@ -67,6 +74,7 @@ void add_send(Command& program) {
       .value_name("FILE");
   options->board.add_board(app);
   options->board.add_job(app);
+  options->board.add_resume(app);
   app.add_option("--go-on", &options->program.go_on,
                  "Programs: go on after lines that were refused")
       .group("Board");

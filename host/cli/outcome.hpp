@@ -18,6 +18,7 @@ struct Outcome {
   report::JobRun run;
   /// Why it ended before its end, if an error was the reason: part of the job was done before.
   std::exception_ptr error{};
+  bool is_kept = false;    ///< its progress is in a journal: --resume goes on with it
   std::string ended_by{};  ///< the line of the computer that stopped it; empty if none did
 };
 

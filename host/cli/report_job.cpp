@@ -30,12 +30,14 @@ Exit tell_failure(const std::exception_ptr& error) {
   return Exit::job_failed;
 }
 
-std::string go_on_options(const link::JobResult& result) {
-  return link::go_on_options(result.status.first_unfired, result.flashes_fired);
+std::string go_on_text(const Outcome& outcome, const char* item) {
+  return link::go_on_text(outcome.result.rest, item, outcome.is_kept);
 }
 
-std::string go_on_text(const link::JobResult& result) {
-  return "go on with " + go_on_options(result);
+/// A number that the machine told before it was out of reach is a lower bound.
+std::string bound_text(const link::Continuation& rest, const char* item) {
+  if (!rest.settled) return fmt::format("at least the {}s before {} are done", item, rest.first);
+  return fmt::format("first {} not done is {}", item, rest.first);
 }
 
 }  // namespace
@@ -43,8 +45,7 @@ std::string go_on_text(const link::JobResult& result) {
 Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& console) {
   const report::Report report = report::evaluate(outcome.run);
   if (end_name(outcome) != "done")  // known even if the report cannot be written
-    console.say("first point not fired: {} ({})", outcome.result.status.first_unfired,
-                go_on_options(outcome.result));
+    console.say("{}; {}", bound_text(outcome.result.rest, "point"), go_on_text(outcome, "point"));
   console.line("");
   console.text(report::summary(report));
   if (!options.report.empty()) {
@@ -58,6 +59,7 @@ Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& co
     json["end"] = end_name(outcome);
     json["first_unfired"] = outcome.result.status.first_unfired;
     json["flashes_fired"] = outcome.result.flashes_fired;
+    json["may_have_fired"] = outcome.result.rest.from;
     json["warnings"] = outcome.run.warnings;
     console.document(json);
   }
@@ -76,7 +78,8 @@ Exit report_job(const Outcome& outcome, const BoardOptions& options, Console& co
 Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* item) {
   if (outcome.error) return tell_failure(outcome.error);
   const link::JobResult& result = outcome.result;
-  const std::uint32_t next = result.status.first_unfired;
+  const std::size_t next = result.rest.first;
+  const std::string go_on = go_on_text(outcome, item);
   std::string what, remedy;
   switch (result.end) {
     case JobEnd::done:
@@ -84,8 +87,8 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
     case JobEnd::stopped:
       if (!outcome.ended_by.empty())
         throw_guarded(outcome.ended_by, fmt::format("stopped before {} {}", item, next),
-                      "release it, close it, and " + go_on_text(result));
-      fmt::print(stderr, "stopped: first {} not fired is {}; {}\n", item, next, go_on_text(result));
+                      "release it, close it, and " + go_on);
+      fmt::print(stderr, "stopped: first {} not fired is {}; {}\n", item, next, go_on);
       return Exit::interrupted;
     case JobEnd::alarm:
       what = fmt::format("{} before {} {}",
@@ -96,19 +99,16 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
       remedy = "clear it and ";
       break;
     case JobEnd::lost:
-      what = fmt::format(
-          "connection lost, so that the machine could not be stopped; the last {} heard of is {}",
-          item, next);
+      what = "connection lost, so that the machine could not be stopped; " +
+             bound_text(result.rest, item);
       remedy = "see that it stands, check the cable and ";
       break;
     case JobEnd::restarted:
-      what =
-          fmt::format("the machine has restarted, its position is lost; the last {} heard of is {}",
-                      item, next);
+      what = "the machine has restarted, its position is lost; " + bound_text(result.rest, item);
       remedy = "home it and ";
       break;
   }
-  throw Error(Exit::job_failed, options.board, what, remedy + go_on_text(result));
+  throw Error(Exit::job_failed, options.board, what, remedy + go_on);
 }
 
 }  // namespace lamplock::cli

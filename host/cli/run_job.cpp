@@ -112,6 +112,7 @@ link::SenderOptions sender_options(const BoardOptions& options, Clocking clockin
   sending.first_fired = options.fired;
   sending.job_speed = options.job_speed;
   sending.auto_resume = options.auto_resume;
+  sending.run_up_lines = options.run_up_lines;
   sending.take_over = options.discard;
   if (clocking == Clocking::lock_step) sending.session = link::simulated_session;
   return sending;
@@ -119,9 +120,20 @@ link::SenderOptions sender_options(const BoardOptions& options, Clocking clockin
 
 /// The machine has fired, or passed a point of a dry run: there is something to report.
 bool has_begun(const link::JobSender& sender, const BoardOptions& options) {
-  const wire::Status& status = sender.status();
+  const wire::Status& status = sender.job_status();
   return status.session == sender.session() &&
-         (status.shots != 0 || sender.points_fired() > options.from);
+         (status.shots != 0 || sender.points_fired() > options.from + options.run_up_lines);
+}
+
+/// The journal is closed whatever has ended the job.
+void finish_journal(link::KeptJob* kept, Outcome& outcome) {
+  if (kept == nullptr) return;
+  outcome.is_kept = true;
+  try {
+    kept->finish(outcome.result);
+  } catch (...) {
+    if (!outcome.error) outcome.error = std::current_exception();
+  }
 }
 
 bool keeps_to_lamp(const job::Job& job) {
@@ -131,8 +143,9 @@ bool keeps_to_lamp(const job::Job& job) {
 
 /// Runs a job; what goes wrong once it has begun is in the outcome.
 Outcome send(link::Transport& transport, const Work& work, const BoardOptions& options,
-             Clocking clocking, const Foresight& foresight) {
+             Clocking clocking, const Foresight& foresight, link::KeptJob* kept = nullptr) {
   link::SenderOptions sending = sender_options(options, clocking);
+  if (kept != nullptr) kept->keep(sending);
   Progress progress(work.job.header.dry ? "dry run" : "engraving", work.job.size(), options.from);
   if (clocking == Clocking::wall)
     sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
@@ -163,10 +176,11 @@ Outcome send(link::Transport& transport, const Work& work, const BoardOptions& o
     guarding.end();
     hold.job_is_over();
   } catch (...) {
-    if (!has_begun(sender, options)) throw;
     outcome.error = std::current_exception();
   }
   outcome.result = sender.result();
+  finish_journal(kept, outcome);
+  if (outcome.error && !has_begun(sender, options)) std::rethrow_exception(outcome.error);
   outcome.ended_by = guarding.ended_by();
   return outcome;
 }
@@ -273,7 +287,7 @@ Outcome run_simulated(const Work& work, const BoardOptions& options, Console& co
 }  // namespace
 
 Outcome run_job(const Work& work, const BoardOptions& options,
-                std::unique_ptr<link::Transport> port, Console& console) {
+                std::unique_ptr<link::Transport> port, Console& console, link::KeptJob* kept) {
   const std::string item = work.job.item();
   if (options.from >= work.job.size())
     throw Error(Exit::bad_input, fmt::format("--from {}", options.from),
@@ -292,7 +306,7 @@ Outcome run_job(const Work& work, const BoardOptions& options,
   ask_permission(work, options);
   console.restart_clock();
   if (!port) return run_simulated(work, options, console);
-  Outcome outcome = send(*port, work, options, Clocking::wall, foresight);
+  Outcome outcome = send(*port, work, options, Clocking::wall, foresight, kept);
   if (!work.job.is_rows()) outcome.run = run_of(work, options, outcome.result);
   console.phase("run", "on " + options.board);
   return outcome;

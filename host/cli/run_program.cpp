@@ -42,11 +42,13 @@ struct Program {
 
 /// What belongs to jobs makes no sense here.
 void check_options(const BoardOptions& options) {
-  const std::array<std::pair<const char*, bool>, 9> of_jobs{
+  const std::array<std::pair<const char*, bool>, 11> of_jobs{
       {{"--fired", options.fired != 0},
        {"--job-speed", options.job_speed != 100},
        {"--auto-resume", options.auto_resume},
        {"--discard", options.discard},
+       {"--resume", options.resume},
+       {"--progress", !options.progress.empty()},
        {"--hold-at", options.hold_at != 0},
        {"--report", !options.report.empty()},
        {"--statistics", !options.statistics.empty()},

@@ -36,6 +36,7 @@ Json document(const Work& work, const BoardOptions& options, const Outcome& outc
           {"end", end_name(outcome)},
           {"lines", work.job.size()},
           {"first_unfired", result.status.first_unfired},
+          {"may_have_fired", result.rest.from},
           {"seconds", std::chrono::duration<double>(result.elapsed).count()},
           {"planned_seconds", planned_s},
           {"starvations", result.status.starvations},
@@ -57,13 +58,15 @@ std::string rows_text(const job::Job& job) {
 }
 
 Exit send_rows(Work& work, BoardOptions options, std::unique_ptr<link::Transport> port,
-               Console& console) {
+               Console& console, link::KeptJob* kept) {
   check_row_options(options);
   const double planned_s = raster::seconds_of(work.job);
   console.phase("job", fmt::format("{}: {}, about {:.1f} s{}", work.input, rows_text(work.job),
                                    planned_s, work.job.header.dry ? ", dry" : ""));
-  options.from = job::go_on_at(work.job.rows, options.from);
-  const Outcome outcome = run_job(work, options, std::move(port), console);
+  const std::size_t ordered_from = options.from;
+  options.from = job::go_on_at(work.job.rows, ordered_from);
+  options.run_up_lines = ordered_from - options.from;
+  const Outcome outcome = run_job(work, options, std::move(port), console, kept);
   const link::JobResult& result = outcome.result;
   console.say("{:<8}  {} of {} lines in {:.1f} s", end_name(outcome), result.status.first_unfired,
               work.job.size(), std::chrono::duration<double>(result.elapsed).count());

@@ -8,6 +8,7 @@
 #include "host/cli/options.hpp"
 #include "host/cli/work.hpp"
 #include "host/error.hpp"
+#include "host/link/kept_job.hpp"
 #include "host/link/transport.hpp"
 
 namespace lamplock::cli {
@@ -20,6 +21,6 @@ std::string rows_text(const job::Job& job);
 /// Runs it to its end. With --from it begins at the line before, dark, so that the row is gone on
 /// with in motion. Throws Error for options that are for points alone, and as run_job().
 Exit send_rows(Work& work, BoardOptions options, std::unique_ptr<link::Transport> port,
-               Console& console);
+               Console& console, link::KeptJob* kept = nullptr);
 
 }  // namespace lamplock::cli

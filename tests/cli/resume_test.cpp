@@ -1,0 +1,111 @@
+// Jobs whose program is killed or whose board loses its power, gone on with as the program says.
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "tests/cli/inputs.hpp"
+#include "tests/cli/program.hpp"
+#include "tests/cli/shots.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A job on a simulated board at a port, at the pace of the wall clock.
+class Resumed : public testing::Test {
+ protected:
+  static constexpr int points_in_all = 500;
+
+  void start_board(const std::string& shots) {
+    board_ = std::make_unique<Running>(std::vector<std::string>{
+        "sim", "--pty", folder_ / "port", "--lamp", "100", "--shots", folder_ / shots});
+    ASSERT_TRUE(board_->wait_for("Ctrl-C"));
+  }
+  void stop_board() {
+    board_->interrupt();
+    EXPECT_EQ(board_->finish().status, 0);
+  }
+  std::vector<std::string> engrave(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"engrave",        list_,  "--lamp", "200", "--board",
+                                       folder_ / "port", "--yes"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  std::size_t shots(const std::string& file) const { return read_shots(folder_ / file).size(); }
+
+  Folder folder_;
+  std::string list_ = folder_.write("p.xyz", xyz(walk(points_in_all, 4, 0.05)));
+  std::string journal_ = list_ + ".progress";
+  std::unique_ptr<Running> board_;
+};
+
+TEST_F(Resumed, AfterItsProgramWasKilled) {
+  start_board("shots.csv");
+  InTerminal killed(engrave());
+  ASSERT_TRUE(killed.wait_for("engraving"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  killed.send_signal(SIGKILL);
+  killed.finish();
+  ASSERT_TRUE(std::filesystem::exists(journal_));
+  const Finished anew = run(engrave());
+  EXPECT_EQ(anew.status, 1);
+  EXPECT_THAT(anew.err, HasSubstr("no known end"));
+  EXPECT_THAT(anew.err, HasSubstr("--resume"));
+  const Finished other = run(engrave({"--from", "1"}));
+  EXPECT_EQ(other.status, 1);
+  EXPECT_THAT(other.err, HasSubstr("holds an unfinished job"));
+  const Finished resumed = run(engrave({"--resume"}));
+  EXPECT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_THAT(resumed.out, HasSubstr("resume"));
+  EXPECT_FALSE(std::filesystem::exists(journal_));
+  stop_board();
+  EXPECT_EQ(shots("shots.csv"), points_in_all);
+}
+
+TEST_F(Resumed, AfterItsBoardHasLostItsPower) {
+  start_board("first.csv");
+  // The program has no more points on the board than it fires until it holds without a host.
+  Running running(engrave());
+  ASSERT_TRUE(running.wait_for("engraving: "));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  stop_board();
+  start_board("second.csv");
+  const Finished lost = running.finish();
+  EXPECT_EQ(lost.status, 1);
+  EXPECT_THAT(lost.err, HasSubstr("restarted"));
+  EXPECT_THAT(lost.err, HasSubstr("at least the points before"));
+  EXPECT_THAT(lost.err, HasSubstr("--resume"));
+  const Finished resumed = run(engrave({"--resume"}));
+  EXPECT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_THAT(resumed.out, HasSubstr("may have been fired"));
+  stop_board();
+  std::size_t doubtful = 0;
+  for (const std::string& name : folder_.files())
+    if (name.find("doubtful") != std::string::npos) doubtful += lines(read(folder_ / name)).size();
+  const std::size_t fired = shots("first.csv") + shots("second.csv");
+  EXPECT_LE(fired, static_cast<std::size_t>(points_in_all));
+  EXPECT_GE(fired + doubtful, static_cast<std::size_t>(points_in_all));
+  EXPECT_GT(shots("second.csv"), 50u);
+}
+
+TEST_F(Resumed, OnlyWhatWasBegunAndIsTheSameJob) {
+  start_board("shots.csv");
+  const Finished nothing = run(engrave({"--resume"}));
+  EXPECT_EQ(nothing.status, 2);
+  EXPECT_THAT(nothing.err, HasSubstr("keeps no run"));
+  folder_.write("p.xyz.progress", "# torn\nbegun 0000");
+  EXPECT_EQ(run(engrave({"--resume"})).status, 2);
+  for (const std::vector<std::string>& wrong :
+       {std::vector<std::string>{"--resume", "--from", "3"}, {"--resume", "--dry"}})
+    EXPECT_EQ(run(engrave(wrong)).status, 2);
+  EXPECT_EQ(run({"engrave", list_, "--resume"}).status, 2) << "a simulated board in the program";
+  stop_board();
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test
