@@ -104,24 +104,32 @@ std::string progress_line(const ProgressRecord& record) {
   return fmt::format("{} {:08x}\n", text, check_of(text));
 }
 
-std::optional<KeptRun> last_run(std::string_view text) {
-  std::optional<KeptRun> run;
+JournalContents contents_of(std::string_view text) {
+  JournalContents contents;
+  auto& [run, offered] = contents;
   for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
     const auto record = parse(text.substr(0, end));
     text.remove_prefix(end + 1);
     if (!record) continue;
-    if (record->progress == Progress::begun || !run || run->begun.session != record->session)
-      run = {*record, *record};
+    if (record->progress == Progress::begun) {
+      offered = record;
+      continue;
+    }
+    if (offered && offered->session == record->session)
+      run = KeptRun{*offered, *record};
+    else if (!run || run->begun.session != record->session)
+      run = KeptRun{*record, *record};
     run->last = *record;
+    offered.reset();
   }
-  return run;
+  return contents;
 }
 
-std::optional<KeptRun> ProgressJournal::read() const {
-  std::error_code ignored;
-  const auto size = std::filesystem::file_size(file_, ignored);
-  if (ignored || size == 0) return std::nullopt;
-  return last_run(read_file(file_));
+JournalContents ProgressJournal::read() const {
+  std::error_code failure;
+  const auto size = std::filesystem::file_size(file_, failure);
+  if (failure || size == 0) return {};
+  return contents_of(read_file(file_));
 }
 
 void ProgressJournal::append(const ProgressRecord& record) {

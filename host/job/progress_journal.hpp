@@ -27,7 +27,7 @@ struct Job;
 
 /// What a record says that a run of a job has done.
 enum class Progress : std::uint8_t {
-  begun,    ///< the board has taken the job; first_unfired and flashes are where the run began
+  begun,  ///< the board is about to be offered the job; first_unfired and flashes: where it begins
   running,  ///< the record is a lower and an upper bound until the next one
   ended     ///< the board stood when it told
 };
@@ -48,14 +48,22 @@ struct KeptRun {
   friend bool operator==(const KeptRun&, const KeptRun&) = default;
 };
 
+/// What a journal says.
+struct JournalContents {
+  std::optional<KeptRun> run;             ///< the last one that the board has taken
+  std::optional<ProgressRecord> offered;  ///< one begun after it, which the board may have taken
+  bool empty() const { return !run && !offered; }
+  friend bool operator==(const JournalContents&, const JournalContents&) = default;
+};
+
 /// Tells jobs apart: CRC-32 of the header and of all records.
 std::uint32_t hash_of(const Job& job);
 
 /// A record as its line, with the line end.
 std::string progress_line(const ProgressRecord& record);
 
-/// The last run in the text of a journal; nothing if there is none.
-std::optional<KeptRun> last_run(std::string_view text);
+/// What the text of a journal says.
+JournalContents contents_of(std::string_view text);
 
 /// One journal. Nothing is created before the first append().
 class ProgressJournal {
@@ -67,7 +75,7 @@ class ProgressJournal {
 
   const std::filesystem::path& file() const { return file_; }
   /// What the file says; nothing if it is not there. Throws Error(bad_input) if it cannot be read.
-  std::optional<KeptRun> read() const;
+  JournalContents read() const;
   /// Writes a record; it is on the disk afterwards. Throws Error(job_failed) if that fails.
   void append(const ProgressRecord& record);
   /// The job is done. Throws Error(job_failed) if the file cannot be removed.

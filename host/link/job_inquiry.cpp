@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <random>
 #include <string>
@@ -26,19 +27,21 @@ constexpr std::uint32_t no_session = 0;
 JobInquiry::JobInquiry(Transport& transport)
     : transport_(transport), connection_(transport), tag_(std::random_device()()) {}
 
-wire::Status JobInquiry::end_job(std::uint32_t session) {
+wire::Status JobInquiry::end_job(std::span<const std::uint32_t> sessions) {
   const Time give_up = transport_.now() + stop_timeout;
   std::uint32_t number = 0;  // of the command: the board executes it once
   for (;;) {
     const wire::Status status = ask();
-    if (status.session != session || stands(status.state)) return status;
+    const bool is_ours =
+        std::find(sessions.begin(), sessions.end(), status.session) != sessions.end();
+    if (!is_ours || stands(status.state)) return status;
     if (number == 0) number = status.last_command + 1;
     if (status.last_command >= number && transport_.now() < give_up) continue;
     if (transport_.now() >= give_up)
       throw Error(Exit::job_failed, "machine", "could not be stopped, it may still move and fire",
                   "press its emergency stop or switch it off");
     const std::array payload{static_cast<std::uint8_t>(wire::Command::stop)};
-    connection_.send({wire::FrameType::command, session, number}, payload);
+    connection_.send({wire::FrameType::command, status.session, number}, payload);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "host/link/connection.hpp"
 #include "host/link/restart_mark.hpp"
@@ -21,9 +22,9 @@ class JobInquiry {
   /// The transport must outlive the inquiry.
   explicit JobInquiry(Transport& transport);
 
-  /// Asks for the status; a job of `session` that is unfinished is stopped first. Throws Error:
-  /// no_device (no answer, another version), job_failed (the board does not stop).
-  wire::Status end_job(std::uint32_t session);
+  /// Asks for the status; a job of one of these sessions that is unfinished is stopped first.
+  /// Throws Error: no_device (no answer, another version), job_failed (the board does not stop).
+  wire::Status end_job(std::span<const std::uint32_t> sessions);
   /// What the board has said of a restart, if anything; known after end_job().
   const std::optional<RestartMark>& restart_mark() const { return mark_; }
 

@@ -1,6 +1,7 @@
 #include "host/link/kept_job.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "host/error.hpp"
 #include "host/link/job_inquiry.hpp"
@@ -23,41 +24,48 @@ KeptJob::KeptJob(const std::filesystem::path& journal, const job::Job& job)
     : journal_(journal), job_(job), hash_(job::hash_of(job)) {}
 
 void KeptJob::require_ended() const {
-  const auto run = journal_.read();
+  const auto run = journal_.read().run;
   if (!run || run->last.job != hash_ || run->last.progress == Progress::ended) return;
   throw Error(Exit::job_failed, file().string(),
               "the last run of this job has no known end, begun anew it fires points twice",
               "go on with it by --resume, or give it up with --discard");
 }
 
-job::KeptRun KeptJob::last_run() const {
-  const auto run = journal_.read();
-  if (!run)
+job::JournalContents KeptJob::read() const {
+  const job::JournalContents contents = journal_.read();
+  if (contents.empty())
     throw Error(Exit::bad_input, file().string(), "keeps no run to go on with",
                 "begin the job without --resume");
-  if (run->last.job != hash_)
+  if ((contents.offered ? *contents.offered : contents.run->last).job != hash_)
     throw Error(Exit::bad_input, file().string(), "keeps the run of another job",
                 "make the job as it was, or begin this one without --resume");
-  return *run;
+  return contents;
 }
 
 Continuation KeptJob::find(Transport& port) {
-  const job::KeptRun run = last_run();
+  const auto [run, offered] = read();
+  std::vector<std::uint32_t> sessions;
+  if (offered) sessions.push_back(offered->session);
+  if (run) sessions.push_back(run->last.session);
   JobInquiry inquiry(port);
-  const wire::Status status = inquiry.end_job(run.last.session);
-  const auto& mark = inquiry.restart_mark();
-  Continuation rest{run.last.first_unfired, run.last.flashes, run.last.may_have_fired,
-                    run.last.progress == Progress::ended};
-  if (status.session == run.last.session)
-    rest = told_by_board(run, status);
-  else if (mark && mark->session == run.last.session)
-    rest = after_restart(job_, *mark);
-  rest.settled = true;  // nothing else can be asked
+  const wire::Status status = inquiry.end_job(sessions);
+  // A run that was offered counts if the board knows it, or if there is no other.
+  const bool is_taken = offered && status.session == offered->session;
+  const job::KeptRun last = is_taken || !run ? job::KeptRun{*offered, *offered} : *run;
+  const Continuation rest = rest_of(last, status, inquiry.restart_mark());
   // What the board has told is lost as soon as it takes another job.
-  session_ = run.last.session;
+  session_ = last.last.session;
   append(Progress::ended, rest);
   session_ = 0;
   return rest;
+}
+
+/// The rest is settled: nothing else can be asked.
+Continuation KeptJob::rest_of(const job::KeptRun& run, const wire::Status& status,
+                              const std::optional<RestartMark>& mark) const {
+  if (status.session == run.last.session) return told_by_board(run, status);
+  if (mark && mark->session == run.last.session) return after_restart(job_, *mark);
+  return {run.last.first_unfired, run.last.flashes, run.last.may_have_fired, true};
 }
 
 Continuation KeptJob::told_by_board(const job::KeptRun& run, const wire::Status& status) const {
@@ -77,15 +85,15 @@ void KeptJob::keep(SenderOptions& options) {
 }
 
 void KeptJob::note(const JobProgress& progress) {
-  if (session_ == 0) {
-    session_ = progress.session;
-    append(Progress::begun, {from_, fired_, from_, true});
-  }
-  append(Progress::running, {progress.first_unfired, 0, progress.may_have_fired, false});
+  if (session_ != 0)
+    return append(Progress::running, {progress.first_unfired, 0, progress.may_have_fired, false});
+  session_ = progress.session;
+  append(Progress::begun, {from_, fired_, from_, true});
 }
 
 void KeptJob::finish(const JobResult& result) {
-  if (session_ == 0) return;
+  const bool is_taken = session_ != 0 && result.status.session == session_;
+  if (!is_taken) return;
   if (result.end == JobEnd::done) return journal_.remove();
   append(result.rest.settled ? Progress::ended : Progress::running, result.rest);
 }

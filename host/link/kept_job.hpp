@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "host/job/job.hpp"
 #include "host/job/progress_journal.hpp"
@@ -47,14 +48,16 @@ class KeptJob {
 
  private:
   void note(const JobProgress& progress);
-  job::KeptRun last_run() const;
+  job::JournalContents read() const;
+  Continuation rest_of(const job::KeptRun& run, const wire::Status& status,
+                       const std::optional<RestartMark>& mark) const;
   Continuation told_by_board(const job::KeptRun& run, const wire::Status& status) const;
   void append(job::Progress progress, const Continuation& rest);
 
   job::ProgressJournal journal_;
   const job::Job& job_;
   std::uint32_t hash_;
-  std::uint32_t session_ = 0;  ///< of the run that is being kept; 0 = the board has not taken it
+  std::uint32_t session_ = 0;  ///< of the run that is being kept; 0 = not offered yet
   std::uint32_t from_ = 0, fired_ = 0;
 };
 

@@ -363,6 +363,7 @@ void JobSender::begin() {
   if (cut_ || !synced_) return;
   const Time now = transport_.now();
   if (begin_sent_ && now - begin_at_ < options_.reply_timeout) return;
+  if (!begin_sent_) tell_progress(handed_over_);
   std::array<std::uint8_t, wire::max_job_header_size> payload{};
   wire::ByteWriter out(payload);
   wire::write_job_header(out, job::header_from(job_, options_.first_index));
@@ -447,8 +448,7 @@ void JobSender::stream() {
     if (cursor_ == frames_.size() && !build_frame()) return;
     const Frame& frame = frames_[cursor_];
     if (!has_room(frame)) return;
-    if (frame.end_index > progress_.may_have_fired || progress_.session == 0)
-      tell_progress(end_of_room());
+    if (frame.end_index > progress_.may_have_fired) tell_progress(end_of_room());
     handed_over_ = std::max(handed_over_, frame.end_index);
     connection_.send(frame.bytes);
     if (frame.number <= written_) ++resent_;

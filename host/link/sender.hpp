@@ -62,8 +62,8 @@ struct SenderOptions {
   /// Go on after `!`, 0x84 and 0x18 that are not ours: noise of a serial line may be one of them.
   bool auto_resume = false;
   std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
-  /// Called before points are handed to the machine, and now and then while it fires. An exception
-  /// stops the job.
+  /// Called before the job is offered to the machine, before points are handed to it, and now and
+  /// then while it fires. An exception stops the job.
   std::function<void(const JobProgress&)> on_progress;
 };
 
@@ -199,7 +199,7 @@ class JobSender {
   job::RecordEncoder encoder_;
   std::uint32_t session_;
   Phase phase_ = Phase::hello;
-  JobEnd end_ = JobEnd::done;
+  JobEnd end_ = JobEnd::lost;  ///< until it has ended otherwise
   wire::Status status_;
   wire::Status job_status_;  ///< last one of our session
   std::optional<RestartMark> mark_;

@@ -37,10 +37,11 @@ std::string text_of(const std::vector<ProgressRecord>& records) {
 }
 
 /// What is known when so many records were written.
-std::optional<KeptRun> run_after(std::size_t records) {
-  if (records == 0) return std::nullopt;
-  const std::size_t begun = records > 4 ? 4 : 0;
-  return KeptRun{two_runs[begun], two_runs[records - 1]};
+JournalContents contents_after(std::size_t records) {
+  if (records == 0) return {};
+  if (records == 1) return {std::nullopt, two_runs[0]};
+  if (records == 5) return {KeptRun{two_runs[0], two_runs[3]}, two_runs[4]};
+  return {KeptRun{two_runs[records > 5 ? 4 : 0], two_runs[records - 1]}, std::nullopt};
 }
 
 std::size_t lines_in(const std::string& text) {
@@ -52,8 +53,17 @@ TEST(ProgressJournal, PowerLostAtEveryByteLosesTheUnfinishedRecordAlone) {
   for (std::size_t size = 0; size <= text.size(); ++size) {
     const std::string kept = text.substr(0, size);
     const std::size_t lines = lines_in(kept);
-    EXPECT_EQ(last_run(kept), run_after(lines == 0 ? 0 : lines - 1)) << size;
+    EXPECT_EQ(contents_of(kept), contents_after(lines == 0 ? 0 : lines - 1)) << size;
   }
+}
+
+/// A job that the board has refused leaves what is known of the run before.
+TEST(ProgressJournal, ARunThatWasOnlyOfferedDoesNotReplaceTheOneBefore) {
+  const ProgressRecord refused{Progress::begun, 7, job_hash, 5, 0, 5};
+  const std::string text = text_of({two_runs[0], two_runs[2], refused});
+  EXPECT_EQ(contents_of(text), (JournalContents{KeptRun{two_runs[0], two_runs[2]}, refused}));
+  EXPECT_EQ(contents_of(text + progress_line(two_runs[3])),
+            (JournalContents{KeptRun{two_runs[0], two_runs[3]}, std::nullopt}));
 }
 
 TEST(ProgressJournal, GoesOnBehindATornLine) {
@@ -63,7 +73,7 @@ TEST(ProgressJournal, GoesOnBehindATornLine) {
   for (std::size_t size = 0; size <= text.size(); size += 5) {
     const auto file = folder.write("a.llj.progress", text.substr(0, size));
     ProgressJournal(file).append(next);
-    EXPECT_EQ(ProgressJournal(file).read(), (KeptRun{next, next})) << size;
+    EXPECT_EQ(ProgressJournal(file).read().offered, next) << size;
   }
 }
 
@@ -74,25 +84,25 @@ TEST(ProgressJournal, AnyDamagedCharacterVoidsItsLine) {
       std::string damaged = text;
       if (damaged[i] == other) continue;
       damaged[i] = other;
-      EXPECT_EQ(last_run(damaged), std::nullopt) << damaged;
+      EXPECT_TRUE(contents_of(damaged).empty()) << damaged;
     }
 }
 
 TEST(ProgressJournal, IsWrittenReadAndRemoved) {
   const test::TemporaryFolder folder;
   const auto file = folder.file("a.llj.progress");
-  EXPECT_EQ(ProgressJournal(file).read(), std::nullopt);
+  EXPECT_TRUE(ProgressJournal(file).read().empty());
   EXPECT_FALSE(std::filesystem::exists(file)) << "nothing is created by reading";
   ProgressJournal journal(file);
   for (std::size_t i = 0; i < two_runs.size(); ++i) {
     journal.append(two_runs[i]);
-    EXPECT_EQ(ProgressJournal(file).read(), run_after(i + 1));
+    EXPECT_EQ(ProgressJournal(file).read(), contents_after(i + 1));
   }
   EXPECT_THAT(read_file(file), testing::StartsWith("# "));
   journal.remove();
   EXPECT_FALSE(std::filesystem::exists(file));
   journal.append(two_runs[0]);
-  EXPECT_EQ(journal.read(), run_after(1));
+  EXPECT_EQ(journal.read(), contents_after(1));
 }
 
 TEST(ProgressJournal, ThatCannotBeWrittenIsAnErrorInOneLine) {

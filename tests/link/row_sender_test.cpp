@@ -54,6 +54,20 @@ TEST(RowSender, GoodCableSendsNothingTwiceAndNothingTooMuch) {
   expect_each_once(board, job);
 }
 
+/// Whatever is told of them meanwhile.
+TEST(RowSender, LinesOfTheRunUpAreDone) {
+  RowCable board({}, 1);
+  const job::Job job = random_row_job(300, 3);
+  SenderOptions options = fixed_session(100);
+  options.run_up_lines = 2;
+  JobSender sender(board, job, options);
+  do {
+    ASSERT_GE(sender.points_fired(), 102u);
+    ASSERT_GE(sender.result().rest.first, 102u);
+  } while (sender.step());
+  EXPECT_EQ(sender.result().end, JobEnd::done);
+}
+
 /// Rows of single grey pixels: as many runs as can be.
 job::Job grey_rows(std::size_t lines, std::size_t runs_a_line) {
   job::Job job = random_row_job(lines, 2);

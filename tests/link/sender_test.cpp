@@ -402,6 +402,7 @@ TEST(Sender, TellsItsProgressBeforeItSends) {
                   100 + board->machine.received.size() <= told.back().may_have_fired);
     }
     EXPECT_EQ(sender.result().end, JobEnd::done);
+    EXPECT_EQ(told.front().may_have_fired, 100u) << "the job is offered";
     EXPECT_EQ(told.front().session, sender.session());
     EXPECT_EQ(told.front().first_unfired, 100u);
     EXPECT_EQ(told.back().may_have_fired, job.size());
