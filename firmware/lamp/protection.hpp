@@ -74,7 +74,7 @@ constexpr bool lamp_power_holds(const settings::Values& values) {
   return micro_w * faster <= std::int64_t{values.milli(Id::lamp_power)} * 1000 * whole;
 }
 
-/// The lamp bears what we trigger it with.
+/// Frequency, energy and mean power of the lamp are within their limits.
 [[gnu::cold]] constexpr bool lamp_bears(const settings::Values& values) {
   return lamp_frequency_holds(values) && lamp_energy_holds(values) && lamp_power_holds(values);
 }

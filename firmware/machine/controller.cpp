@@ -281,8 +281,8 @@ void Controller::check_lamp() {
   if (!no_lamp_said_ && (lost || now_ - no_lamp_since_ >= limit)) miss_lamp();
 }
 
-/// Without the lamp a job waits, dark. As slave it goes on when the lamp is back; a lamp that does
-/// not answer our triggers wants somebody to look.
+/// Without the lamp a job waits, dark. As slave it continues when the lamp is back. As master,
+/// where the lamp does not answer our triggers, it is held until the user resumes it.
 void Controller::miss_lamp() {
   no_lamp_said_ = true;
   say(no_lamp);
@@ -357,8 +357,8 @@ void Controller::raise_alarm(std::uint8_t number) {
   moving_ = false;
   outputs_off();
   next_beat_milli_hz_ = 0;
-  // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.
   stopping_ = false;
+  // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.
   state_ = estop_ ? MachineState::estop : MachineState::alarm;
   alarm_ = estop_ ? alarm_estop : number;
   hold_reason_ = HoldReason::none;
@@ -382,7 +382,7 @@ void Controller::unlock() {
 }
 
 void Controller::hold(HoldReason reason) {
-  // The host's own hold outranks others, and one that was typed its silence.
+  // A hold by the host replaces every other reason; a typed hold replaces that of a silent host.
   const bool typed = reason == HoldReason::realtime && hold_reason_ == HoldReason::dead_man;
   if (state_ == MachineState::hold && (reason == HoldReason::host || typed)) hold_reason_ = reason;
   // At rest as well: what comes then is held.

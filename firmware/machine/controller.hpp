@@ -167,8 +167,8 @@ class Controller {
   /// Bytes of the host are missing: a line may have vanished without a trace. What was received
   /// goes to its end; no line of a program is begun before a reset.
   [[gnu::cold]] void lose_lines();
-  /// Whether the host can stop the machine: not when its cable is out, its computer sleeps, or its
-  /// program has closed the port. What it moves is held then.
+  /// Reports whether the host can stop the machine: `present` is false when its cable is out, its
+  /// computer sleeps, or its program has closed the port. What it moves is held then.
   void see_host(bool present) {
     if (present == host_present_) return;
     host_present_ = present;
@@ -560,10 +560,10 @@ class Controller {
   std::uint32_t refused_value_ = 0;
   std::uint64_t now_ = 0;            ///< clock of the last prepare()
   std::uint64_t last_frame_ = 0;     ///< clock of the last prepare() after a frame
-  std::uint64_t last_byte_ = 0;      ///< the same of bytes of any kind,
-  std::uint64_t last_jog_ = 0;       ///< and of a line $J
-  std::uint64_t no_lamp_since_ = 0;  ///< clock; of a job that waits for the lamp,
-  bool no_lamp_said_ = false;        ///< which the host knows
+  std::uint64_t last_byte_ = 0;      ///< the same after a byte of any kind
+  std::uint64_t last_jog_ = 0;       ///< the same after a line $J
+  std::uint64_t no_lamp_since_ = 0;  ///< clock since which a job waits for the lamp
+  bool no_lamp_said_ = false;        ///< the host has the message about that
   bool lamp_was_locked_ = false;     ///< at the last prepare()
 };
 

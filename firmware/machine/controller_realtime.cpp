@@ -74,9 +74,9 @@ void Controller::reset() {
   moved_at_reset_ = true;
 }
 
-/// A job is dark at once. One of points is held, and its host stops it, or goes on where noise may
-/// have been the byte. One of rows ends, and so does one without a host; where it can go on stays
-/// known.
+/// A job is dark at once. A job of points is held; its host stops it, or resumes it where the byte
+/// may have been noise (--auto-resume). A job of rows ends, and so does a job without a host; the
+/// board still knows where it can continue.
 void Controller::reset_job() {
   refusal_ = Refusal::none;
   const bool held = state_ == MachineState::hold;

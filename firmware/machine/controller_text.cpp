@@ -310,7 +310,7 @@ ReportedStatus Controller::reported_status() const {
   return status;
 }
 
-/// A host that reads no answers has its last status later.
+/// Waits until there is room for it: a host that reads no answers gets its status later.
 void Controller::send_status_line() {
   if (link_.room() < status_room) return;
   TextLine line;

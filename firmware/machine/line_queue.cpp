@@ -2,7 +2,7 @@
 
 namespace lamplock::machine {
 
-// M words have no decimals that mean anything, and leading zeros that do not.
+// Decimals and leading zeros of M words have no meaning.
 bool LineQueue::ends_program() const {
   char comment_end = 0;
   bool in_word = false;  // of an M

@@ -2,8 +2,8 @@
 //
 // In:  whole lines, in order, from the link. Out: the same, one at a time.
 // Who: the controller, main loop. What the host is told of its room is the truth: a line takes its
-//      characters and one for its end, as on the wire, until it is taken out. There is room for a
-//      longest line more than is told: one that is being received has no place here yet.
+//      characters and one for its end, as on the wire, until it is taken out. There is room for
+//      one line of maximum length more than is reported: for the line that is being received.
 #pragma once
 
 #include <array>

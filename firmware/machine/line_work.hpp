@@ -34,8 +34,8 @@ struct LineOrders {
 class LineWork {
  public:
   static constexpr std::uint32_t most_segments = 16;
-  /// A batch is complete when it lasts so long, one that begins at rest when it lasts
-  /// `horizon_ticks`: a slice of a line more at most.
+  /// A batch is complete when it lasts at least this long [ticks], or `horizon_ticks` if it begins
+  /// at rest. It exceeds that by less than one slice of a line (line_slice.hpp).
   static constexpr std::uint32_t batch_ticks = 4 * (ticks_per_second / 1000);
 
   // The main loop's; at home, but for the inbox.

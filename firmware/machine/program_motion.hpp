@@ -27,8 +27,8 @@ StepPosition steps_of(const program::Place& place_e7, const settings::Values& va
 /// Where an axis is at a step, 10^-7 mm.
 std::int64_t place_of(std::int32_t step, const settings::Values& values, int axis);
 
-/// The same of where it stands: the axes of a CoreXY may stand on the edge between two steps, half
-/// a step from the middle of either.
+/// The same for an axis at its position, 10^-7 mm: the axes of a CoreXY may rest on the edge
+/// between two steps, half a step from the middle of either.
 std::int64_t place_of(const stepper::AxisState& axis, const settings::Values& values, int a);
 
 /// First axis on which a position is outside the work space; -1 if it is inside.

@@ -18,9 +18,9 @@
 //
 //   time:  past | filled (2 ms ahead) | committed, at most `horizon_ticks` | end_ | brake
 //
-// So an order is in force after horizon_ticks, the longest batch (12 ms) and the filled ticks: 28
-// ms at most. What is broken off (a jog, a move whose guard has seen something) brakes after the
-// filled ticks alone.
+// So an order is in force after horizon_ticks, the longest batch and the filled ticks: 30 ms at
+// most, or 38 ms where jerk is limited and segments are longer (line_slice.hpp). What is broken off
+// (a jog, a move whose guard has seen something) brakes after the filled ticks alone.
 //
 // The planner counts ticks from the begin of the program; what it plans from rest is moved to where
 // the lattice is by then. Segments know nothing of beats. Where the lattice follows a lamp (slave)

@@ -46,9 +46,11 @@ std::string remedy_for_name(const std::string& name, const std::vector<std::stri
   for (const std::string_view known : names)
     if (letters_apart(name, known) <= most_letters_apart)
       remedy += fmt::format("{}'{}'", remedy.empty() ? "did you mean " : " or ", known);
-  remedy += remedy.empty() ? fmt::format("give {}, HOST:PORT", fmt::join(names, ", ")) : "?";
-  if (ports.empty()) return remedy + " or a serial port, of which this computer has none";
-  return fmt::format("{} or one of the serial ports {}", remedy, fmt::join(ports, ", "));
+  remedy += remedy.empty()
+                ? fmt::format("give {}, HOST:PORT or a serial port", fmt::join(names, ", "))
+                : "?";
+  if (ports.empty()) return remedy + " (this computer has no serial port)";
+  return fmt::format("{} (serial ports of this computer: {})", remedy, fmt::join(ports, ", "));
 }
 
 std::vector<std::string> serial_ports() {

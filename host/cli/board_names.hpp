@@ -1,4 +1,4 @@
-// Names of boards that were written wrong.
+// Checks the name of a board before it is opened.
 //
 // In:  what was given to --board, the ports of this computer. Out: an error with the names that are
 //      nearest, and the ports. Who: everything that opens a board.
@@ -14,7 +14,8 @@ namespace lamplock::cli {
 /// Changes of one letter (inserted, left out, replaced) from one word to the other.
 std::size_t letters_apart(std::string_view a, std::string_view b);
 
-/// "did you mean 'virtual'? ports here: /dev/ttyACM0": what to do about an unknown name.
+/// What to do about an unknown name: "did you mean 'virtual'? (serial ports of this computer:
+/// /dev/ttyACM0)".
 std::string remedy_for_name(const std::string& name, const std::vector<std::string>& ports);
 
 /// Serial ports over USB, sorted.

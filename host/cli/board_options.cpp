@@ -108,7 +108,7 @@ void BoardOptions::add_choice(Command& app) {
       .value_name("serial|stream")
       .show_default()
       .group(board_group);
-  app.add_option("--baud", &baud, "Speed of a serial port; USB has none, whatever is said")
+  app.add_option("--baud", &baud, "Speed of a serial port [baud]; has no effect on USB")
       .check(number_in({1u, most_baud}))
       .value_name("BAUD")
       .show_default()
@@ -156,7 +156,7 @@ void BoardOptions::add_job_speed(Command& app) {
 
 void BoardOptions::add_part(Command& app) {
   app.add_option("--from", &from,
-                 "Go on at this point or line: the first one not fired, pauses counted with the "
+                 "Continue at this point or line: the first one not fired, with pauses counted as "
                  "points; of a program the line of the file, after an approach with the laser off")
       .check(number_from(0, true))
       .value_name("N")
@@ -170,9 +170,8 @@ void BoardOptions::add_part(Command& app) {
 
 void BoardOptions::add_resume(Command& app) {
   app.add_option("--resume", &resume,
-                 "Go on after the last run of this job, however it ended: what the machine or the "
-                 "journal says decides where; points that may have been fired are listed and left "
-                 "out")
+                 "Continue the last run of this job, however it ended, where the machine or the "
+                 "journal says; points that may have been fired are listed and left out")
       .group(board_group);
   app.add_option("--progress", &progress,
                  "Journal of the job on a real board; without it INPUT.progress")
@@ -184,14 +183,14 @@ void BoardOptions::add_resume(Command& app) {
 void BoardOptions::add_job(Command& app) {
   add_part(app);
   add_job_speed(app);
-  app.add_option("--dry", &dry, "Move, never fire; of a program: without M3, M4 and S")
+  app.add_option("--dry", &dry, "Move, never fire; of a program M3, M4 and S are left out")
       .group(board_group);
   app.add_option("--discard", &discard,
                  "Give up an unfinished job that the machine holds, and the last run of this job")
       .group(board_group);
   app.add_option("--auto-resume", &auto_resume,
-                 "Go on after a hold or reset byte that this program did not send: for serial "
-                 "lines whose noise may be one; USB has check sums and needs it not")
+                 "Continue after a hold or reset byte that this program did not send: for serial "
+                 "lines whose noise may be such a byte; not needed on USB, which has check sums")
       .group(board_group);
   app.add_option("--hold-at", &hold_at,
                  "Hold for a second once so many points or lines are fired, counted from the "
@@ -241,8 +240,9 @@ void BoardOptions::check_resume() const {
   };
   if (!resume) return;
   if (is_simulated()) refuse("a simulated board forgets its job", "begin anew, or give --from");
-  if (dry) refuse("a dry run fires nothing that has to be gone on with", "leave it or --dry out");
-  if (from != 0 || fired != 0) refuse("finds out itself where to go on", "leave out --from");
+  if (dry) refuse("a dry run has no progress to continue", "leave out --resume or --dry");
+  if (from != 0 || fired != 0)
+    refuse("determines itself where to continue", "leave out --from and --fired");
 }
 
 void BoardOptions::check(const std::string& input, const std::string& save) const {

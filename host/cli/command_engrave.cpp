@@ -46,7 +46,7 @@ void add_engrave(Command& program) {
       "  lamplock engrave points.xyz --board /dev/ttyACM0 --machine machine.toml\n"
       "  lamplock engrave points.xyz --plot motion.svg --plot-beats 0,60 --hold-at 30\n\n"
       "On a real board the progress is kept in INPUT.progress until the job is done; the same\n"
-      "command with --resume goes on after any end, a loss of power too, and fires no point "
+      "command with --resume continues after any end, also a power loss, and fires no point "
       "twice.\n"
       "Ctrl-C holds the machine with the laser off, Enter resumes, Ctrl-C again stops. In a\n"
       "terminal a number and Enter is another job speed in percent, + or - and Enter a step.\n"

@@ -81,7 +81,7 @@ void check_outputs(const RasterOptions& options) {
     throw Error(Exit::bad_input, "lamplock raster", "where to write is missing",
                 "give -o FILE.llj or --gcode FILE.ngc");
   if (options.power_lists && options.gcode.empty())
-    throw Error(Exit::bad_input, "--power-lists", "is about the program of --gcode",
+    throw Error(Exit::bad_input, "--power-lists", "needs --gcode",
                 "add --gcode FILE.ngc, or leave it out");
   check_distinct({{"-o", options.output}, {"--gcode", options.gcode}}, options.input);
   for (const std::string& file : {options.output, options.gcode})
@@ -204,11 +204,11 @@ void add_raster(Command& program) {
       .value_name("FILE");
   app.add_option("-o,--output", &options->output, "Job file to write").value_name("FILE.llj");
   app.add_option("--gcode", &options->gcode,
-                 "The same rows as G-code that every grbl reads, a line a power")
+                 "The same rows as G-code that every grbl reads, one line for each power")
       .check(file_name())
       .value_name("FILE.ngc");
   app.add_option("--power-lists", &options->power_lists,
-                 "Write the G-code as lists of powers, shorter, for boards of lamplock alone");
+                 "Write the G-code as lists of powers: shorter, but read only by lamplock boards");
   add_burning(app, *options);
   options->machine.add_machine(app);
   app.add_json(options->json);

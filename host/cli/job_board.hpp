@@ -1,8 +1,7 @@
 // Jobs need this firmware: a board of grbl takes programs alone, and never answers a job.
 //
-// In:  a choice of a board. Out: the open port, or an error that says what to do. Who: commands
-// that
-//      send jobs.
+// In:  a choice of a board. Out: the open port, or an error that says what to do.
+// Who: commands that send jobs.
 #pragma once
 
 #include <memory>

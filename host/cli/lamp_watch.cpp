@@ -18,6 +18,8 @@ namespace {
 /// edges of the longest setting for a lock ($907).
 constexpr double patience_s = 60, patience_beats = 200;
 
+constexpr const char* remedy = "check --wander, --jitter and --dropouts";
+
 /// Beats that a lamp in order would not have cost.
 constexpr std::array lost_by_lamp{BeatReason::not_locked, BeatReason::no_edge,
                                   BeatReason::outside_tolerance, BeatReason::returning};
@@ -42,6 +44,9 @@ LampWatch::Count LampWatch::count(const wire::Status& status) {
 
 void LampWatch::look(const link::JobSender& sender, std::chrono::microseconds now) {
   const wire::Status& status = sender.status();
+  if (status.session == sender.session() && status.hold_reason == wire::HoldReason::lamp)
+    throw Error(Exit::job_failed, "simulated lamp",
+                "it does not flash when it is triggered, the machine holds", remedy);
   const bool runs = status.session == sender.session() && status.state == wire::MachineState::run;
   const bool progress = sender.points_fired() != points_ || status.shots != shots_;
   if (!begun_ || !runs || progress) {
@@ -65,7 +70,7 @@ void LampWatch::look(const link::JobSender& sender, std::chrono::microseconds no
   throw Error(Exit::job_failed, "simulated lamp",
               fmt::format("its beat cannot be followed, nothing was fired for {:.0f} s",
                           std::chrono::duration<double>(now - since_).count()),
-              "check --wander, --jitter and --dropouts");
+              remedy);
 }
 
 }  // namespace lamplock::cli

@@ -34,7 +34,7 @@ std::string go_on_text(const Outcome& outcome, const char* item) {
   return link::go_on_text(outcome.result.rest, item, outcome.is_kept);
 }
 
-/// A number that the machine told before it was out of reach is a lower bound.
+/// If the machine was not at rest at its last report, the number in it is a lower bound.
 std::string bound_text(const link::Continuation& rest, const char* item) {
   if (!rest.settled) return fmt::format("at least the {}s before {} are done", item, rest.first);
   return fmt::format("first {} not done is {}", item, rest.first);

@@ -161,9 +161,10 @@ Outcome send(link::Transport& transport, const Work& work, const BoardOptions& o
       // At another speed than foreseen the pace so far has to do.
       const bool as_foreseen = sender.job_speed() == options.job_speed;
       progress.set_left(as_foreseen ? foresight.left_s(sender.points_fired()) : std::nullopt);
+      // Before the user is asked what to do: a simulated lamp does not come back.
+      if (lamp) lamp->look(sender, transport.now());
       steering.look();
       hold.look();
-      if (lamp) lamp->look(sender, transport.now());
       guarding.look(steering, at_door(work.job));
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());

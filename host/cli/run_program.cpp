@@ -61,10 +61,10 @@ void check_options(const BoardOptions& options) {
 
 /// A machine that moves, and a laser, need somebody's word.
 void ask_permission(const Program& program, const BoardOptions& options) {
-  if (options.yes || options.dry || options.is_simulated()) return;
+  if (options.yes || options.is_simulated()) return;
   fmt::print(stderr,
-             "{}: {} lines on {}: the machine will move, its laser may fire. Type yes to start: ",
-             program.file, program.lines.size(), options.board);
+             "{}: {} lines on {}: the machine will move{}. Type yes to start: ", program.file,
+             program.lines.size(), options.board, options.dry ? "" : ", its laser may fire");
   std::fflush(stderr);
   std::string answer;
   if (!std::getline(std::cin, answer) || answer != "yes")
@@ -83,15 +83,15 @@ std::optional<settings::Values> settings_of(link::LinePort& port) {
   return std::nullopt;
 }
 
-/// Runs the program as the board will: its time, if all of it is right. Throws Error(bad_input) at
-/// the first line that the board would refuse, unless the user wants to `go_on` then.
+/// Runs the program as the board will. Returns its time [s]; nothing if a line of it is wrong.
+/// Throws Error(bad_input) at the first line that the board would refuse, unless `go_on`.
 std::optional<double> foresee(const Program& program, const settings::Values& values, bool go_on) {
   std::string sent;
   for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
   constexpr std::size_t most_problems = 1000;
   const auto run = program_run::run_program(sent, values, most_problems);
   if (run.problems.empty()) return run.seconds();
-  // Only the board knows its offsets, so that it judges places.
+  // Places outside of the work space (error 0) are left to the board, which knows its offsets.
   const auto wrong = std::find_if(run.problems.begin(), run.problems.end(),
                                   [](const auto& problem) { return problem.error != 0; });
   if (go_on || wrong == run.problems.end()) return std::nullopt;

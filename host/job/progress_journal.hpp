@@ -29,7 +29,7 @@ struct Job;
 enum class Progress : std::uint8_t {
   begun,  ///< the board is about to be offered the job; first_unfired and flashes: where it begins
   running,  ///< the record is a lower and an upper bound until the next one
-  ended     ///< the board stood when it told
+  ended     ///< the board was at rest when it reported
 };
 
 struct ProgressRecord {

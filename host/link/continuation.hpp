@@ -25,22 +25,22 @@ struct Continuation {
   std::size_t first = 0;      ///< all items before it are done, as often as ordered
   std::uint32_t flashes = 0;  ///< of that point that were fired; 0 if it is in doubt
   std::size_t from = 0;       ///< from here on nothing was done; first <= from
-  /// The board stood when it told, or has marked its restart. Otherwise `first` is a lower bound,
-  /// and the board may know better.
+  /// The board was at rest when it reported, or has marked its restart. Otherwise `first` is a
+  /// lower bound, and the board may know more.
   bool settled = false;
 
   bool in_doubt() const { return from > first; }
 };
 
-/// The board stands: no job is unfinished, or an alarm has ended it. Out of these states only
+/// The board is at rest: no job is unfinished, or an alarm has ended it. Out of these states only
 /// another job or the user at the machine leads to motion.
 bool stands(wire::MachineState state);
 
-/// The board stands and tells the first item not done. A line of pixels in which it has come to
-/// rest is burnt in part.
+/// The board is at rest and has reported the first item not done. A line of pixels in which
+/// it has come to rest is burnt in part.
 Continuation at_rest(const job::Job& job, std::size_t first, std::uint32_t flashes);
 
-/// The board has restarted by itself. How many flashes of the point were fired it has not kept.
+/// The board has restarted by itself. It does not know how many flashes of the point were fired.
 Continuation after_restart(const job::Job& job, const RestartMark& mark);
 
 /// Flashes of point `next` among `shots` that begin at point `from` of the targets.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "firmware/motion/plan_request.hpp"
 #include "host/error.hpp"
 #include "host/link/job_inquiry.hpp"
 #include "host/units.hpp"
@@ -16,7 +17,9 @@ namespace {
 /// A board whose host is silent holds after the time of the dead man (2 s): more points than it
 /// fires until then are of no use to it, and after a power loss all of them are in doubt.
 constexpr double ahead_s = 2.5;
-constexpr double min_points_ahead = 256;  ///< four times what the planner looks at
+/// The least for which the planner never has to wait: the window in motion, the one after it, the
+/// one being planned, a frame under way, and how far it looks along rows of points.
+constexpr std::size_t min_points_ahead = 4 * motion::window_points + motion::run_horizon;
 
 }  // namespace
 
@@ -34,7 +37,7 @@ void KeptJob::require_ended() const {
 job::JournalContents KeptJob::read() const {
   const job::JournalContents contents = journal_.read();
   if (contents.empty())
-    throw Error(Exit::bad_input, file().string(), "keeps no run to go on with",
+    throw Error(Exit::bad_input, file().string(), "keeps no run to continue",
                 "begin the job without --resume");
   if ((contents.offered ? *contents.offered : contents.run->last).job != hash_)
     throw Error(Exit::bad_input, file().string(), "keeps the run of another job",
@@ -81,7 +84,7 @@ void KeptJob::keep(SenderOptions& options) {
   options.on_progress = [this](const JobProgress& progress) { note(progress); };
   if (job_.is_rows()) return;
   const double lamp_hz = in_units(job_.settings, settings::Id::lamp_frequency);
-  options.points_ahead = static_cast<std::size_t>(std::max(min_points_ahead, ahead_s * lamp_hz));
+  options.points_ahead = std::max(min_points_ahead, static_cast<std::size_t>(ahead_s * lamp_hz));
 }
 
 void KeptJob::note(const JobProgress& progress) {

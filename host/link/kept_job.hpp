@@ -31,8 +31,8 @@ class KeptJob {
   /// Throws Error(job_failed) if the last run of this job has no known end: begun anew, the job
   /// would fire points twice.
   void require_ended() const;
-  /// Where the last run is to be gone on with; what is left of it on the board is stopped. Throws
-  /// Error: bad_input (no run, another job), and as JobInquiry::end_job().
+  /// Returns where to continue the last run, and records it; what is left of the run on the board
+  /// is stopped. Throws Error: bad_input (no run, another job), and as JobInquiry::end_job().
   Continuation find(Transport& port);
   /// The next run begins at this item, `fired` flashes of which were fired before.
   void begin_at(std::size_t from, std::uint32_t fired) {

@@ -168,7 +168,7 @@ void LineConsole::send_byte(std::uint8_t byte) {
   }
 }
 
-/// A board that does not answer has nothing to say about it.
+/// A board that does not answer is taken to be at rest.
 void LineConsole::ask_for_rest() {
   const Time now = port_.transport().now();
   if (rest_asked_at_ && now - *rest_asked_at_ < rest_interval) return;

@@ -51,7 +51,7 @@ class LineConsole {
   /// Nothing more will be typed: step() asks for the status until the machine is at rest. A board
   /// whose port is closed while it moves holds.
   void end_input() { input_ended_ = true; }
-  /// So the board has said, or it says nothing about it.
+  /// The board has reported that it is at rest, or has not answered the question.
   bool at_rest() const { return at_rest_; }
   /// The first error or alarm; with in_order nothing is sent behind it.
   const std::optional<ConsoleFailure>& failure() const { return failure_; }

@@ -11,23 +11,27 @@
 #include <filesystem>
 #include <fstream>
 
+#include "host/usb/sysfs.hpp"
+
 namespace lamplock::link {
 namespace {
 
-/// Number of the driver of the far ends of pseudo-terminals (admin-guide/devices.txt: 136 to 143).
+/// Numbers of the driver of the far ends of pseudo-terminals (Linux, admin-guide/devices.txt).
+constexpr unsigned first_pty_driver = 136, last_pty_driver = 143;
+
 /// The flag of TIOCEXCL outlives a program that dies there, since the near end stays open.
 bool is_pseudo_terminal(int descriptor) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return false;
   const unsigned driver = gnu_dev_major(status.st_rdev);
-  return driver >= 136 && driver <= 143;
+  return driver >= first_pty_driver && driver <= last_pty_driver;
 }
 
 /// Another process that has the device open, by the links of /proc (proc(5)).
 std::string user_of(const std::string& port) {
   namespace fs = std::filesystem;
   std::error_code error;
-  const fs::path device = fs::canonical(port, error);
+  const fs::path device = usb::device_node(port);
   const std::string own = std::to_string(::getpid());
   for (fs::directory_iterator process("/proc", error), end; !error && process != end;
        process.increment(error)) {
@@ -64,12 +68,14 @@ bool PortLock::take(const std::string& port) {
 }
 
 void PortLock::refuse_others() {
-  if (descriptor_ >= 0 && !is_pseudo_terminal(descriptor_)) ::ioctl(descriptor_, TIOCEXCL);
+  if (descriptor_ < 0 || is_pseudo_terminal(descriptor_)) return;
+  refuses_ = ::ioctl(descriptor_, TIOCEXCL, nullptr) == 0;
 }
 
 void PortLock::release() {
   if (descriptor_ < 0) return;
-  ::ioctl(descriptor_, TIOCNXCL);
+  if (refuses_) ::ioctl(descriptor_, TIOCNXCL, nullptr);
+  refuses_ = false;
   ::close(descriptor_);
   descriptor_ = -1;
 }

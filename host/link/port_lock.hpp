@@ -1,6 +1,6 @@
 // One program at a port: two would take each other's answers away and send into each other's jobs.
 //
-// In:  the name of a serial port. Out: it is ours until the lock goes, or who has it.
+// In:  the name of a serial port. Out: a lock on it, or the program that has it.
 // Who: SerialTransport, before it changes anything of the port.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace lamplock::link {
 
-/// An advisory lock (flock) that goes with the process, however that ends.
+/// An advisory lock (flock). The kernel releases it when the process ends, also when it is killed.
 class PortLock {
  public:
   PortLock() = default;
@@ -18,8 +18,8 @@ class PortLock {
 
   /// False if the port cannot be opened, or if another program has it: see failure() and user().
   bool take(const std::string& port);
-  /// From now on nobody but root can open the port, be it by a program that asks for no locks
-  /// (TIOCEXCL); not for pseudo-terminals. To be called when the port has been opened.
+  /// From now on only root can open the port, even with a program that ignores locks (TIOCEXCL).
+  /// Has no effect on pseudo-terminals. To be called when the port has been opened.
   void refuse_others();
   void release();
 
@@ -31,6 +31,7 @@ class PortLock {
 
  private:
   int descriptor_ = -1;
+  bool refuses_ = false;  ///< others, by TIOCEXCL
   int failure_ = 0;
   std::string user_;
 };

@@ -407,8 +407,9 @@ void JobSender::steer() {
   if (wish_ != Wish::run) return;
   // A wish to go on is not kept for a later hold.
   if (status_.state == wire::MachineState::run) resume_asked_.store(false);
-  // What our silence has caused is over. Every other hold ends by the user: one for a shot that was
-  // not made, one that somebody typed, and a door, which leaves a firm hold when it closes.
+  // A hold that our own silence has caused is resumed. Every other hold is ended by the user: one
+  // for a shot that was not made, one by a typed byte, and that of a door, which leaves a firm hold
+  // when it closes.
   const bool door = status_.state == wire::MachineState::door;
   const bool by_byte = status_.hold_reason == wire::HoldReason::realtime ||
                        status_.hold_reason == wire::HoldReason::reset;
@@ -493,7 +494,7 @@ bool JobSender::build_frame() {
   return true;
 }
 
-/// Points up to there will be handed over before the next time.
+/// Reports progress: no point from `may_have_fired` on is sent before the next report.
 void JobSender::tell_progress(std::size_t may_have_fired) {
   if (!options_.on_progress) return;
   progress_ = {session_, job_status_.first_unfired,

@@ -52,7 +52,7 @@ struct SenderOptions {
   std::chrono::microseconds give_up{60'000'000};       ///< without connection until the end
   std::chrono::microseconds status_interval{100'000};  ///< between questions when all is well
   std::size_t window_frames = 16;                      ///< frames sent and not acknowledged
-  std::size_t points_ahead = ~std::size_t{0};          ///< sent before those before them are fired
+  std::size_t points_ahead = ~std::size_t{0};          ///< at most, sent and not yet fired
   std::size_t first_index = 0;                         ///< go on with a job at this point or line
   std::size_t run_up_lines = 0;   ///< the first lines are dark and were done in an earlier run
   std::uint32_t first_fired = 0;  ///< flashes of it fired before, not among those of the job
@@ -62,8 +62,8 @@ struct SenderOptions {
   /// Go on after `!`, 0x84 and 0x18 that are not ours: noise of a serial line may be one of them.
   bool auto_resume = false;
   std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
-  /// Called before the job is offered to the machine, before points are handed to it, and now and
-  /// then while it fires. An exception stops the job.
+  /// Called before the job is offered to the machine, before points are handed to it, and at most
+  /// twice a second while it fires. An exception stops the job.
   std::function<void(const JobProgress&)> on_progress;
 };
 

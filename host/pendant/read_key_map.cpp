@@ -9,20 +9,14 @@
 
 #include "host/error.hpp"
 #include "host/pendant/terminal_keys.hpp"
+#include "host/printable.hpp"
 #include "host/toml_file.hpp"
 
 namespace lamplock::pendant {
 namespace {
 
-constexpr double greatest_step_mm = 100, greatest_feed_mm_min = 1e6;
-constexpr std::size_t most_steps = 16, most_macro_lines = 100;
-
-/// With a question mark for what is not seen: TOML may say any character.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c == 0x7f; }, '?');
-  return text;
-}
+constexpr double max_step_mm = 100, max_feed_mm_min = 1e6;
+constexpr std::size_t max_steps = 16, max_macro_lines = 100;
 
 /// Reads one table [pendant].
 class Reader {
@@ -52,7 +46,7 @@ class Reader {
     if (name == "keyboard") return each(node, name, &Reader::bind_keyboard);
     if (name == "steps") return read_steps(key, node);
     if (name == "feed") {
-      map_.feed_mm_min = number(key, node, greatest_feed_mm_min);
+      map_.feed_mm_min = number(key, node, max_feed_mm_min);
     } else if (name == "safe_z") {
       map_.safe_z_mm = any_number(key, node);
     } else if (name == "hb04_keys") {
@@ -60,7 +54,7 @@ class Reader {
       if (map_.hb04_keys != 16 && map_.hb04_keys != 18)
         fail(key.source(), "'hb04_keys' is neither 16 nor 18", "count the keys of the pendant");
     } else {
-      fail(key.source(), fmt::format("unknown key '{}' in [pendant]", printable(std::string(name))),
+      fail(key.source(), fmt::format("unknown key '{}' in [pendant]", printable(name)),
            "there are keys, keyboard, macros, steps, feed, safe_z, hb04_keys");
     }
   }
@@ -76,8 +70,7 @@ class Reader {
   void bind_key(const toml::key& key, const toml::node& node) {
     const auto known = key_named(key.str());
     if (!known)
-      fail(key.source(),
-           fmt::format("no pendant has a key '{}'", printable(std::string(key.str()))),
+      fail(key.source(), fmt::format("no pendant has a key '{}'", printable(key.str())),
            "use the names of docs/pendants.md, as safe-z, macro-1, button-1");
     map_.keys[*known] = binding(key, node);
   }
@@ -107,7 +100,7 @@ class Reader {
     if (action_named(macro.name))
       fail(key.source(), fmt::format("'{}' is the name of an action", macro.name),
            "call the macro otherwise");
-    if (lines == nullptr || lines->empty() || lines->size() > most_macro_lines)
+    if (lines == nullptr || lines->empty() || lines->size() > max_macro_lines)
       fail(key.source(), fmt::format("macro '{}' needs lines", macro.name),
            "write lines = [\"G91 G38.2 Z-20 F100\"]");
     for (const auto& [name, value] : *table)
@@ -127,19 +120,19 @@ class Reader {
 
   void read_steps(const toml::key& key, const toml::node& node) {
     const toml::array* values = node.as_array();
-    if (values == nullptr || values->empty() || values->size() > most_steps)
-      fail(key.source(), fmt::format("'steps' must be an array of 1 to {} numbers", most_steps),
+    if (values == nullptr || values->empty() || values->size() > max_steps)
+      fail(key.source(), fmt::format("'steps' must be an array of 1 to {} numbers", max_steps),
            "write steps = [0.01, 0.1, 1]");
     map_.steps_mm.clear();
     for (const toml::node& value : *values)
-      map_.steps_mm.push_back(number(key, value, greatest_step_mm));
+      map_.steps_mm.push_back(number(key, value, max_step_mm));
     std::sort(map_.steps_mm.begin(), map_.steps_mm.end());
   }
 
   double any_number(const toml::key& key, const toml::node& node) const {
     const auto value = node.value<double>();
     if (!value || !node.is_number() || !std::isfinite(*value) ||
-        std::fabs(*value) > greatest_feed_mm_min)
+        std::fabs(*value) > max_feed_mm_min)
       fail(node.source(), fmt::format("'{}' must be a number", key.str()),
            "write it without quotes");
     return *value;

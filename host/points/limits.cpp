@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "host/error.hpp"
 
 namespace lamplock::points {
@@ -16,9 +14,9 @@ void require_count(double count, const std::string& where) {
 }
 
 void require_positive(double value, const std::string& where, const std::string& name) {
-  if (value > 0 && std::isfinite(value)) return;
+  if (value > 0 && value <= max_value) return;
   throw Error(Exit::bad_input, where, fmt::format("{} is {}", name, value),
-              "give a number greater than 0");
+              fmt::format("give a number greater than 0, at most {:g}", max_value));
 }
 
 }  // namespace lamplock::points

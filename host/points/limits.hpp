@@ -15,7 +15,10 @@ inline constexpr std::size_t most_points = 20'000'000;
 /// cannot overflow.
 void require_count(double count, const std::string& where);
 
-/// Throws Error (bad_input) unless `value` is finite and greater than 0.
+/// No quantity of a machine or a model is greater, in any unit: more has been typed by mistake.
+inline constexpr double max_value = 1e15;
+
+/// Throws Error (bad_input) unless `value` is greater than 0 and at most max_value.
 void require_positive(double value, const std::string& where, const std::string& name);
 
 }  // namespace lamplock::points

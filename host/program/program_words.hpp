@@ -1,4 +1,4 @@
-// The words of a line of G-code, for who changes a program without running it.
+// The words of a line of G-code, for code that changes a program without running it.
 //
 // In:  a line without comments (host/link/program_lines.hpp). Out: its words, as they are written.
 // Who: without_laser(), start_at().

@@ -1,6 +1,6 @@
 // Rows of pixels as a program of G-code, for boards and senders that do not know the pulse stream:
 // a line for each stretch of one power, which every grbl reads; or lists of powers (docs/gcode.md),
-// a third as long and less, which this firmware alone reads.
+// at most a third as long, which only this firmware reads.
 //
 // In:  a job of rows. Out: text. Who: `lamplock raster --gcode`.
 #pragma once

@@ -42,13 +42,19 @@ std::string first_line(const fs::path& path) {
 
 }  // namespace
 
-std::string manufacturer_of_port(const std::string& port, const fs::path& root) {
+fs::path device_node(const fs::path& name) {
+  constexpr int max_links = 40;  // as the kernel follows
+  fs::path node = name;
   std::error_code failure;
-  const fs::path node = fs::canonical(port, failure);
-  if (failure) return {};
-  // "device" is the interface, above which is the device.
-  const fs::path interface = fs::canonical(root / node.filename() / "device", failure);
-  return failure ? std::string() : first_line(interface.parent_path() / "manufacturer");
+  for (int i = 0; i < max_links && fs::is_symlink(node, failure); ++i)
+    node = (node.parent_path() / fs::read_symlink(node, failure)).lexically_normal();
+  return node;
+}
+
+std::string manufacturer_of_port(const std::string& port, const fs::path& root) {
+  // The interface, above which is the device.
+  const fs::path interface = root / device_node(port).filename() / "device";
+  return first_line(interface / ".." / "manufacturer");
 }
 
 std::string Sysfs::text(const std::string& place, const std::string& attribute) const {

@@ -17,6 +17,9 @@ inline constexpr const char* sysfs_devices = "/sys/bus/usb/devices";
 /// Where it shows serial ports by name.
 inline constexpr const char* sysfs_ports = "/sys/class/tty";
 
+/// The device node that a name means, which may be a link ("/dev/serial/by-id/...").
+std::filesystem::path device_node(const std::filesystem::path& name);
+
 /// The manufacturer's text of the device with this serial port, "/dev/ttyACM0" or a link to it;
 /// empty if it is not on USB.
 std::string manufacturer_of_port(const std::string& port,

@@ -111,7 +111,8 @@ class StreamParser {
     after_cr_ = byte == '\r';
   }
 
-  /// Forgets what has not ended: the other end of the wire is a new one.
+  /// Forgets what has not ended: the other end of the wire is a new one, or its user has said so.
+  /// May be called from within on_realtime().
   void reset() {
     begin(State::line);
     after_cr_ = false;
@@ -119,12 +120,6 @@ class StreamParser {
 
   /// Characters of a line that has not ended.
   std::size_t line_size() const { return state_ == State::line ? size_ : 0; }
-
-  /// Forgets a line that has not ended, be it spoilt; a frame goes on. The only call that may be
-  /// made from within an event: on_realtime.
-  void drop_line() {
-    if (state_ == State::line) begin(State::line);
-  }
 
  private:
   enum class State : std::uint8_t { line, frame };

@@ -15,8 +15,8 @@ namespace lamplock::sim {
 
 class ReceiveQueue {
  public:
-  /// The virtual board has the buffers of the host's computer as well: what a host sends that does
-  /// not count its bytes has arrived, and so has the stop that it sends after them.
+  /// Includes the buffers of the host's computer: the bytes of a host that does not count them
+  /// arrive at once, and so does a stop that it sends after them.
   static constexpr std::size_t capacity = std::size_t{4} << 20;
 
   /// Bytes from the host; returns how many were taken.

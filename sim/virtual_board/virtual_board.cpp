@@ -14,7 +14,8 @@ constexpr Picoseconds service_period = 250 * ps_per_us;
 constexpr Picoseconds timing_lead = 300 * ps_per_us;
 constexpr std::uint32_t motion_lead_ticks = 2000;
 constexpr std::uint32_t span_ticks = 256;
-constexpr std::uint32_t block_ticks = 1u << 14;
+/// The longest block: few of them are quick, but what is filled no longer hears of a hold.
+constexpr std::uint32_t block_ticks = 1u << 12;
 /// Full-speed USB: 19 packets of 64 bytes in a frame of 1 ms; a quarter of it per service.
 constexpr std::size_t bytes_per_service = 19 * 64 / 4;
 /// Bytes that the host's computer keeps for a program that does not read.

@@ -156,8 +156,9 @@ struct ChipRig {
     while (const std::size_t n = board.read(bytes))
       heard.append(reinterpret_cast<const char*>(bytes.data()), n);
   }
-  void type(std::string_view text) {
-    board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  /// Returns how many characters the buffers of the PC have taken.
+  std::size_t type(std::string_view text) {
+    return board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
   /// Everything the machine says to a line, up to its ok or error.
   std::string answer(std::string_view line, Picoseconds limit = 600 * ps_per_ms) {
@@ -190,23 +191,30 @@ struct ChipRig {
     }
     return "<silence>";
   }
-  /// Position as the board reports it, in steps.
-  StepPosition reported_position(const settings::Values& values) {
+  /// Position as the board reports it, mm.
+  std::array<double, max_axes> reported_mm(const settings::Values& values) {
     const std::string line = status();
-    StepPosition steps{};
+    std::array<double, max_axes> place{};
     std::size_t at = line.find("MPos:");
     if (at == std::string::npos) {
       ADD_FAILURE() << "no position in " << line;
-      return steps;
+      return place;
     }
     at += 5;
     for (int axis = 0; axis < values.whole(Id::axes); ++axis) {
       std::size_t used = 0;
-      const double mm = std::stod(line.substr(at), &used);
-      steps[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(
-          std::lround(mm * values.milli(Id::steps_per_mm_x, axis) / 1000.0));
+      place[static_cast<std::size_t>(axis)] = std::stod(line.substr(at), &used);
       at += used + 1;
     }
+    return place;
+  }
+  /// The same in steps.
+  StepPosition reported_position(const settings::Values& values) {
+    const std::array<double, max_axes> place = reported_mm(values);
+    StepPosition steps{};
+    for (int axis = 0; axis < values.whole(Id::axes); ++axis)
+      steps[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(std::lround(
+          place[static_cast<std::size_t>(axis)] * values.milli(Id::steps_per_mm_x, axis) / 1000.0));
     return steps;
   }
   /// When any axis stepped last.

@@ -1,5 +1,6 @@
 // E-stop and door at random moments of a job: energy off at once, steps stopped, position exact.
 #include "tests/chip_board/chip_rig.hpp"
+#include "tests/figure.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -83,6 +84,19 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
   EXPECT_GT(pulse_was_on, 0);
   EXPECT_GT(was_moving, 0);
   expect_no_violations(rig);
+}
+
+TEST(EmergencyStopAtRest, IsLeftWhenItsContactHasBeenQuiet) {
+  ChipRig rig;
+  ASSERT_NO_FATAL_FAILURE(rig.boot());
+  rig.board.world().schedule(sim::Pin::estop, true, rig.now());
+  rig.run(100 * ps_per_ms);
+  const Picoseconds released = rig.now();
+  rig.board.world().schedule(sim::Pin::estop, false, released);
+  while (rig.now() < released + 100 * ps_per_ms &&
+         rig.answer("$X").find("ok") == std::string::npos)
+    rig.run(ps_per_ms / 4);
+  expect_figure("unlocked after the release of the e-stop", rig.now() - released, 20, 25);
 }
 
 /// The door is looked at by the main loop, which may be away to plan a window; wires of the

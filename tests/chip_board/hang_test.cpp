@@ -1,6 +1,7 @@
 // The CPU hangs, faults or loses its power at random moments of a job: what it drives ends by
 // itself, the reason is told after the restart, and nothing happens before a new job.
 #include "tests/chip_board/chip_rig.hpp"
+#include "tests/figure.hpp"
 
 namespace lamplock::test::hang_test {
 namespace {
@@ -57,14 +58,18 @@ class Loss : public BootedRig {
   }
   /// Until the watchdog has restarted the chip, as it did once; a plan may take a second.
   void restart() {
-    for (int i = 0; i < 120 && rig().board.chip().watchdog_resets() == 0; ++i)
-      rig().run(10 * ps_per_ms);
+    const Picoseconds lost = rig().now();
+    for (int i = 0; i < 1200 && rig().board.chip().watchdog_resets() == 0; ++i)
+      rig().run(ps_per_ms);
+    restarted_after_ = std::max(restarted_after_, rig().now() - lost);
     rig().run(30 * ps_per_ms);  // the host sees it go
     ASSERT_NO_FATAL_FAILURE(rig().boot());
     rig().run(20 * ps_per_ms);
     rig().listen();
     EXPECT_EQ(rig().board.chip().watchdog_resets(), 1u);
   }
+  Picoseconds restarted_after_ = 0;  ///< the longest, of a call of restart()
+
   /// What is said then of a job; `may_have_been`: the shot was given out.
   static std::string told(std::uint32_t session, std::size_t first_unfired, bool may_have_been) {
     return "job " + std::to_string(session) + " first point not fired " +
@@ -73,7 +78,7 @@ class Loss : public BootedRig {
 };
 
 TEST_F(Loss, OfTheProcessorAtRandomMoments) {
-  Picoseconds longest = 0;
+  Picoseconds longest = 0, dark_after = 0;
   for (int round = 0; round < scaled(static_cast<int>(End::count), static_cast<int>(End::count));
        ++round) {
     const auto end = static_cast<End>(round % static_cast<int>(End::count));
@@ -90,7 +95,11 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
     lose(end);
     const Picoseconds lost = rig().now();
     const std::size_t shots_before = rig().shots().size();
-    rig().run(contract);
+    const auto lights = EnergyPads::all & ~(1u << EnergyPads::q_switch);
+    while (is_fault(end) && (rig().energy.levels() & lights) != 0 && rig().now() < lost + contract)
+      rig().run(ps_per_us / 20);
+    if (is_fault(end)) dark_after = std::max(dark_after, rig().now() - lost);
+    rig().board.run_until(lost + contract);
     const auto steps_at_loss = rig().board.world().drives().position();
     const std::size_t shots = rig().shots().size();
     rig().run(60 * ps_per_ms);
@@ -124,7 +133,10 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
     EXPECT_EQ(rig().answer("$X"), "[MSG:Caution: Unlocked]\r\nok\r\n");
     expect_no_violations(rig());
   }
-  std::printf("last step %.1f us after the loss\n", static_cast<double>(longest) / 1e6);
+  expect_figure("last step after the loss of the processor", longest, 0, 0.93);
+  expect_figure("energy outputs low after the entry of a fault", dark_after, 0, 0.001);
+  // The 60 ms before it is waited for are of this test.
+  expect_figure("restart after the loss", restarted_after_ + 60 * ps_per_ms, 60, 110);
 }
 
 /// The processor goes shortly before the shot of the next beat: the hardware fires it, and the

@@ -17,11 +17,11 @@ namespace lamplock::cli::test {
 namespace {
 
 using lamplock::test::scaled;
-using Words = std::vector<std::string>;
+using Arguments = std::vector<std::string>;
 
 /// A command that reads a file, "@", of these kinds, and writes another one, "=".
 struct Reader {
-  Words words;
+  Arguments words;
   std::vector<std::string> extensions;
 };
 
@@ -41,7 +41,7 @@ std::vector<Reader> readers() {
           {{"diagnose", "@"}, {"ngc"}},
           {{"compare", "@", "@"}, {"html"}},
           {{"flash", "@"}, {"uf2", "elf"}},
-          {{"chip", "@"}, {"uf2", "elf", "bin"}},
+          {{"chip", "@", "--until", "1ms"}, {"uf2", "elf"}},
           {{"engrave", "ball.stl", "--machine", "@"}, {"toml"}},
           {{"raster", "disc.bmp", "--feed", "900", "-o", "=", "--machine", "@"}, {"toml"}},
           {{"settings", "restore", "@"}, {"toml", "txt"}},
@@ -105,7 +105,7 @@ std::string wrong_value(std::mt19937_64& random) {
   return std::string(values[random() % values.size()]);
 }
 
-std::string shown(const Words& words) {
+std::string shown(const Arguments& words) {
   std::string text;
   for (const std::string& word : words) text += " " + printable(word);
   return text;
@@ -120,7 +120,7 @@ void expect_printable(const std::string& text) {
   }
 }
 
-void expect_refusal(const Words& words) {
+void expect_refusal(const Arguments& words) {
   SCOPED_TRACE(shown(words));
   const Finished refused = run(words);
   EXPECT_GT(refused.status, 0);
@@ -137,8 +137,8 @@ class Messages : public testing::Test {
     folder_.write("ball.stl", octahedron_stl());
     folder_.write("disc.bmp", disc_bmp(8));
   }
-  Words filled(const Words& words, const std::string& file) const {
-    Words result;
+  Arguments filled(const Arguments& words, const std::string& file) const {
+    Arguments result;
     for (const std::string& word : words)
       result.push_back(word == "@"                                        ? file
                        : word == "="                                      ? folder_ / "out.xyz"
@@ -163,7 +163,7 @@ TEST_F(Messages, OfBrokenFilesAreOnePrintableLineWithARemedy) {
 }
 
 TEST_F(Messages, OfWrongValuesAreOnePrintableLineWithARemedy) {
-  const std::vector<Words> commands{{"engrave", "ball.stl", "--size"},
+  const std::vector<Arguments> commands{{"engrave", "ball.stl", "--size"},
                                     {"engrave", "ball.stl", "--spacing"},
                                     {"engrave", "ball.stl", "--board"},
                                     {"points", "ball.stl", "-o", "=", "--seed"},
@@ -182,7 +182,7 @@ TEST_F(Messages, OfWrongValuesAreOnePrintableLineWithARemedy) {
                                     {"job"},
                                     {}};
   for (int i = 0; i < scaled(160, static_cast<int>(commands.size())); ++i) {
-    Words words = filled(commands[static_cast<std::size_t>(i) % commands.size()], "");
+    Arguments words = filled(commands[static_cast<std::size_t>(i) % commands.size()], "");
     words.push_back(wrong_value(random_));
     expect_refusal(words);
   }

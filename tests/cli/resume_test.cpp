@@ -19,11 +19,11 @@ using testing::HasSubstr;
 /// A job on a simulated board at a port, at the pace of the wall clock.
 class Resumed : public testing::Test {
  protected:
-  static constexpr int points_in_all = 500;
+  static constexpr int points_in_all = 900;
 
   void start_board(const std::string& shots) {
     board_ = std::make_unique<Running>(std::vector<std::string>{
-        "sim", "--pty", folder_ / "port", "--lamp", "100", "--shots", folder_ / shots});
+        "sim", "--pty", folder_ / "port", "--lamp", "200", "--shots", folder_ / shots});
     ASSERT_TRUE(board_->wait_for("Ctrl-C"));
   }
   void stop_board() {

@@ -96,7 +96,7 @@ TEST(SendProgram, a_dry_one_moves_and_has_no_word_of_the_laser) {
   const Folder folder;
   const std::string file = folder.write("a.ngc", "G21 M4 S500\nG1 X1 F100 S3\nM3\nX2\nM30\n");
   Served board;
-  const Finished done = run({"send", file, "--board", board.address(), "--dry"});
+  const Finished done = run({"send", file, "--board", board.address(), "--dry", "--yes"});
   ASSERT_EQ(done.status, 0) << done.err;
   EXPECT_EQ(board.stop().lines, (std::vector<std::string>{"M5", "G21", "G1 X1 F100", "X2", "M30"}));
 }

@@ -36,13 +36,14 @@ void MotionJudge::ticks_played(const sim::PlayedTicks& played) {
   if (ticks == 0) return;
   bool moves = false;
   const PerAxis<stepper::AxisRun> runs = stepper::axis_runs(kinematics_, played.block.axis);
+  const bool motors_stay = see_motors(played.block.axis, skipped, ticks);
   for (int a = 0; a < axes_; ++a) {
     const stepper::AxisRun& run = runs[index(a)];
     Axis& axis = at_[index(a)];
     const Int128 place = run.position_after(skipped);
-    // At rest it may settle in the middle of its step.
-    const bool settles = homes_ ? axis.speed <= 2 * rules_[index(a)].accel
-                                : axis.speed == 0 && place.hi() == axis.place.hi();
+    // At rest it may settle where the whole steps of the motors have it.
+    const bool settles =
+        homes_ ? axis.speed <= 2 * rules_[index(a)].accel : axis.speed == 0 && motors_stay;
     if (known_ && !(place == axis.place) && !settles) note(a, played.from, "jumps", 0, 0);
     axis.place = run.position_after(skipped + ticks);
     if (!played.block.moving || run.stands()) {
@@ -60,6 +61,18 @@ void MotionJudge::ticks_played(const sim::PlayedTicks& played) {
   }
   known_ = true;
   window(played.to);
+}
+
+/// Notes the steps of the motors at the end of some ticks; true if they begin at those noted.
+bool MotionJudge::see_motors(const PerAxis<stepper::AxisRun>& motors, std::uint32_t skipped,
+                             std::uint32_t ticks) {
+  bool stay = true;
+  for (int a = 0; a < axes_; ++a) {
+    const stepper::AxisRun& run = motors[index(a)];
+    stay = stay && run.position_after(skipped).hi() == motor_steps_[index(a)];
+    motor_steps_[index(a)] = run.position_after(skipped + ticks).hi();
+  }
+  return stay;
 }
 
 void MotionJudge::judge(int a, std::uint64_t tick, double first, double last, double accel) {

@@ -59,6 +59,8 @@ class MotionJudge final : public sim::TickListener {
     PerAxis<double> speed;
   };
 
+  bool see_motors(const PerAxis<stepper::AxisRun>& motors, std::uint32_t skipped,
+                  std::uint32_t ticks);
   void judge(int a, std::uint64_t tick, double first, double last, double accel);
   void window(std::uint64_t tick);
   void note(int axis, std::uint64_t tick, const char* what, double seen, double most);
@@ -68,6 +70,7 @@ class MotionJudge final : public sim::TickListener {
   Kinematics kinematics_;
   PerAxis<Rules> rules_{};
   PerAxis<Axis> at_{};
+  PerAxis<std::int64_t> motor_steps_{};  ///< at the end of what was seen
   bool known_ = false, homes_ = false;
   std::uint64_t first_ = 0, last_ = 0, moving_ticks_ = 0;
   double hardest_ = 0;

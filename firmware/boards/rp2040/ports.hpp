@@ -41,7 +41,7 @@ class BasicPorts {
   std::size_t read(std::span<std::uint8_t> out, bool tied) {
     return read_either(tied, [out](auto& port) { return port.read(out); });
   }
-  /// The bytes of the last read() came before the end of jogs (0x85).
+  /// The bytes of the last read() came before one that ends jogs (0x85, `!`, 0x84).
   bool before_jog_cancel() const {
     return on_uart_ ? uart_.before_jog_cancel() : usb_.before_jog_cancel();
   }

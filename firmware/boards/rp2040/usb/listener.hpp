@@ -91,7 +91,7 @@ class Listener {
   /// Who gets the answers; the serial port if nobody has spoken.
   Function heard() const { return heard_; }
 
-  /// A packet of who is heard waits for room: its host is not silent.
+  /// A packet of the function that is heard waits for room: its host is not silent.
   void speaks_on(std::uint32_t now_us) { since_us_ = now_us; }
 
   /// A packet came, not an empty one. `tied`: a job is unfinished.

@@ -121,7 +121,7 @@ class BasicUsbSerial {
   bool realtime_waits() const { return received_.realtime_waits(); }
   /// Takes received bytes; returns how many.
   std::size_t read(std::span<std::uint8_t> out) { return received_.pop(out); }
-  /// Those came before the end of jogs (0x85).
+  /// The bytes of the last read() came before one that ends jogs (0x85, `!`, 0x84).
   bool before_jog_cancel() const { return received_.before_jog_cancel(); }
   /// Received bytes that wait.
   std::size_t available() const { return received_.size(); }
