@@ -33,13 +33,13 @@
 // lamp know nothing of it, but no tick may be too short for motion that has begun so much earlier.
 //
 // As master the lock is lost after 32 triggers without an edge, and is there again with the next
-// edge. On a free beat a tick is exactly nominal; as master too, unless the planner asks for another
-// length (set_tick_length()): segments are whole beats in ticks, so a way that takes 1.02 beats is
-// made in one beat of ticks that are 2 % longer. Limits in ticks rise with the length of the tick
-// (make_limits()), so they hold in real time. The length may change only where every axis stands:
-// with the length of a tick the real speed would jump. The edge of a lamp that we trigger comes a
-// delay before the lattice tick, counted in ticks, and the shot a delay after it, counted in
-// time: both meet within 1 us, which limits the length where the delay is long.
+// edge. On a free beat a tick is exactly nominal; as master too, unless the planner asks for
+// another length (set_tick_length()): segments are whole beats in ticks, so a way that takes 1.02
+// beats is made in one beat of ticks that are 2 % longer. Limits in ticks rise with the length of
+// the tick (make_limits()), so they hold in real time. The length may change only where every axis
+// stands: with the length of a tick the real speed would jump. The edge of a lamp that we trigger
+// comes a delay before the lattice tick, counted in ticks, and the shot a delay after it, counted
+// in time: both meet within 1 us, which limits the length where the delay is long.
 #pragma once
 
 #include <array>
@@ -203,9 +203,9 @@ class BeatClock {
   std::uint32_t strays_in_a_row_ = 0;  ///< since the last beat with one edge
   std::uint32_t stray_rhythm_ = 0;     ///< how many of these are a period apart
   ClockQ16 first_stray_q16_ = 0, last_stray_q16_ = 0;
-  bool crowded_ = false;         ///< an edge in the middle of this beat
-  std::uint32_t odd_beats_ = 0;  ///< beats in a row with none or several edges
-  std::int32_t far_off_ = 0;     ///< edges in a row too early (negative) or too late
+  bool crowded_ = false;            ///< an edge in the middle of this beat
+  std::uint32_t odd_beats_ = 0;     ///< beats in a row with none or several edges
+  std::int32_t far_off_ = 0;        ///< edges in a row too early (negative) or too late
   std::uint32_t silent_beats_ = 0;  ///< as master: triggers in a row that no edge has answered
   std::uint32_t edges_ = 0;
   std::uint32_t spurious_ = 0;

@@ -14,6 +14,10 @@ namespace {
 /// A simulated board runs while we wait: about as fast as a real one when somebody sits there.
 constexpr std::chrono::milliseconds pace{20};
 
+/// The console stops reading its input while so many lines wait for the board: this limits memory.
+/// It is far above what a user pastes, because words behind the limit cannot act at once.
+constexpr std::size_t max_queued_lines = 100'000;
+
 /// Typed lines by hand: a wrong word is told, and that is all.
 void take_typed(link::LineConsole& talk, Console& console, const std::string& line) {
   try {
@@ -29,10 +33,12 @@ Exit by_hand(GuardedBoard& board, Console& console) {
   Keyboard keyboard;
   const auto wait = board.link.simulated() != nullptr ? pace : std::chrono::milliseconds(0);
   while (!keyboard.ended()) {
-    for (const std::string& line : keyboard.lines(wait)) take_typed(talk, console, line);
+    if (talk.queued() < max_queued_lines)
+      for (const std::string& line : keyboard.lines(wait)) take_typed(talk, console, line);
     talk.step();
     board.guarding.look(board.link.port());
   }
+  if (talk.queued() != 0) console.say("typed lines that were not sent: {}", talk.queued());
   return Exit::done;
 }
 
@@ -42,7 +48,7 @@ Exit in_order(GuardedBoard& board, Console& console) {
                          [&console](const std::string& text) { console.line(text); });
   Keyboard keyboard;
   while (!talk.failure() && !(keyboard.ended() && talk.done() && talk.at_rest())) {
-    if (!keyboard.ended())
+    if (!keyboard.ended() && talk.queued() < max_queued_lines)
       for (const std::string& line : keyboard.lines(std::chrono::milliseconds(0))) talk.type(line);
     if (keyboard.ended()) talk.end_input();
     talk.step();
@@ -66,8 +72,10 @@ void add_console(Command& program) {
       "console", "A terminal to a board: lines go to it, what it says is shown");
   app.footer(
       "Words for bytes that act at once: ? ! ~ or :status :hold :resume :reset :jogcancel,\n"
-      ":feed 100 (+10 -10 +1 -1), :rapid 100 (50 25), :power 100 (+10 -10). Ctrl-D or Ctrl-C "
-      "leaves;\n"
+      ":feed 100 (+10 -10 +1 -1), :rapid 100 (50 25), :power 100 (+10 -10). In a terminal each\n"
+      "word, with Enter, acts before the lines that were typed earlier and are not sent yet: "
+      "after\n"
+      "a hold these lines wait for a resume, and :reset discards them. Ctrl-D or Ctrl-C leaves;\n"
       "a board that sees its port closed then holds a program that is not finished. Comments are\n"
       "not sent, and a line with such a byte in its middle is refused. Lines that come from a "
       "file\n"

@@ -58,8 +58,9 @@ void add_send(Command& program) {
       "send", "Send a job or a program of G-code to a machine and see it through");
   app.footer(
       "Programs (.gcode .nc .ngc .gc .tap .cnc) stop at their first error. While one runs: Ctrl-C\n"
-      "holds the machine and resets it once it stands; in a terminal ! holds, Enter goes on,\n"
-      "+ - = change the feed. Of the --machine of a job only its lines of the computer are used.\n"
+      "holds the machine and resets it once it stands; in a terminal ! and Enter holds, Enter\n"
+      "alone goes on, and + - or = and Enter changes the feed. Of the --machine of a job only its\n"
+      "lines of the computer are used.\n"
       "The progress of a job is kept in FILE.progress until it is done. --resume continues after\n"
       "any end, also a power loss, and fires no point twice: it leaves out the points that may\n"
       "have been fired and writes them to FILE.progress.doubtful-A-B.xyz; --from A fires them.\n"

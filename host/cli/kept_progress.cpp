@@ -17,7 +17,7 @@ namespace {
 /// The points of a doubtful part, beside the journal; a part of its own for each end.
 std::string write_doubtful(const Work& work, const link::Continuation& rest,
                            const std::filesystem::path& journal) {
-  const std::string file =
+  std::string file =
       fmt::format("{}.doubtful-{}-{}.xyz", journal.string(), rest.first, rest.from - 1);
   const std::size_t first = work.job.points_before(rest.first);
   const std::size_t count = work.job.points_before(rest.from) - first;

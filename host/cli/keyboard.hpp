@@ -12,8 +12,8 @@ namespace lamplock::cli {
 /// Reads stdin piece by piece.
 class Keyboard {
  public:
-  /// Lines that have come, without their ends; waits for some, but not for long. The rest of an
-  /// input that has ended without a line end is a line.
+  /// All lines that have come, up to 64 KB, without their ends. Waits at most this time for the
+  /// first one. The rest of an input that has ended without a line end is a line.
   std::vector<std::string> lines(std::chrono::milliseconds wait);
   /// Nothing will come any more.
   bool ended() const { return ended_; }
@@ -22,6 +22,7 @@ class Keyboard {
   static bool at_terminal();
 
  private:
+  void read_waiting(std::chrono::milliseconds wait);
   void read();
 
   bool ended_ = false;

@@ -110,7 +110,9 @@ void LineSteering::take_line(const std::string& line) {
   } else if (word == "=") {
     feed(link::realtime::feed_full, "feed 100 %");
   } else {
-    progress_.note("type ! to hold, Enter to go on, + - = for the feed; Ctrl-C stops");
+    progress_.note(
+        "! and Enter holds, Enter alone goes on, + - or = and Enter changes the feed; Ctrl-C "
+        "stops");
   }
 }
 

@@ -16,6 +16,8 @@ std::string end_name(const Outcome& outcome) {
       return "lost";
     case JobEnd::restarted:
       return "restarted";
+    case JobEnd::replaced:
+      return "replaced";
   }
   return "unknown";
 }

@@ -1,14 +1,16 @@
 #include "host/cli/program_main.hpp"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "host/cli/command_line.hpp"
@@ -21,9 +23,24 @@ namespace {
 /// Outside jobs there is nothing to hold: Ctrl-C ends the program.
 void leave(int) { ::_exit(static_cast<int>(Exit::interrupted)); }
 
+/// The terminal may have gone: what cannot be written is left out.
 int fail(const Error& error) {
-  fmt::print(stderr, "{}\n", error.what());
+  std::fputs((std::string(error.what()) + '\n').c_str(), stderr);
   return static_cast<int>(error.exit());
+}
+
+/// What was printed may wait in buffers still. A reader that has seen enough is no error to speak
+/// of (`| head`).
+int check_output(int status) {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return status;
+  if (status != 0) return status;
+  const int reason = errno;
+  const int failed = static_cast<int>(Exit::job_failed);
+  if (reason == EPIPE) return failed;
+  return fail({Exit::job_failed, "standard output",
+               "cannot be written (" + std::generic_category().message(reason) + ")",
+               "check where it is sent to and its free space"});
 }
 
 }  // namespace
@@ -34,11 +51,14 @@ int program_main(Command& program, int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   try {
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-    return static_cast<int>(run(program, arguments));
+    return check_output(static_cast<int>(run(program, arguments)));
   } catch (const Error& error) {
     return fail(error);
   } catch (const std::bad_alloc&) {
     return fail({Exit::job_failed, "lamplock", "out of memory", "use a greater --spacing"});
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) != 0) return check_output(0);
+    return fail({Exit::job_failed, "lamplock", error.what(), "check files, cables and terminal"});
   } catch (const std::exception& error) {
     return fail(
         {Exit::job_failed, "lamplock", error.what(), "this should not happen, please report it"});

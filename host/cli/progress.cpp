@@ -96,7 +96,7 @@ void Progress::draw(std::size_t done) {
 
 void Progress::clear() {
   if (!drawn_) return;
-  fmt::print(stderr, "{}", clear_line);
+  std::fputs(clear_line, stderr);  // never throws: a destructor calls this
   std::fflush(stderr);
   drawn_ = false;
 }

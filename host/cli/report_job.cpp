@@ -103,6 +103,10 @@ Exit tell_end(const Outcome& outcome, const BoardOptions& options, const char* i
              bound_text(result.rest, item);
       remedy = "see that it stands, check the cable and ";
       break;
+    case JobEnd::replaced:
+      what = "another program has begun a job on the machine; " + bound_text(result.rest, item);
+      remedy = "end that and ";
+      break;
     case JobEnd::restarted:
       what = "the machine has restarted, its position is lost; " + bound_text(result.rest, item);
       remedy = "home it and ";

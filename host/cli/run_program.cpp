@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +22,7 @@
 #include "host/file.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/line_sender.hpp"
+#include "host/program/board_state.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
 #include "host/program/without_laser.hpp"
@@ -72,30 +75,76 @@ void ask_permission(const Program& program, const BoardOptions& options) {
                 "answer yes, or give --yes");
 }
 
-/// Settings of a board with this firmware; nothing if it has another one or does not tell them.
-std::optional<settings::Values> settings_of(link::LinePort& port) {
+/// Settings of a board; nothing if it has none of ours or does not tell them.
+std::optional<link::BoardSettings> settings_of(link::LinePort& port) {
   try {
-    const link::BoardSettings settings = link::read_settings(port);
-    if (settings.known.any()) return settings.values;
+    link::BoardSettings settings = link::read_settings(port);
+    if (settings.known.any()) return settings;
   } catch (const Error& error) {
     if (error.exit() == Exit::no_device) throw;
   }
   return std::nullopt;
 }
 
+/// The board has told everything that its work space is made of.
+bool knows_space(const link::BoardSettings& settings) {
+  using settings::Id;
+  if (!settings.has(Id::soft_limits)) return false;
+  for (int axis = 0; axis < settings.values.whole(Id::axes); ++axis)
+    for (const Id id : {Id::steps_per_mm_x, Id::travel_x, Id::min_corner_x})
+      if (!settings.has(settings::for_axis(id, axis))) return false;
+  return true;
+}
+
+/// A line for the board that a program may contain: homing, unlocking, and questions.
+bool may_be_in_program(std::string_view line) {
+  constexpr std::array<std::string_view, 7> plain{"$", "$$", "$#", "$G", "$I", "$N", "$X"};
+  std::string text;
+  for (const char c : line)
+    if (c != ' ' && c != '\t')
+      text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  constexpr std::size_t longest_homing = 3;  // $HX
+  if (text.starts_with("$H")) return text.size() <= longest_homing;
+  return std::find(plain.begin(), plain.end(), text) != plain.end();
+}
+
+/// Throws Error(bad_input) at the first `$` line that the board may refuse while a program runs.
+/// A file of `$` lines alone is no program.
+void check_board_lines(const Program& program) {
+  const auto is_for_board = [](const link::ProgramLine& line) {
+    return line.text.starts_with('$');
+  };
+  if (std::all_of(program.lines.begin(), program.lines.end(), is_for_board)) return;
+  for (const link::ProgramLine& line : program.lines)
+    if (is_for_board(line) && !may_be_in_program(line.text))
+      throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, line.number),
+                  fmt::format("'{}' must not be in a program, nothing was sent", line.text),
+                  "send it before the program, or send it anyhow with --go-on");
+}
+
+/// Homing ends at a place that the host does not know.
+bool homes(const Program& program) {
+  return std::any_of(program.lines.begin(), program.lines.end(), [](const auto& line) {
+    return line.text.starts_with("$H") || line.text.starts_with("$h");
+  });
+}
+
 /// Runs the program as the board will. Returns its time [s]; nothing if a line of it is wrong.
 /// Throws Error(bad_input) at the first line that the board would refuse, unless `go_on`.
-std::optional<double> foresee(const Program& program, const settings::Values& values, bool go_on) {
+std::optional<double> foresee(const Program& program, const link::BoardSettings& settings,
+                              const std::optional<program_run::BoardState>& state, bool go_on) {
+  if (!go_on) check_board_lines(program);
   std::string sent;
   for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
-  constexpr std::size_t most_problems = 1000;
-  const auto run = program_run::run_program(sent, values, most_problems);
-  if (run.problems.empty()) return run.seconds();
-  // Places outside of the work space (error 0) are left to the board, which knows its offsets.
-  const auto wrong = std::find_if(run.problems.begin(), run.problems.end(),
-                                  [](const auto& problem) { return problem.error != 0; });
-  if (go_on || wrong == run.problems.end()) return std::nullopt;
-  const program_run::Problem& problem = *wrong;
+  // Without its state and position, places outside of the work space are left to the board.
+  const bool space_known = !homes(program) && knows_space(settings);
+  const auto run = program_run::run_on_board(sent, settings.values, {state, space_known});
+  if (run.problems.empty()) {
+    const bool timed = run.outside == 0 && (run.locked == 0 || run.beats.seconds > 0);
+    return timed ? std::optional(run.seconds()) : std::nullopt;
+  }
+  if (go_on) return std::nullopt;
+  const program_run::Problem& problem = run.problems.front();
   const std::size_t at = std::min(problem.line, program.lines.size()) - 1;
   throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, program.lines[at].number),
               problem.text + ", nothing was sent",
@@ -247,9 +296,10 @@ Program read_program(const std::string& file) {
 }
 
 /// The part of the program that --from and --dry leave.
-void choose_lines(Program& program, const BoardOptions& options, const settings::Values& values) {
+void choose_lines(Program& program, const BoardOptions& options, const settings::Values& values,
+                  const std::optional<program_run::BoardState>& state) {
   if (options.from != 0)
-    program.lines = program_run::start_at(program.lines, options.from, values, program.file);
+    program.lines = program_run::start_at(program.lines, options.from, values, program.file, state);
   if (options.dry) program.lines = program_run::without_laser(program.lines, program.file);
 }
 
@@ -270,10 +320,14 @@ Exit send_program(const std::string& file, const BoardOptions& options,
   const settings::Values values = asked.machine.profile().settings;
   BoardLink board(options, values);
   ask_permission(program, options);
-  link::greet(board.port());
+  const link::BoardStatus status = link::greet(board.port()).status;
   const auto of_board = settings_of(board.port());
-  choose_lines(program, options, of_board.value_or(values));
-  if (of_board) program.planned_s = foresee(program, *of_board, asked.go_on);
+  std::optional<program_run::BoardState> state;
+  if (of_board)
+    state = program_run::read_state(board.port(), status,
+                                    of_board->values.whole(settings::Id::report_inches) != 0);
+  choose_lines(program, options, of_board ? of_board->values : values, state);
+  if (of_board) program.planned_s = foresee(program, *of_board, state, asked.go_on);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
   const auto [result, ended_by] = send(program, board, options, asked.go_on);

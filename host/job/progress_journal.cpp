@@ -2,15 +2,16 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <span>
 #include <system_error>
-#include <vector>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
@@ -63,6 +64,15 @@ std::optional<ProgressRecord> parse(std::string_view line) {
                      take_number(line, check, hexadecimal);
   if (!whole || !line.empty() || check != check_of(without_check(record))) return std::nullopt;
   return record;
+}
+
+/// A line that is torn off is about nothing that was handed to the board, a whole one is.
+bool has_whole_line(std::string_view text) {
+  for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
+    if (end != 0 && text.front() != '#') return true;
+    text.remove_prefix(end + 1);
+  }
+  return false;
 }
 
 bool write_all(int descriptor, std::string_view text) {
@@ -129,11 +139,21 @@ JournalContents ProgressJournal::read() const {
   std::error_code failure;
   const auto size = std::filesystem::file_size(file_, failure);
   if (failure || size == 0) return {};
-  return contents_of(read_file(file_));
+  const std::string text = read_file(file_);
+  const JournalContents contents = contents_of(text);
+  if (contents.empty() && has_whole_line(text))
+    throw Error(Exit::bad_input, file_.string(), "is damaged, no record of it can be read",
+                "look at what has been fired, then continue with --from, or give --discard");
+  return contents;
+}
+
+void ProgressJournal::lock() {
+  std::error_code failure;
+  if (descriptor_ < 0 && std::filesystem::exists(file_, failure)) open(O_RDWR | O_APPEND);
 }
 
 void ProgressJournal::append(const ProgressRecord& record) {
-  if (descriptor_ < 0) open();
+  if (descriptor_ < 0) open(O_RDWR | O_APPEND | O_CREAT);
   if (!write_all(descriptor_, progress_line(record)) || ::fsync(descriptor_) != 0)
     fail("cannot be written");
 }
@@ -146,9 +166,14 @@ void ProgressJournal::remove() {
 }
 
 /// The end of a torn line must not become the beginning of ours.
-void ProgressJournal::open() {
-  descriptor_ = ::open(file_.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, for_all_to_read);
+void ProgressJournal::open(int flags) {
+  descriptor_ = ::open(file_.c_str(), flags | O_CLOEXEC, for_all_to_read);
   if (descriptor_ < 0) fail("cannot be opened");
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    close();
+    throw Error(Exit::job_failed, file_.string(), "another program runs this job",
+                "wait for its end, or end it");
+  }
   const off_t size = ::lseek(descriptor_, 0, SEEK_END);
   if (size <= 0) {
     sync_folder(file_);

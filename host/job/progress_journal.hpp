@@ -74,15 +74,19 @@ class ProgressJournal {
   ProgressJournal& operator=(const ProgressJournal&) = delete;
 
   const std::filesystem::path& file() const { return file_; }
-  /// What the file says; nothing if it is not there. Throws Error(bad_input) if it cannot be read.
+  /// What the file says; nothing if it is not there or has no record yet. Throws Error(bad_input)
+  /// if it cannot be read, or if all of its records are damaged.
   JournalContents read() const;
+  /// Keeps other programs from this journal until it is closed, if there is one; append() does so
+  /// too. Throws Error(job_failed) if another program has it.
+  void lock();
   /// Writes a record; it is on the disk afterwards. Throws Error(job_failed) if that fails.
   void append(const ProgressRecord& record);
   /// The job is done. Throws Error(job_failed) if the file cannot be removed.
   void remove();
 
  private:
-  void open();
+  void open(int flags);
   void close();
   [[noreturn]] void fail(const char* what) const;
 

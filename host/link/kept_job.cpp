@@ -28,7 +28,12 @@ KeptJob::KeptJob(const std::filesystem::path& journal, const job::Job& job)
 
 void KeptJob::require_ended() const {
   const auto run = journal_.read().run;
-  if (!run || run->last.job != hash_ || run->last.progress == Progress::ended) return;
+  if (!run || run->last.progress == Progress::ended) return;
+  if (run->last.job != hash_)
+    throw Error(Exit::job_failed, file().string(),
+                "a run of this input with other options has no known end, begun anew it fires "
+                "points twice",
+                "continue it by --resume and its own options, or give it up with --discard");
   throw Error(Exit::job_failed, file().string(),
               "the last run of this job has no known end, begun anew it fires points twice",
               "go on with it by --resume, or give it up with --discard");
@@ -39,13 +44,17 @@ job::JournalContents KeptJob::read() const {
   if (contents.empty())
     throw Error(Exit::bad_input, file().string(), "keeps no run to continue",
                 "begin the job without --resume");
-  if ((contents.offered ? *contents.offered : contents.run->last).job != hash_)
+  const bool is_ours = contents.run ? contents.run->last.job == hash_
+                                    : contents.offered && contents.offered->job == hash_;
+  const bool offers_ours = contents.offered && contents.offered->job == hash_;
+  if (!is_ours && !offers_ours)
     throw Error(Exit::bad_input, file().string(), "keeps the run of another job",
-                "make the job as it was, or begin this one without --resume");
+                "give the options that the run had, or give it up with --discard");
   return contents;
 }
 
 Continuation KeptJob::find(Transport& port) {
+  journal_.lock();
   const auto [run, offered] = read();
   std::vector<std::uint32_t> sessions;
   if (offered) sessions.push_back(offered->session);
@@ -55,10 +64,14 @@ Continuation KeptJob::find(Transport& port) {
   // A run that was offered counts if the board knows it, or if there is no other.
   const bool is_taken = offered && status.session == offered->session;
   const job::KeptRun last = is_taken || !run ? job::KeptRun{*offered, *offered} : *run;
+  if (last.last.job != hash_)
+    throw Error(Exit::bad_input, file().string(), "the board has begun another job after this one",
+                "look at what it has fired, then continue with --from, or give --discard");
   const Continuation rest = rest_of(last, status, inquiry.restart_mark());
-  // What the board has told is lost as soon as it takes another job.
+  // What the board has told is lost as soon as it takes another job. It is no end: until the rest
+  // of the job is begun, the job is not to be begun anew.
   session_ = last.last.session;
-  append(Progress::ended, rest);
+  append(Progress::running, rest);
   session_ = 0;
   return rest;
 }

@@ -63,6 +63,8 @@ std::string squeezed(std::string_view text) {
   return result;
 }
 
+bool is_jog(std::string_view line) { return line.starts_with("$J") || line.starts_with("$j"); }
+
 }  // namespace
 
 std::optional<std::uint8_t> realtime_word(std::string_view typed) {
@@ -101,7 +103,7 @@ void LineConsole::step() {
   }
   expect_connected(port_);
   check_silence();
-  if (waiting_ == Waiting::nothing && !(in_order_ && failure_)) send_next();
+  if (waiting_ == Waiting::nothing && !held_ && !(in_order_ && failure_)) send_next();
   if (input_ended_ && done() && !at_rest_) ask_for_rest();
   port_.flush();
   port_.transport().wait(longest_wait);
@@ -163,9 +165,23 @@ void LineConsole::send_byte(std::uint8_t byte) {
   } else if (byte == realtime::reset) {
     // Whatever was under way will not be answered.
     if (!in_order_) queue_.clear();
+    held_ = false;
     port_.drop_lines();
     waiting_ = Waiting::banner;
+  } else if (!in_order_) {
+    hold_queue(byte);
   }
+}
+
+/// A board at rest may ignore a hold, and then the lines behind it would move the machine.
+void LineConsole::hold_queue(std::uint8_t byte) {
+  if (byte == realtime::resume) held_ = false;
+  if (byte == realtime::jog_cancel)
+    std::erase_if(queue_, [](const Typed& typed) { return is_jog(typed.text); });
+  if (byte != realtime::hold || queue_.empty()) return;
+  held_ = true;
+  show_(fmt::format("typed lines that wait for ~ (:resume): {}; :reset discards them",
+                    queue_.size()));
 }
 
 /// A board that does not answer is taken to be at rest.

@@ -4,10 +4,11 @@
 //      before has been answered; everything the board says, to be shown.
 // Who: `lamplock console`. No port of its own, no terminal: tests talk to it as well.
 //
-// Typed by hand, real-time words go out at once: a hold must not wait behind a line. In order, as a
-// script wants it, each waits for its turn, and the first error or alarm ends the conversation; but
-// while the machine pauses in the middle of a line, words behind it go out, or it would wait for
-// ever.
+// Typed by hand, real-time words go out at once, before the lines that were typed earlier and wait
+// for their turn. A hold also stops these lines until a resume, a jog cancel discards the jogs
+// among them, and a reset discards them all. In order, as a script wants it, each word waits for
+// its turn, and the first error or alarm ends the conversation; but while the machine pauses in the
+// middle of a line, words behind it go out, or it would wait for ever.
 #pragma once
 
 #include <chrono>
@@ -46,6 +47,8 @@ class LineConsole {
   /// One round: reads, shows, sends, waits a little. Throws Error(no_device): the board is gone or
   /// does not answer.
   void step();
+  /// Typed lines that have not been sent.
+  std::size_t queued() const { return queue_.size(); }
   /// Everything typed has been sent and answered.
   bool done() const;
   /// Nothing more will be typed: step() asks for the status until the machine is at rest. A board
@@ -69,6 +72,7 @@ class LineConsole {
   void send_next();
   void send_word_behind_pause();
   void send_byte(std::uint8_t byte);
+  void hold_queue(std::uint8_t byte);
   void check_silence();
   void ask_for_rest();
 
@@ -79,6 +83,7 @@ class LineConsole {
   Typed current_{0, ""};
   std::size_t typed_ = 0;
   Waiting waiting_ = Waiting::nothing;
+  bool held_ = false;      ///< by hand: the queue waits for a resume or a reset
   int reports_asked_ = 0;  ///< by the user; others are ours, and not shown
   Time sent_at_{}, heard_at_{}, asked_at_{};
   std::optional<ConsoleFailure> failure_;

@@ -1,6 +1,7 @@
 #include "host/link/port_lock.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -44,7 +45,7 @@ std::string user_of(const std::string& port) {
       if (fs::read_symlink(file->path(), gone) != device) continue;
       std::string name;
       std::getline(std::ifstream(process->path() / "comm"), name);
-      return "pid " + pid + ", " + name;
+      return fmt::format("pid {}, {}", pid, name);
     }
   }
   return "unknown";

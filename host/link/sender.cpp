@@ -561,6 +561,11 @@ void JobSender::insist_on_stop() {
   if (!cut_ && !command_taken() && now - command_at_ >= options_.reply_timeout) send_command();
 }
 
+/// Why the machine has no job of this session any more: without a restart another one has come.
+JobEnd JobSender::end_of_forgotten() const {
+  return status_.session == 0 || mark_ ? JobEnd::restarted : JobEnd::replaced;
+}
+
 void JobSender::finish_stop() {
   using wire::MachineState;
   const bool ours = status_.session == session_;
@@ -568,7 +573,7 @@ void JobSender::finish_stop() {
   if (ours && idle && status_.first_unfired >= job_.size())
     end(JobEnd::done);
   else
-    end(!ours ? JobEnd::restarted : idle ? stop_end_ : JobEnd::alarm);
+    end(!ours ? end_of_forgotten() : idle ? stop_end_ : JobEnd::alarm);
   throw_reason();
 }
 

@@ -74,6 +74,7 @@ enum class JobEnd : std::uint8_t {
   alarm,      ///< status.state and status.alarm tell which; e-stop too
   lost,       ///< no connection any more
   restarted,  ///< the machine has forgotten the job: its power or watchdog
+  replaced,   ///< the machine has a job of another program
 };
 
 /// Result of a job that was begun.
@@ -186,6 +187,7 @@ class JobSender {
   void begin_stop(JobEnd how, std::exception_ptr error = {});
   void insist_on_stop();
   void finish_stop();
+  JobEnd end_of_forgotten() const;
   void throw_reason() const;
   [[noreturn]] void throw_not_stopped();
   Time pause_length() const;

@@ -23,6 +23,9 @@ using program::ActionKind;
 using settings::Id;
 
 constexpr double e7 = static_cast<double>(program::one_e7);
+/// A board reports position and offsets in thousandths of a millimetre: their sum may be off by so
+/// much, 10^-7 mm.
+constexpr std::int64_t report_tolerance_e7 = 20'000;
 
 /// The machine: its lines, and its position.
 class Machine {
@@ -33,6 +36,23 @@ class Machine {
   }
 
   ProgramRun& result() { return run_; }
+
+  /// The machine is at the place that a board reports.
+  void begin_at(const program::Place& place_e7) {
+    tolerance_e7_ = report_tolerance_e7;
+    for (std::size_t a = 0; a < at_.size(); ++a) at_[a] = static_cast<double>(place_e7[a]) / e7;
+    run_.bounds = {at_, at_};
+    Action there;
+    there.rapid = true;
+    there.target_e7 = place_e7;
+    const motion::LineTarget target = machine::line_target(there, values_);
+    if (target.steps == StepPosition{}) return;
+    lines_.take(target);
+    lines_.finish();
+    ticks_before_ = lines_.ticks();
+  }
+  /// Motion outside of the work space is counted and is no problem.
+  void pass_outside() { passes_outside_ = true; }
 
   /// A line of the text comes over the cable.
   void receive(std::size_t bytes) { lines_.receive(bytes); }
@@ -62,6 +82,7 @@ class Machine {
         ++run_.pauses;
         return true;
       case ActionKind::program_end:
+        finish();
         run_.ended = true;
         return false;
       case ActionKind::beat_lock:
@@ -76,20 +97,35 @@ class Machine {
 
   void finish() {
     lines_.finish();
-    run_.ticks = lines_.ticks();
+    run_.ticks = lines_.ticks() - ticks_before_;
   }
 
  private:
   void move(const Action& action, std::size_t line) {
     motion::LineTarget target = machine::line_target(action, values_);
     target.pixels = target.pulses = false;
-    const int outside = machine::axis_outside(target.steps, space_, run_.axes);
+    const int outside = axis_outside(action, target.steps);
     if (outside >= 0) {
-      problem_outside(action, line, outside);
+      if (passes_outside_)
+        ++run_.outside;
+      else
+        problem_outside(action, line, outside);
       return;
     }
     note_row(action);
     lines_.take(target);
+  }
+
+  /// First axis that is outside by more than the tolerance; -1 if there is none.
+  int axis_outside(const Action& action, const StepPosition& steps) const {
+    const int outside = machine::axis_outside(steps, space_, run_.axes);
+    if (outside < 0 || tolerance_e7_ == 0) return outside;
+    program::Place inner = action.target_e7;
+    for (std::size_t a = 0; a < inner.size(); ++a)
+      inner[a] += steps[a] > space_.max[a]   ? -tolerance_e7_
+                  : steps[a] < space_.min[a] ? tolerance_e7_
+                                             : 0;
+    return machine::axis_outside(machine::steps_of(inner, values_), space_, run_.axes);
   }
 
   void problem_outside(const Action& action, std::size_t line, int axis) {
@@ -145,6 +181,9 @@ class Machine {
   const StepLimits space_;
   LineRun lines_;
   PerAxis<double> at_{};
+  std::int64_t tolerance_e7_ = 0;
+  std::uint64_t ticks_before_ = 0;  ///< of the way to where the program begins
+  bool passes_outside_ = false;
   std::vector<Action> row_;  ///< of pixels, but for the last ones
   ProgramRun run_;
 };
@@ -164,20 +203,47 @@ machine::ProgramPorts ports_of(const settings::Values& values) {
                                   (has_input ? machine::set_of(machine::Input::aux) : 0u))};
 }
 
-}  // namespace
-
-double ProgramRun::seconds() const {
-  if (beats.seconds > 0) return beats.seconds;
-  return static_cast<double>(ticks) / ticks_per_second + static_cast<double>(dwell_us) / 1e6;
+/// A board reports its position in steps, the program may be up to half a step beside it. An arc
+/// that is the first motion may fit from there only.
+program::Fault run_beside(program::Interpreter& interpreter, std::string_view line,
+                          const program::Place& start_e7, const settings::Values& values) {
+  constexpr std::int64_t half_e7 = program::one_e7 * 1000 / 2, report_e7 = program::one_e7 / 2000;
+  constexpr int places = 27;
+  program::Fault fault;
+  for (int i = 0; i < places; ++i) {
+    program::Place place = start_e7;
+    for (int axis = 0, rest = i; axis < std::min(3, values.whole(Id::axes)); ++axis, rest /= 3)
+      place[index(axis)] +=
+          (rest % 3 - 1) * (half_e7 / values.milli(Id::steps_per_mm_x, axis) + report_e7);
+    interpreter.set_position(place);
+    fault = interpreter.run(line);
+    if (!fault) return fault;
+  }
+  interpreter.set_position(start_e7);
+  return fault;
 }
 
-ProgramRun run_program(std::string_view text, const settings::Values& values,
-                       std::size_t most_problems) {
+/// A program on its way through the interpreter: of a file alone, or as a board will run it.
+ProgramRun run_lines(std::string_view text, const settings::Values& values,
+                     std::size_t most_problems, const OnBoard* board) {
   const std::string_view whole = text;
   program::Parameters parameters;
   const program::Options options = machine::program_options(values, true, ports_of(values));
   program::Interpreter interpreter(parameters, options);
   Machine machine(values);
+  const BoardState* state = board != nullptr && board->state ? &*board->state : nullptr;
+  if (state != nullptr) {
+    begin_with(*state, interpreter, parameters);
+    machine.begin_at(state->machine_e7);
+  }
+  if (board != nullptr && (state == nullptr || !board->space_known)) machine.pass_outside();
+  const auto run_line = [&](std::string_view line) {
+    const program::Fault fault = interpreter.run(line);
+    const bool of_arc =
+        fault.error == GcodeError::bad_target || fault.error == GcodeError::bad_radius;
+    if (!of_arc || state == nullptr || interpreter.machine_e7() != state->machine_e7) return fault;
+    return run_beside(interpreter, line, state->machine_e7, values);
+  };
   ProgramRun& run = machine.result();
   bool more = true;
   text = without_byte_order_mark(text);
@@ -190,17 +256,37 @@ ProgramRun run_program(std::string_view text, const settings::Values& values,
     if (line.size() > wire::max_line)
       fault = {GcodeError::line_too_long, static_cast<std::uint16_t>(wire::max_line + 1)};
     else
-      fault = interpreter.run(line);
+      fault = run_line(line);
     if (fault)
       run.problems.push_back(
           {number, fault.column, static_cast<int>(fault.error), text_of(fault.error)});
     Action action;
-    while (more && interpreter.next(action)) more = machine.take(action, number);
+    while (more && interpreter.next(action))
+      more = machine.take(action, number) || board != nullptr;
     if (run.problems.size() >= most_problems) break;
   }
   machine.finish();
-  if (run.locked != 0 && run.problems.empty()) run.beats = run_locked(whole, values);
+  const bool as_after_power_up = state == nullptr || state->as_after_power_up;
+  if (run.locked != 0 && run.problems.empty() && run.outside == 0 && as_after_power_up)
+    run.beats = run_locked(whole, values);
   return std::move(run);
+}
+
+}  // namespace
+
+double ProgramRun::seconds() const {
+  if (beats.seconds > 0) return beats.seconds;
+  return static_cast<double>(ticks) / ticks_per_second + static_cast<double>(dwell_us) / 1e6;
+}
+
+ProgramRun run_program(std::string_view text, const settings::Values& values,
+                       std::size_t most_problems) {
+  return run_lines(text, values, most_problems, nullptr);
+}
+
+ProgramRun run_on_board(std::string_view text, const settings::Values& values,
+                        const OnBoard& board) {
+  return run_lines(text, values, 1, &board);
 }
 
 }  // namespace lamplock::program_run

@@ -5,7 +5,7 @@
 // Out: what is wrong with it, by line and column; the time that the machine will take, to the
 //      tick but for what it needs to begin anew after a dwell or pause; ways, bounds, and the path
 //      for a picture. A program with points on the beat takes what the virtual board takes.
-// Who: `lamplock check`; tests.
+// Who: `lamplock check`; `lamplock send` before it sends; tests.
 //
 // Lines that begin with `$` are for the board and say nothing of the program: they are passed over.
 // A line that is wrong is left out, as the machine would with $-setting "go on after an error"; the
@@ -14,10 +14,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "host/program/board_state.hpp"
 #include "host/program/locked_run.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
@@ -52,6 +54,7 @@ struct ProgramRun {
   std::uint64_t dwell_us = 0;  ///< standing by G4 and cycles
   std::size_t pauses = 0;      ///< M0 and M1
   std::size_t locked = 0;      ///< moves that are locked to the beat (M130)
+  std::size_t outside = 0;     ///< moves to places outside of the work space that are no problems
   LockedRun beats;             ///< of all of it, if there are such
   bool ended = false;          ///< by M2 or M30
   int axes = 3;
@@ -65,5 +68,17 @@ struct ProgramRun {
 /// Runs it. `most_problems`: gives up when so many lines were wrong.
 ProgramRun run_program(std::string_view text, const settings::Values& values,
                        std::size_t most_problems);
+
+/// A board that a program is about to be sent to.
+struct OnBoard {
+  std::optional<BoardState> state;  ///< nothing: not known, the run begins at machine zero
+  bool space_known = false;         ///< the settings of its work space are its own
+};
+
+/// Runs all lines, those after M2 and M30 too: the board does so. Motion outside of the work space
+/// is a problem only if the state and the work space are known. Gives up at the first problem.
+/// Without the time (`beats`) of points on the beat for a board that is not as after power-up.
+ProgramRun run_on_board(std::string_view text, const settings::Values& values,
+                        const OnBoard& board);
 
 }  // namespace lamplock::program_run

@@ -31,10 +31,13 @@ constexpr std::array known_m{0., 1., 3., 4., 5., 6., 7., 8., 9., 60.};
 /// The lines that are left out: what they leave in force, and which axes they have placed.
 class Skipped {
  public:
-  Skipped(const settings::Values& values, const std::string& file)
+  Skipped(const settings::Values& values, const std::string& file,
+          const std::optional<BoardState>& state)
       : file_(file),
         options_(machine::program_options(values, true, {})),
-        interpreter_(parameters_, options_) {}
+        interpreter_(parameters_, options_) {
+    if (state) begin_with(in_work_coordinates(*state), interpreter_, parameters_);
+  }
 
   void pass(const link::ProgramLine& line) {
     const auto words = words_of(line.text);
@@ -66,6 +69,14 @@ class Skipped {
   }
 
  private:
+  /// The preamble names places as the program has written them, so that the board adds its offsets.
+  static BoardState in_work_coordinates(BoardState state) {
+    for (std::size_t a = 0; a < state.machine_e7.size(); ++a)
+      state.machine_e7[a] -= state.work_offset_e7[a];
+    state.parameters = {};
+    return state;
+  }
+
   [[noreturn]] void refuse(std::size_t line, const std::string& what,
                            const std::string& remedy) const {
     throw Error(Exit::bad_input, fmt::format("{}:{}", file_, line), what, remedy);
@@ -166,7 +177,8 @@ class Skipped {
 
 std::vector<link::ProgramLine> start_at(const std::vector<link::ProgramLine>& lines,
                                         std::size_t first, const settings::Values& values,
-                                        const std::string& file) {
+                                        const std::string& file,
+                                        const std::optional<BoardState>& state) {
   const auto begin = std::find_if(lines.begin(), lines.end(),
                                   [first](const auto& line) { return line.number >= first; });
   if (begin == lines.end())
@@ -174,7 +186,7 @@ std::vector<link::ProgramLine> start_at(const std::vector<link::ProgramLine>& li
                 fmt::format("{} has no line to run there", file),
                 "give the number of a line of it");
   if (begin == lines.begin()) return lines;
-  Skipped skipped(values, file);
+  Skipped skipped(values, file, state);
   std::for_each(lines.begin(), begin, [&](const link::ProgramLine& line) { skipped.pass(line); });
   skipped.require_motion(*begin);
   std::vector<link::ProgramLine> rest;

@@ -10,19 +10,23 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/link/program_lines.hpp"
+#include "host/program/board_state.hpp"
 #include "shared/settings_table.hpp"
 
 namespace lamplock::program_run {
 
 /// `first` is a line of the file, from 1. Throws Error(bad_input): there is no such line, a line
 /// before it is wrong, or does what cannot be left out (offsets, probing, points on the beat, lines
-/// for the board), or the place at `first` is not known.
+/// for the board), or the place at `first` is not known. `state`: of the board before the first
+/// line of the program, if it is known.
 std::vector<link::ProgramLine> start_at(const std::vector<link::ProgramLine>& lines,
                                         std::size_t first, const settings::Values& values,
-                                        const std::string& file);
+                                        const std::string& file,
+                                        const std::optional<BoardState>& state = {});
 
 }  // namespace lamplock::program_run

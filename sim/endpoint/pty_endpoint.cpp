@@ -48,8 +48,7 @@ PtyEndpoint::PtyEndpoint(std::filesystem::path link) {
   if (keep_open_ < 0) fail(name_);
   make_raw(keep_open_);
   watch_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-  if (watch_ < 0 || ::inotify_add_watch(watch_, name_.c_str(), IN_OPEN | IN_CLOSE) < 0)
-    fail(name_);
+  if (watch_ < 0 || ::inotify_add_watch(watch_, name_.c_str(), IN_OPEN | IN_CLOSE) < 0) fail(name_);
   if (!link.empty()) {
     make_link(name_, link);
     link_ = std::move(link);

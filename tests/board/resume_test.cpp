@@ -296,6 +296,7 @@ class Story {
 
   /// `send` with these options, until it ends; what it advises to do next.
   Options run_once(const Options& options, End end) {
+    options_ = options;
     bench_.killed = bench_.unplugged = false;
     link::KeptJob kept(journal_, piece_.job);
     Continuation rest{options.from, options.fired, options.from, true};
@@ -394,6 +395,9 @@ class Story {
     ended_ = result.rest.settled;
     known_exactly_ = !restarted_ && (ended_ || result.end == JobEnd::lost);
     bench_.run(up_to(2 * ps_per_s));
+    // A job that was refused before it began is begun again as it was, once the reason is gone.
+    if (advice.find("--from ") == std::string::npos && advice.find("--resume") == std::string::npos)
+      return options_;
     Options next = follow(advice);
     // After any end the journal knows as much as what was told.
     if (next.resume || random_() % 2 == 0) return {true, 0, 0};
@@ -478,6 +482,7 @@ class Story {
   std::string log_;  ///< what has happened
   std::set<std::size_t> doubtful_;
   Continuation told_;
+  Options options_;  ///< of the run under way
   std::uint32_t session_ = 0x5eed;
   bool over_ = false;
   bool is_done_ = false;  ///< over, and its end was seen

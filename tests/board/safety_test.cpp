@@ -32,10 +32,7 @@ class OpenLine {
     if (byte == stx) {
       in_frame_ = true;
       text_.clear();
-    } else if (byte == '\r' || byte == '\n' || (in_frame_ && byte == etx)) {
-      in_frame_ = false;
-      text_.clear();
-    } else if (byte == reset) {
+    } else if (byte == '\r' || byte == '\n' || byte == reset || (in_frame_ && byte == etx)) {
       in_frame_ = false;
       text_.clear();
     } else if (!in_frame_ && byte < 0x80 && byte != 0 && byte != xon && byte != xoff &&

@@ -647,7 +647,7 @@ TEST(UsbBulk, AStopIsHeardWhileItsPacketWaits) {
     Bytes sent;
     ASSERT_NO_FATAL_FAILURE(fill(host, sent));
     Bytes first(sent.begin(), sent.begin() + 64);
-    ASSERT_EQ(read_all(host, 64).size() > 0, true);
+    ASSERT_FALSE(read_all(host, 64).empty());
     host.serial.poll();
     host.serve();
     ASSERT_NO_FATAL_FAILURE(fill(host, sent = {}));

@@ -93,8 +93,7 @@ TEST(EmergencyStopAtRest, IsLeftWhenItsContactHasBeenQuiet) {
   rig.run(100 * ps_per_ms);
   const Picoseconds released = rig.now();
   rig.board.world().schedule(sim::Pin::estop, false, released);
-  while (rig.now() < released + 100 * ps_per_ms &&
-         rig.answer("$X").find("ok") == std::string::npos)
+  while (rig.now() < released + 100 * ps_per_ms && rig.answer("$X").find("ok") == std::string::npos)
     rig.run(ps_per_ms / 4);
   expect_figure("unlocked after the release of the e-stop", rig.now() - released, 20, 25);
 }

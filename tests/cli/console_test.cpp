@@ -1,13 +1,42 @@
 // `lamplock console`: lines from a pipe, and a terminal.
 #include <gmock/gmock.h>
 
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <thread>
+
 #include "tests/cli/program.hpp"
 
 namespace lamplock::cli::test {
 namespace {
 
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
 using testing::HasSubstr;
 using testing::Not;
+
+/// Moves there and back, as a user pastes them.
+std::string pasted_moves(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += i % 2 == 0 ? "G1 X40 F600\n" : "G1 X-40\n";
+  return text;
+}
+
+/// A board behind a port, and a console to it.
+struct ConsoleToPort {
+  ConsoleToPort() : terminal({"console", "--board", address()}) {}
+
+  std::string address() const {
+    if (!sim.wait_for("Ctrl-C")) return {};
+    const std::string text = sim.out(), intro = "listening on ";
+    const auto at = text.rfind(intro + "127") + intro.size();
+    return text.substr(at, text.find('\n', at) - at);
+  }
+
+  Running sim{{"sim", "--tcp", "127.0.0.1:0"}};
+  InTerminal terminal;
+};
 
 TEST(ConsoleCommand, answers_and_ends_with_its_input) {
   const Finished done = run({"console", "--board", "virtual"}, "$$\n\n?\n$I");
@@ -41,6 +70,65 @@ TEST(ConsoleCommand, in_a_terminal) {
   ASSERT_TRUE(terminal.wait_for("$901=50.000"));
   terminal.type("\x04");
   EXPECT_EQ(terminal.finish().status, 0);
+}
+
+/// The terminal stores 4 KB of them, and gives them line by line.
+TEST(ConsoleCommand, a_hold_overtakes_pasted_lines) {
+  ConsoleToPort console;
+  InTerminal& terminal = console.terminal;
+  terminal.type("?\n");
+  ASSERT_TRUE(terminal.wait_for("<Idle|"));
+  terminal.type(pasted_moves(1000));
+  ASSERT_TRUE(terminal.wait_for("ok"));
+  const auto start = Clock::now();
+  terminal.type(":hold\n");
+  std::this_thread::sleep_for(300ms);
+  terminal.type("?\n");
+  ASSERT_TRUE(terminal.wait_for("<Hold:"));
+  EXPECT_LT(Clock::now() - start, 1s);
+  terminal.type(":reset\n");
+  ASSERT_TRUE(terminal.wait_for("Grbl"));
+  terminal.type("\x04");
+  const Finished left = terminal.finish();
+  EXPECT_EQ(left.status, 0);
+  EXPECT_THAT(left.out, Not(HasSubstr("not sent"))) << "a reset discards them";
+}
+
+TEST(ConsoleCommand, a_hold_pasted_behind_lines_stops_them) {
+  ConsoleToPort console;
+  InTerminal& terminal = console.terminal;
+  terminal.type("?\n");
+  ASSERT_TRUE(terminal.wait_for("<Idle|"));
+  terminal.type(pasted_moves(20) + "!\n");
+  ASSERT_TRUE(terminal.wait_for("typed lines that wait for ~"));
+  std::this_thread::sleep_for(300ms);
+  terminal.type("?\n");
+  ASSERT_TRUE(terminal.wait_for("|MPos:"));
+  terminal.type("\x04");
+  EXPECT_THAT(terminal.finish().out, Not(HasSubstr("<Run|")));
+}
+
+TEST(ConsoleCommand, ctrl_c_overtakes_pasted_lines) {
+  ConsoleToPort console;
+  InTerminal& terminal = console.terminal;
+  terminal.type("?\n");
+  ASSERT_TRUE(terminal.wait_for("<Idle|"));
+  terminal.type(pasted_moves(3000));
+  ASSERT_TRUE(terminal.wait_for("ok"));
+  const auto start = Clock::now();
+  terminal.type("\x03");
+  EXPECT_EQ(terminal.finish().status, 128 + SIGINT);
+  EXPECT_LT(Clock::now() - start, 1s);
+}
+
+TEST(ConsoleCommand, tells_how_many_pasted_lines_were_not_sent) {
+  InTerminal terminal({"console", "--board", "virtual"});
+  terminal.type("?\n");
+  ASSERT_TRUE(terminal.wait_for("<Idle|"));
+  terminal.type(pasted_moves(100) + "\x04");
+  const Finished left = terminal.finish();
+  EXPECT_EQ(left.status, 0);
+  EXPECT_THAT(left.out, HasSubstr("typed lines that were not sent: "));
 }
 
 /// A simulated machine that homes has switches where its settings say.

@@ -1,9 +1,11 @@
 // Whatever files and values the program is given, what it says of them is one printable line with a
 // remedy, and it ends by itself.
 #include <gmock/gmock.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
@@ -163,29 +165,51 @@ TEST_F(Messages, OfBrokenFilesAreOnePrintableLineWithARemedy) {
 }
 
 TEST_F(Messages, OfWrongValuesAreOnePrintableLineWithARemedy) {
-  const std::vector<Arguments> commands{{"engrave", "ball.stl", "--size"},
-                                    {"engrave", "ball.stl", "--spacing"},
-                                    {"engrave", "ball.stl", "--board"},
-                                    {"points", "ball.stl", "-o", "=", "--seed"},
-                                    {"engrave", "ball.stl", "--order"},
-                                    {"engrave", "ball.stl", "--job-speed"},
-                                    {"raster", "disc.bmp", "-o", "=", "--feed"},
-                                    {"raster", "disc.bmp", "--feed", "900", "-o", "=", "--origin"},
-                                    {"settings", "get"},
-                                    {"settings", "set", "--board", "virtual"},
-                                    {"send", "ball.stl", "--board"},
-                                    {"frame", "ball.stl", "--origin"},
-                                    {"sim", "--board"},
-                                    {"jog", "--board"},
-                                    {"chip"},
-                                    {"bench"},
-                                    {"job"},
-                                    {}};
+  const std::vector<Arguments> commands{
+      {"engrave", "ball.stl", "--size"},
+      {"engrave", "ball.stl", "--spacing"},
+      {"engrave", "ball.stl", "--board"},
+      {"points", "ball.stl", "-o", "=", "--seed"},
+      {"engrave", "ball.stl", "--order"},
+      {"engrave", "ball.stl", "--job-speed"},
+      {"raster", "disc.bmp", "-o", "=", "--feed"},
+      {"raster", "disc.bmp", "--feed", "900", "-o", "=", "--origin"},
+      {"settings", "get"},
+      {"settings", "set", "--board", "virtual"},
+      {"send", "ball.stl", "--board"},
+      {"frame", "ball.stl", "--origin"},
+      {"sim", "--board"},
+      {"jog", "--board"},
+      {"chip"},
+      {"bench"},
+      {"job"},
+      {}};
   for (int i = 0; i < scaled(160, static_cast<int>(commands.size())); ++i) {
     Arguments words = filled(commands[static_cast<std::size_t>(i) % commands.size()], "");
     words.push_back(wrong_value(random_));
     expect_refusal(words);
   }
+}
+
+/// Runs the program in a shell; `{}` in the line is its name. Returns its status.
+int status_in_shell(const std::string& line, const std::string& arguments) {
+  const std::string command = LAMPLOCK_PROGRAM + (" " + arguments);
+  const std::size_t at = line.find("{}");
+  const int status = std::system(
+      (line.substr(0, at) + command + line.substr(at + 2)).c_str());  // NOLINT(cert-env33-c)
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+TEST_F(Messages, OutputThatCannotBeWrittenIsAnError) {
+  const std::string ball = folder_ / "ball.stl", err = folder_ / "err";
+  EXPECT_EQ(status_in_shell("{} >/dev/full 2>" + err, "settings list --board virtual"), 1);
+  EXPECT_THAT(read(err), testing::MatchesRegex("error: standard output: [^\n]+; [^\n]+\n"));
+  EXPECT_EQ(status_in_shell("{} >/dev/full 2>" + err, "--help"), 1);
+  // A reader that has gone, of messages too.
+  const std::string status = folder_ / "status";
+  status_in_shell("{ {}; echo $? >" + status + "; } 2>&1 | true",
+                  "engrave " + ball + " --spacing 0.4 --dry");
+  EXPECT_THAT(read(status), testing::AnyOf("0\n", "1\n"));
 }
 
 TEST(Printable, KeepsTextAndShowsTheRest) {

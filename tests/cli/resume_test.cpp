@@ -1,6 +1,7 @@
 // Jobs whose program is killed or whose board loses its power, gone on with as the program says.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -59,6 +60,15 @@ TEST_F(Resumed, AfterItsProgramWasKilled) {
   const Finished other = run(engrave({"--from", "1"}));
   EXPECT_EQ(other.status, 1);
   EXPECT_THAT(other.err, HasSubstr("holds an unfinished job"));
+  // Options that the run did not have, and a resume that was not permitted, change nothing.
+  EXPECT_EQ(run(engrave({"--flashes", "2"})).status, 1);
+  std::vector<std::string> unasked = engrave({"--resume"});
+  unasked.erase(std::find(unasked.begin(), unasked.end(), "--yes"));
+  InTerminal asked(unasked);
+  ASSERT_TRUE(asked.wait_for("Type yes"));
+  asked.type("no\n");
+  EXPECT_THAT(asked.finish().out, HasSubstr("not permitted"));
+  EXPECT_THAT(run(engrave()).err, HasSubstr("no known end"));
   const Finished resumed = run(engrave({"--resume"}));
   EXPECT_EQ(resumed.status, 0) << resumed.err;
   EXPECT_THAT(resumed.out, HasSubstr("resume"));

@@ -244,5 +244,102 @@ TEST(SendProgram, what_cannot_be_sent) {
   EXPECT_THAT(refused({folder.write("a.llj", "x"), "--go-on"}), HasSubstr("--go-on: is for prog"));
 }
 
+/// The firmware on a simulated board at a port, which keeps its state from program to program.
+class SendToBoard : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(board_.wait_for("Ctrl-C")); }
+  Finished send(const std::string& text, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{
+        "send", folder_.write("q.ngc", text), "--board", folder_ / "port", "--yes", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+  void do_first(const std::string& text) {
+    const Finished done = send(text);
+    ASSERT_EQ(done.status, 0) << done.err;
+  }
+  void expect_refused(const Finished& ended, const std::string& what) {
+    EXPECT_EQ(ended.status, 2) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("q.ngc:" + what));
+    EXPECT_THAT(ended.err, HasSubstr("nothing was sent"));
+  }
+  double x() {
+    const Finished done = send("G4 P0.01\n");
+    return done.status == 0 ? nlohmann::json::parse(done.out)["position"][0].get<double>() : -1e9;
+  }
+
+  Folder folder_;
+  Running board_{{"sim", "--pty", folder_ / "port"}};
+};
+
+TEST_F(SendToBoard, NothingIsBegunThatLeavesTheWorkSpace) {
+  expect_refused(send("G21 G90\nG1 X1 F1000\nG1 X60\n"), "3: X 60.000 mm is outside");
+  EXPECT_EQ(x(), 0);
+  do_first("G10 L2 P1 X20\n");
+  expect_refused(send("G21 G90\nG0 X35\n"), "2: X 55.000 mm is outside");
+  expect_refused(send("G21 G90\nG0 X1\nG0 X2\nX35\n", {"--from", "3"}), "4: X 55.000");
+  do_first("G21 G90\nG0 X-60\n");
+  EXPECT_NEAR(x(), -40, 0.01);
+  expect_refused(send("G91\nG0 X-11\n"), "2: X -51.000 mm is outside");
+  do_first("G92 X0\n");
+  expect_refused(send("G90 G0 X91\n"), "1: X 51.000 mm is outside");
+}
+
+TEST_F(SendToBoard, TheCheckBeginsWithTheStateOfTheBoard) {
+  do_first("G21 G90\nG1 X10 F3000\n");
+  do_first("G2 X20 Y0 R5\n");
+  do_first("X15 Y5 R5\nG91 G1 X1\n");
+  EXPECT_NEAR(x(), 16, 0.01);
+  do_first("X1\nG20\n");
+  EXPECT_NEAR(x(), 17, 0.01);
+  expect_refused(send("G90 G0 X2\n"), "1: X 50.800 mm is outside");
+  do_first("G93\n");
+  expect_refused(send("G1 X0\n"), "1: the feed is zero");
+}
+
+TEST(SendProgram, lines_after_its_end_are_checked) {
+  const Folder folder;
+  const std::string file = folder.write("a.ngc", "G21\nM30\nG1 X1 X2 F100\n");
+  const Finished refused = run({"send", file, "--board", "virtual"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("a.ngc:3: "));
+}
+
+TEST(SendProgram, lines_for_the_board_are_refused_beforehand) {
+  const Folder folder;
+  for (const char* line : {"$bogus", "$20=0", "$J=G91 X1 F100", "$HXY"}) {
+    const std::string file = folder.write("a.ngc", std::string("G21\n") + line + "\nG4 P0.01\n");
+    const Finished refused = run({"send", file, "--board", "virtual"});
+    EXPECT_EQ(refused.status, 2) << line;
+    EXPECT_THAT(refused.err, HasSubstr("a.ngc:2: '" + std::string(line) + "' must not be"));
+  }
+  const std::string asks = folder.write("b.ngc", "$X\nG21\n$G\nG4 P0.01\n");
+  EXPECT_EQ(run({"send", asks, "--board", "virtual"}).status, 0);
+  const std::string alone = folder.write("c.ngc", "$20=0\n$130=90\n");
+  EXPECT_EQ(run({"send", alone, "--board", "virtual"}).status, 0);
+  const std::string wrong = folder.write("d.ngc", "G21\n$bogus\n");
+  const Finished sent = run({"send", wrong, "--board", "virtual", "--go-on"});
+  EXPECT_EQ(sent.status, 1);
+  EXPECT_THAT(sent.err, HasSubstr("d.ngc:2: error:3 "));
+}
+
+TEST(SendProgram, a_board_that_does_not_tell_its_state_judges_its_work_space) {
+  const Folder folder;
+  std::string text;
+  for (int i = 0; i < 1500; ++i) text += "G0 X60\n";
+  const std::string far = folder.write("far.ngc", "G0 X60\nG0 X61\n");
+  const std::string wrong = folder.write("wrong.ngc", text + "G0 X1 X2\n");
+  auto model = std::make_unique<GrblModel>();
+  model->settings[20] = "1";
+  Served board(std::move(model));
+  const Finished refused = run({"send", wrong, "--board", board.address(), "--yes"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("wrong.ngc:1501: "));
+  const Finished done = run({"send", far, "--board", board.address(), "--yes"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(board.stop().lines,
+            (std::vector<std::string>{"$#", "$G", "$#", "$G", "G0 X60", "G0 X61"}));
+}
+
 }  // namespace
 }  // namespace lamplock::cli::test

@@ -88,6 +88,36 @@ TEST(ProgressJournal, AnyDamagedCharacterVoidsItsLine) {
     }
 }
 
+TEST(ProgressJournal, WithoutOneGoodRecordIsDamaged) {
+  const test::TemporaryFolder folder;
+  std::string other_ends = text_of(two_runs);
+  for (std::size_t at = 0; (at = other_ends.find('\n', at)) != std::string::npos; at += 2)
+    other_ends.replace(at, 1, "\r\n");
+  for (const std::string& damaged : {other_ends, std::string("begun\n"), std::string("x\ny\n")}) {
+    const ProgressJournal journal(folder.write("a.progress", damaged));
+    EXPECT_THROW(journal.read(), Error) << damaged;
+  }
+  // The first record was torn off, or was not written.
+  for (const std::string begun : {"# kind", "# kind\n", "# kind\nbegun 5e"})
+    EXPECT_TRUE(ProgressJournal(folder.write("a.progress", begun)).read().empty()) << begun;
+}
+
+TEST(ProgressJournal, IsOfOneProgram) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.file("a.progress");
+  ProgressJournal other(file);
+  other.lock();
+  EXPECT_FALSE(std::filesystem::exists(file));
+  {
+    ProgressJournal journal(file);
+    journal.append(two_runs[0]);
+    EXPECT_THROW(other.lock(), Error);
+    EXPECT_THROW(other.append(two_runs[1]), Error);
+  }
+  other.append(two_runs[1]);
+  EXPECT_EQ(other.read(), contents_after(2));
+}
+
 TEST(ProgressJournal, IsWrittenReadAndRemoved) {
   const test::TemporaryFolder folder;
   const auto file = folder.file("a.llj.progress");

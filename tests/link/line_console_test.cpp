@@ -3,6 +3,10 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
+#include <span>
+#include <string>
+
 #include "host/error.hpp"
 #include "tests/error_of.hpp"
 #include "tests/link/grbl_model.hpp"
@@ -140,6 +144,71 @@ TEST(LineConsole, by_hand_it_goes_on_after_errors_and_a_hold_waits_for_nobody) {
   EXPECT_TRUE(talk.console.done());
   EXPECT_THAT(board.bytes_seen, ElementsAre('!', '~', 0x91));
   EXPECT_EQ(board.lines.size(), 4u);
+}
+
+/// A board that keeps what the host has written.
+struct RecordingBoard : GrblModel {
+  std::size_t write(std::span<const std::uint8_t> bytes) override {
+    const std::size_t count = GrblModel::write(bytes);
+    written.append(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+  }
+  std::string written{};
+};
+
+TEST(LineConsole, by_hand_a_hold_overtakes_the_lines_before_it) {
+  RecordingBoard board;
+  Talk talk(board, false);
+  for (int i = 0; i < 1000; ++i) talk.console.type("G1 X40");
+  talk.console.type(":hold");
+  EXPECT_EQ(talk.console.queued(), 1000u);
+  talk.run_for(500ms);
+  EXPECT_EQ(board.written, "!") << "a board at rest may ignore it";
+  EXPECT_THAT(talk.shown, ElementsAre(HasSubstr(": 1000; :reset discards them")));
+  talk.console.type("~");
+  talk.console.step();
+  EXPECT_EQ(board.written, "!~G1 X40\n");
+  EXPECT_EQ(talk.console.queued(), 999u);
+}
+
+TEST(LineConsole, by_hand_a_jog_cancel_discards_the_jogs_before_it) {
+  RecordingBoard board;
+  Talk talk(board, false);
+  for (const char* line : {"$J=G91 X1 F100", "G1 X1", "$J=G91 X2 F100", ":jogcancel"})
+    talk.console.type(line);
+  talk.until_done();
+  EXPECT_EQ(board.written, "\x85G1 X1\n");
+}
+
+TEST(LineConsole, by_hand_a_hold_overtakes_the_lines_that_wait) {
+  RecordingBoard board;
+  board.longest_move = 5s;
+  Talk talk(board, false);
+  for (int i = 0; i < 1000; ++i) talk.console.type("G1 X40");
+  talk.run_for(500ms);
+  ASSERT_EQ(board.state, "Run");
+  const std::size_t before = board.written.size();
+  talk.console.type("!");
+  talk.console.step();
+  EXPECT_EQ(board.written[before], '!');
+  talk.run_for(100ms);
+  EXPECT_EQ(board.state, "Hold:0");
+  EXPECT_GT(talk.console.queued(), 900u);
+}
+
+TEST(LineConsole, by_hand_a_reset_discards_the_lines_before_it) {
+  GrblModel board;
+  board.longest_move = 5s;
+  Talk talk(board, false);
+  for (int i = 0; i < 1000; ++i) talk.console.type("G1 X40");
+  talk.run_for(500ms);
+  talk.console.type(":reset");
+  EXPECT_EQ(talk.console.queued(), 0u);
+  talk.console.type("G1 X7");
+  talk.until_done();
+  EXPECT_EQ(board.resets, 1);
+  EXPECT_EQ(board.lines.back(), "G1 X7");
+  EXPECT_LT(board.lines.size(), 100u);
 }
 
 TEST(LineConsole, a_reset_answers_for_everything) {
