@@ -303,6 +303,7 @@ class Story {
     if (options.resume) {
       EXPECT_EQ(begins_anew(kept), ended_) << "begun anew only after a known end";
       rest = kept.find(bench_);
+      ended_ = false;  // until the rest is done, the job is not to be begun anew
       told_ = {};
       for (std::size_t i = rest.first; i < rest.from; ++i) doubtful_.insert(i);
       if (known_exactly_) {
@@ -377,8 +378,10 @@ class Story {
     bench_.run(up_to(4 * ps_per_s));
     bench_.killed = false;
     if (power_follows_) bench_.restart(up_to(ps_per_s), [this] { gone(); });
-    known_exactly_ = !power_follows_ && !restarted_;
     const auto contents = job::ProgressJournal(journal_).read();
+    // What is known of a run that the board has not taken is what is known of the one before.
+    const bool is_taken = contents.run && contents.run->last.session == session_;
+    known_exactly_ = (known_exactly_ || is_taken) && !power_follows_ && !restarted_;
     ended_ = !contents.run || contents.run->last.progress == job::Progress::ended;
     if (!contents.empty()) return {true, 0, 0};
     return {};
@@ -391,13 +394,16 @@ class Story {
     over_ = is_done_ = advice.empty() && result.end == JobEnd::done;
     if (over_) return {};
     if (advice.empty()) advice = link::go_on_text(result.rest, piece_.job.item(), true);
+    // A job that was refused before it began is begun again as it was, once the reason is gone.
+    if (advice.find("--from ") == std::string::npos &&
+        advice.find("--resume") == std::string::npos) {
+      known_exactly_ = known_exactly_ && !restarted_;
+      return options_;
+    }
     told_ = result.rest;
     ended_ = result.rest.settled;
     known_exactly_ = !restarted_ && (ended_ || result.end == JobEnd::lost);
     bench_.run(up_to(2 * ps_per_s));
-    // A job that was refused before it began is begun again as it was, once the reason is gone.
-    if (advice.find("--from ") == std::string::npos && advice.find("--resume") == std::string::npos)
-      return options_;
     Options next = follow(advice);
     // After any end the journal knows as much as what was told.
     if (next.resume || random_() % 2 == 0) return {true, 0, 0};
