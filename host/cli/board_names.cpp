@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 4> names{virtual_board, chip_board, auto_board, usb_board};
 /// More letters off is another word, not a slip.
-constexpr std::size_t most_letters_apart = 2;
+constexpr std::size_t max_letters_apart = 2;
 
 }  // namespace
 
@@ -44,7 +44,7 @@ std::size_t letters_apart(std::string_view a, std::string_view b) {
 std::string remedy_for_name(const std::string& name, const std::vector<std::string>& ports) {
   std::string remedy;
   for (const std::string_view known : names)
-    if (letters_apart(name, known) <= most_letters_apart)
+    if (letters_apart(name, known) <= max_letters_apart)
       remedy += fmt::format("{}'{}'", remedy.empty() ? "did you mean " : " or ", known);
   remedy += remedy.empty()
                 ? fmt::format("give {}, HOST:PORT or a serial port", fmt::join(names, ", "))

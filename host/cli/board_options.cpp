@@ -28,8 +28,8 @@ namespace {
 using settings::Id;
 
 constexpr double percent = 0.01;
-constexpr unsigned most_shots = 255;       ///< at one point, of the pulse stream
-constexpr unsigned most_baud = 4'000'000;  ///< of what the kernel knows (termbits.h)
+constexpr unsigned max_shots = 255;       ///< at one point, of the pulse stream
+constexpr unsigned max_baud = 4'000'000;  ///< of what the kernel knows (termbits.h)
 constexpr const char* lines_variable = "LAMPLOCK_LINES";
 constexpr const char* board_group = "Board";
 constexpr const char* lamp_group = "Lamp of a simulated board";
@@ -109,7 +109,7 @@ void BoardOptions::add_choice(Command& app) {
       .show_default()
       .group(board_group);
   app.add_option("--baud", &baud, "Speed of a serial port [baud]; has no effect on USB")
-      .check(number_in({1u, most_baud}))
+      .check(number_in({1u, max_baud}))
       .value_name("BAUD")
       .show_default()
       .group(board_group);
@@ -163,7 +163,7 @@ void BoardOptions::add_part(Command& app) {
       .group(board_group);
   app.add_option("--fired", &fired,
                  "Flashes of the point of --from that were fired before, 0 to 255")
-      .check(number_in({0u, most_shots}))
+      .check(number_in({0u, max_shots}))
       .value_name("N")
       .group(board_group);
 }

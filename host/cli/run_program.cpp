@@ -103,8 +103,8 @@ bool may_be_in_program(std::string_view line) {
   for (const char c : line)
     if (c != ' ' && c != '\t')
       text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  constexpr std::size_t longest_homing = 3;  // $HX
-  if (text.starts_with("$H")) return text.size() <= longest_homing;
+  constexpr std::size_t max_homing_size = 3;  // $HX
+  if (text.starts_with("$H")) return text.size() <= max_homing_size;
   return std::find(plain.begin(), plain.end(), text) != plain.end();
 }
 

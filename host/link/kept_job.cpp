@@ -31,12 +31,13 @@ void KeptJob::require_ended() const {
   if (!run || run->last.progress == Progress::ended) return;
   if (run->last.job != hash_)
     throw Error(Exit::job_failed, file().string(),
-                "a run of this input with other options has no known end, begun anew it fires "
-                "points twice",
+                "a run of this input with other options has no known end, started from its "
+                "beginning it fires points twice",
                 "continue it by --resume and its own options, or give it up with --discard");
-  throw Error(Exit::job_failed, file().string(),
-              "the last run of this job has no known end, begun anew it fires points twice",
-              "go on with it by --resume, or give it up with --discard");
+  throw Error(
+      Exit::job_failed, file().string(),
+      "the last run of this job has no known end, started from its beginning it fires points twice",
+      "continue it by --resume, or give it up with --discard");
 }
 
 job::JournalContents KeptJob::read() const {
